@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace plumbline {
+
+// Instants are int64 nanoseconds on the recording's clock. Subtract first, convert afterwards:
+// a double holds nanoseconds since 1970 only to 0.2 microseconds.
+inline double SecondsBetween(int64_t start_ns, int64_t end_ns) {
+  return static_cast<double>(end_ns - start_ns) * 1e-9;
+}
+
+inline int64_t NanosecondsFromSeconds(double seconds) {
+  return static_cast<int64_t>(std::llround(seconds * 1e9));
+}
+
+}  // namespace plumbline
