@@ -36,8 +36,7 @@ Eigen::MatrixXd DifferenceJacobian(const LinearPrior::Block& block, const double
   const double* x0 = block.x0.data();
   switch (block.kind) {
     case LinearPrior::Kind::kRotation:
-      return LeftJacobianInverse(
-                 Log(ConstQuaternion(x) * ConstQuaternion(x0).conjugate())) *
+      return LeftJacobianInverse(Log(ConstQuaternion(x) * ConstQuaternion(x0).conjugate())) *
              RotationMinusJacobian(x);
     case LinearPrior::Kind::kYawRotation:
       return RotationMinusJacobian(x).row(2);

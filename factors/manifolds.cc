@@ -179,8 +179,7 @@ Eigen::Vector3d GeneralPlaneDifference(const double* plane,
                                        const double* reference,
                                        Eigen::Matrix<double, 3, 4>* jacobian) {
   using Jet = ceres::Jet<double, 4>;
-  const Jet jets[4] = {
-      Jet(plane[0], 0), Jet(plane[1], 1), Jet(plane[2], 2), Jet(plane[3], 3)};
+  const Jet jets[4] = {Jet(plane[0], 0), Jet(plane[1], 1), Jet(plane[2], 2), Jet(plane[3], 3)};
   const Eigen::Matrix<Jet, 3, 1> difference = PlaneDifference(jets, reference);
   for (int row = 0; jacobian != nullptr && row < 3; ++row) {
     jacobian->row(row) = difference[row].v.transpose();

@@ -59,7 +59,8 @@ MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,
         half_inverse.transpose() * scaled.topRightCorner(num_marginalised, num_kept);
     reduced.noalias() -= coupling.transpose() * coupling;
     reduced_gradient.noalias() -=
-        coupling.transpose() * (half_inverse.transpose() * scaled_gradient.head(num_marginalised));
+        coupling.transpose() *
+        (half_inverse.transpose() * scaled_gradient.head(num_marginalised));
   }
 
   const RangeBasis range = FindRange(reduced, relative_tolerance);

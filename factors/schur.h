@@ -7,9 +7,9 @@ namespace plumbline {
 // The kept variables' part of a least squares problem as a square root:
 //   |offset + root x|^2 = min over the marginalised y of |r + J (y, x)|^2  - constant.
 struct MarginalisedSystem {
-  Eigen::MatrixXd root;       // S, rank x kept, S^T S = Schur complement
-  Eigen::VectorXd offset;     // r0, rank, S^T r0 = reduced gradient
-  int rank = 0;               // of the kept part: directions the measurements say something about
+  Eigen::MatrixXd root;    // S, rank x kept, S^T S = Schur complement
+  Eigen::VectorXd offset;  // r0, rank, S^T r0 = reduced gradient
+  int rank = 0;            // of the kept part: directions the measurements say something about
   int marginalised_rank = 0;  // of the marginalised part; less than its size: a free direction
                               // of it was left out, which is exact when it was free before
 };

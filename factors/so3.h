@@ -8,9 +8,9 @@ namespace plumbline {
 
 // Rotations as unit quaternions and rotation vectors (rad).
 //   Exp(d): turn by |d| about d.     Log(Exp(d)) = d for |d| <= pi.
-// Everywhere in plumbline the tangent of a rotation is a LEFT perturbation: q <- Exp(delta) * q,
-// so that delta is expressed in the frame that q maps to.
-// Exp and Log accept Jets and have exact derivatives at zero.
+// Everywhere in plumbline the tangent of a rotation is a LEFT perturbation: q <- Exp(delta) *
+// q, so that delta is expressed in the frame that q maps to. Exp and Log accept Jets and have
+// exact derivatives at zero.
 
 template <typename Derived>
 Eigen::Quaternion<typename Derived::Scalar> Exp(const Eigen::MatrixBase<Derived>& vector) {
@@ -33,8 +33,8 @@ Eigen::Quaternion<typename Derived::Scalar> Exp(const Eigen::MatrixBase<Derived>
   return Eigen::Quaternion<T>(w, factor * d[0], factor * d[1], factor * d[2]);
 }
 
-// The shortest rotation vector: q and -q give the same, its length is at most pi. The length of
-// q does not matter.
+// The shortest rotation vector: q and -q give the same, its length is at most pi. The length
+// of q does not matter.
 template <typename Derived>
 Eigen::Matrix<typename Derived::Scalar, 3, 1> Log(const Eigen::QuaternionBase<Derived>& q) {
   using T = typename Derived::Scalar;
@@ -42,8 +42,8 @@ Eigen::Matrix<typename Derived::Scalar, 3, 1> Log(const Eigen::QuaternionBase<De
   using std::sqrt;
   const bool flip = q.w() < 0.0;
   const T w = flip ? T(-q.w()) : T(q.w());
-  const Eigen::Matrix<T, 3, 1> v = flip ? Eigen::Matrix<T, 3, 1>(-q.vec())
-                                        : Eigen::Matrix<T, 3, 1>(q.vec());
+  const Eigen::Matrix<T, 3, 1> v =
+      flip ? Eigen::Matrix<T, 3, 1>(-q.vec()) : Eigen::Matrix<T, 3, 1>(q.vec());
   const T sine2 = v.squaredNorm();
   T factor;  // angle / sin(angle / 2)
   if (sine2 < 1e-6 * w * w) {
@@ -85,7 +85,8 @@ inline Eigen::Matrix3d LeftJacobianInverse(const Eigen::Vector3d& d) {
   const double angle2 = d.squaredNorm();
   double second;
   if (angle2 < 0.01) {
-    second = 1.0 / 12.0 + angle2 * (1.0 / 720.0 + angle2 * (1.0 / 30240.0 + angle2 / 1209600.0));
+    second =
+        1.0 / 12.0 + angle2 * (1.0 / 720.0 + angle2 * (1.0 / 30240.0 + angle2 / 1209600.0));
   } else {
     const double half = 0.5 * std::sqrt(angle2);
     second = (1.0 - half * std::cos(half) / std::sin(half)) / angle2;

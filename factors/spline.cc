@@ -20,15 +20,16 @@ struct RotationCoefficients {
 
   RotationCoefficients(double a, double a2) {
     if (a2 < 0.06) {  // all terms that reach double precision here; the closed forms cancel
-      third = 1.0 / 6.0 +
-              a2 * (-1.0 / 120.0 +
-                    a2 * (1.0 / 5040.0 +
-                          a2 * (-1.0 / 362880.0 +
-                                a2 * (1.0 / 39916800.0 - a2 * (1.0 / 6227020800.0)))));
-      cosine = 0.5 + a2 * (-1.0 / 24.0 +
-                           a2 * (1.0 / 720.0 +
-                                 a2 * (-1.0 / 40320.0 +
-                                       a2 * (1.0 / 3628800.0 - a2 * (1.0 / 479001600.0)))));
+      third =
+          1.0 / 6.0 + a2 * (-1.0 / 120.0 +
+                            a2 * (1.0 / 5040.0 +
+                                  a2 * (-1.0 / 362880.0 +
+                                        a2 * (1.0 / 39916800.0 - a2 * (1.0 / 6227020800.0)))));
+      cosine =
+          0.5 +
+          a2 * (-1.0 / 24.0 +
+                a2 * (1.0 / 720.0 + a2 * (-1.0 / 40320.0 +
+                                          a2 * (1.0 / 3628800.0 - a2 * (1.0 / 479001600.0)))));
       sine = 1.0 - a2 * third;
     } else {
       const double s = std::sin(a);
@@ -67,7 +68,8 @@ RotationStep MakeRotationStep(const double* q_previous, const double* q) {
   step.angle = std::sqrt(step.angle2);
   const double a2 = step.angle2;
   if (a2 < 0.01) {
-    step.inverse_jacobian = 1.0 / 12.0 + a2 * (1.0 / 720.0 + a2 * (1.0 / 30240.0 + a2 / 1209600.0));
+    step.inverse_jacobian =
+        1.0 / 12.0 + a2 * (1.0 / 720.0 + a2 * (1.0 / 30240.0 + a2 / 1209600.0));
   } else {
     const double half = 0.5 * step.angle;
     step.inverse_jacobian = (1.0 - half * std::cos(half) / std::sin(half)) / a2;
@@ -93,8 +95,8 @@ SplinePose EvaluatePose(const RotationStep* steps,
     return pose;
   }
   jacobian->position_weights = basis;
-  // With P_{j-1} = R_0 Exp(B_1 d_1) .. Exp(B_{j-1} d_{j-1}) and left tangents e_j of the control
-  // points, the left tangent of R(u) is e_0 + sum_j K_j (e_j - e_{j-1}),
+  // With P_{j-1} = R_0 Exp(B_1 d_1) .. Exp(B_{j-1} d_{j-1}) and left tangents e_j of the
+  // control points, the left tangent of R(u) is e_0 + sum_j K_j (e_j - e_{j-1}),
   //   K_j = B_j P_{j-1} LeftJacobian(B_j d_j) LeftJacobianInverse(d_j) R_{j-1}^-1 .
   // Both Jacobians are polynomials in [d]x; with [d]x^3 = -|d|^2 [d]x so is their product.
   Eigen::Matrix3d product = steps[0].body_from_world.transpose();
@@ -109,8 +111,8 @@ SplinePose EvaluatePose(const RotationStep* steps,
     const double inverse2 = step.inverse_jacobian;
     const double first = left1 - 0.5 + a2 * (0.5 * left2 - left1 * inverse2);
     const double second = left2 + inverse2 - 0.5 * left1 - a2 * left2 * inverse2;
-    const Eigen::Matrix3d k =
-        (product * SkewPolynomial(step.vector, a2, first, second)) * (b * step.body_from_world);
+    const Eigen::Matrix3d k = (product * SkewPolynomial(step.vector, a2, first, second)) *
+                              (b * step.body_from_world);
     jacobian->rotation_wrt_control[j] = k;
     jacobian->rotation_wrt_control[j - 1] -= k;
     product = product * SkewPolynomial(step.vector, a2, b * c.sine, b * left1);
@@ -142,7 +144,8 @@ void EvaluateVelocity(const double* const q[4],
   angular_world->setZero();
   linear_world->setZero();
   for (int j = 1; j < 4; ++j) {
-    const Eigen::Vector3d d = Log(ConstQuaternion(q[j - 1]).conjugate() * ConstQuaternion(q[j]));
+    const Eigen::Vector3d d =
+        Log(ConstQuaternion(q[j - 1]).conjugate() * ConstQuaternion(q[j]));
     const double rate = derivative[j] / knot_interval_s;
     *angular_world += rate * (product * d);
     *linear_world += rate * (ConstVector(p[j]) - ConstVector(p[j - 1]));

@@ -80,11 +80,11 @@ struct SplinePoseJacobian {
 // What lies between two neighbouring rotation control points. It does not depend on u, so that
 // several evaluations on the same control points share it.
 struct RotationStep {
-  Eigen::Vector3d vector;          // d_j = Log(R_{j-1}^-1 R_j), in the body frame of j-1
-  double angle2 = 0.0;             // |d_j|^2
+  Eigen::Vector3d vector;  // d_j = Log(R_{j-1}^-1 R_j), in the body frame of j-1
+  double angle2 = 0.0;     // |d_j|^2
   double angle = 0.0;
-  double inverse_jacobian = 0.0;   // the coefficient of [d]x^2 in LeftJacobianInverse(d_j)
-  Eigen::Matrix3d body_from_world; // R_{j-1}^-1
+  double inverse_jacobian = 0.0;    // the coefficient of [d]x^2 in LeftJacobianInverse(d_j)
+  Eigen::Matrix3d body_from_world;  // R_{j-1}^-1
 };
 
 RotationStep MakeRotationStep(const double* q_previous, const double* q);
