@@ -107,7 +107,8 @@ std::string Quoted(const std::string& text) { return "'" + text + "'"; }
 
 template <typename Message>
 bool IsOfType(const rosbag::ConnectionInfo& connection) {
-  return connection.datatype == ros::message_traits::DataType<Message>::value();
+  return connection.datatype == ros::message_traits::DataType<Message>::value() &&
+         connection.md5sum == ros::message_traits::MD5Sum<Message>::value();
 }
 
 bool IsScanType(const rosbag::ConnectionInfo& connection) {
@@ -136,8 +137,9 @@ void OpenBag(const std::string& path, rosbag::Bag* bag) {
                 ": the recording breaks off: the bag was never closed and has no index; " +
                 "`rosbag reindex` may repair it");
   } catch (const std::exception& exception) {
-    throw Error(path + ": the recording breaks off or is damaged (" + exception.what() +
-                "); `rosbag reindex` may repair it");
+    throw Error(path + ": the recording breaks off after " +
+                std::to_string(fs::file_size(path, ignored)) + " bytes or is damaged (" +
+                exception.what() + "); `rosbag reindex` may repair it");
   }
 }
 
@@ -239,8 +241,9 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
     for (auto connection = begin; connection != end; ++connection) {
       if (IsScanType(*connection->second)) continue;
       throw Error(path + ": topic " + scanner.topic + " (scanner " + Quoted(scanner.name) +
-                  " of the rig) is of type " + connection->second->datatype +
-                  ", not sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan" + hint);
+                  " of the rig) is of type " + connection->second->datatype + " (definition " +
+                  connection->second->md5sum +
+                  "), not sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan" + hint);
     }
   }
 }

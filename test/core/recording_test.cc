@@ -6,8 +6,10 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -87,8 +89,7 @@ class RecordingTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
 
-  // Records one message after the other, the receipt times a millisecond apart, except where
-  // stamps are given as (topic, message) by the caller.
+  // Receipt times are a millisecond apart, whatever the stamp in the message.
   template <typename Message>
   void Record(rosbag::Bag* bag, const std::string& topic, const Message& message) {
     receipt_ns_ += kMillisecond;
@@ -184,10 +185,316 @@ TEST_F(RecordingTest, UnfinishedWriterLeavesNothing) {
   EXPECT_TRUE(fs::is_empty(directory_));
 }
 
+TEST_F(RecordingTest, WriterThatRunsOutOfSpaceFailsAndLeavesNothing) {
+  struct rlimit old_limit;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit limit = {100'000, old_limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  const std::string error = ErrorOf([&] {
+    RecordingWriter writer(path_, MakeRig({"top"}));
+    for (int i = 0; i < 2000; ++i) writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    writer.Close();
+  });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old_limit), 0);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(error, HasSubstr(path_ + ": can not be written"));
+  EXPECT_TRUE(fs::is_empty(directory_));
+}
+
 TEST_F(RecordingTest, WriterNamesTheFileItCanNotWrite) {
   const std::string path = (directory_ / "missing" / "recording.bag").string();
   EXPECT_THAT(ErrorOf([&] { RecordingWriter writer(path, MakeRig({"top"})); }),
               HasSubstr(path + ": can not be written"));
+}
+
+TEST_F(RecordingTest, RefusesWhatIsNoBag) {
+  EXPECT_EQ(OpenError({"top"}), path_ + ": no such file");
+  std::ofstream(path_) << "SQLite format 3";
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  fs::resize_file(path_, 0);
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  path_ = directory_.string();
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a file");
+}
+
+TEST_F(RecordingTest, RefusesABagThatBreaksOff) {
+  std::vector<int> stamps_ms;
+  for (int i = 0; i < 200; ++i) stamps_ms.push_back(25 * i);
+  RecordStamps(stamps_ms);
+  const auto size = fs::file_size(path_);
+  for (const auto cut : {size - 1, size - 300, size / 2, size / 10, size_t{13}}) {
+    fs::resize_file(path_, cut);
+    EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": the recording breaks off")) << cut;
+  }
+}
+
+TEST_F(RecordingTest, RefusesABagThatWasNeverClosed) {
+  RecordStamps({0, 25, 50});
+  // rosbag notes the position of the index in the file's header when it closes the bag.
+  std::string bytes = ReadBytes(path_);
+  const size_t position = bytes.find("index_pos=") + 10;
+  bytes.replace(position, 8, std::string(8, '\0'));
+  std::ofstream(path_, std::ios::binary) << bytes;
+  EXPECT_THAT(OpenError({"top"}), HasSubstr("the bag was never closed and has no index"));
+}
+
+TEST_F(RecordingTest, NamesTheTopicsThereAreWhenOneIsMissing) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", MakeMessage(kStart));
+    Record(&bag, "/left_scan", MakeMessage(kStart));
+    Record(&bag, "/imu", sensor_msgs::Imu());
+  }
+  EXPECT_EQ(OpenError({"top", "rear"}),
+            path_ +
+                ": has no topic /rear_scan (scanner 'rear' of the rig); topics with laser " +
+                "scans in this recording: /left_scan, /top_scan");
+}
+
+TEST_F(RecordingTest, RefusesTopicsOfAnotherType) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", sensor_msgs::Imu());
+  }
+  EXPECT_THAT(OpenError({"top"}),
+              AllOf(HasSubstr("topic /top_scan (scanner 'top' of the rig) is of type "
+                              "sensor_msgs/Imu"),
+                    HasSubstr("topics with laser scans in this recording: none")));
+}
+
+TEST_F(RecordingTest, RefusesTwoScannersOnOneTopic) {
+  RecordStamps({0, 25});
+  Rig rig = MakeRig({"top", "left"});
+  rig.scanners[1].topic = rig.scanners[0].topic;
+  EXPECT_THAT(ErrorOf([&] { RecordingReader reader(path_, rig); }),
+              HasSubstr("scanners 'top' and 'left' of the rig name the same topic /top_scan"));
+}
+
+TEST_F(RecordingTest, RefusesARecordingWithoutAUsableScanLine) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.ranges.clear();
+    Record(&bag, "/top_scan", message);
+  }
+  EXPECT_THAT(OpenError({"top"}),
+              AllOf(HasSubstr(path_ + ": has no scan lines of the rig's scanners"),
+                    HasSubstr("1 scan line passed over: no ranges")));
+}
+
+TEST_F(RecordingTest, NamesTheMessageThatCanNotBeDecoded) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 2; ++i) Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
+  }
+  // The number of ranges of the second message: 3 becomes 1000.
+  std::string bytes = ReadBytes(path_);
+  const float ranges[] = {1.0f, 2.0f, 3.0f};
+  const std::string pattern(reinterpret_cast<const char*>(ranges), sizeof(ranges));
+  const size_t position = bytes.rfind(pattern) - 4;
+  ASSERT_EQ(bytes[position], 3);
+  bytes[position] = '\xe8';
+  bytes[position + 1] = '\x03';
+  std::ofstream(path_, std::ios::binary) << bytes;
+  EXPECT_THAT(OpenError({"top"}),
+              HasSubstr(path_ + ": message 2 of 2 (topic /top_scan, recorded at "
+                                "1600000000.002000000 s) can not be decoded"));
+}
+
+TEST_F(RecordingTest, PassesOverStampsThatJumpBack) {
+  RecordStamps({0, 25, 50, 75, 30, 55, 100, 125});
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 25, 50, 75, 100, 125));
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 2 scan lines passed over: time stamps that jump "
+                          "against the others, first at 0.075 s"));
+}
+
+TEST_F(RecordingTest, OneStampInTheFutureCostsOneScanLine) {
+  RecordStamps({0, 25, 9000, 50, 75, 100});
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 25, 50, 75, 100));
+  EXPECT_THAT(reader.warnings(), ElementsAre(HasSubstr("1 scan line passed over")));
+}
+
+TEST_F(RecordingTest, PassesOverRepeatedStamps) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 6; ++i) {
+      sensor_msgs::LaserScan message = MakeMessage(kStart + (i / 2) * kPeriod);
+      message.ranges[0] = static_cast<float>(i);
+      Record(&bag, "/top_scan", message);
+    }
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  const std::vector<ScanLine> scan_lines = ReadAll(&reader);
+  ASSERT_EQ(scan_lines.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(scan_lines[i].ranges[0], 2.0f * static_cast<float>(i)) << "not the first one";
+  }
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 3 scan lines passed over: time stamps repeated, "
+                          "first at 0.000 s"));
+}
+
+TEST_F(RecordingTest, AcceptsChangingNumbersOfBeams) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (size_t i = 0; i < 4; ++i) {
+      sensor_msgs::LaserScan message = MakeMessage(kStart + static_cast<int64_t>(i) * kPeriod);
+      message.ranges.assign(10 + i, 1.0f);
+      Record(&bag, "/top_scan", message);
+    }
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  const std::vector<ScanLine> scan_lines = ReadAll(&reader);
+  ASSERT_EQ(scan_lines.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(scan_lines[static_cast<size_t>(i)].num_beams(), 10 + i);
+  }
+  EXPECT_THAT(reader.warnings(), IsEmpty());
+}
+
+TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::function<void(sensor_msgs::LaserScan*)>> damages = {
+      [](auto* message) { message->ranges.clear(); },
+      [](auto* message) { message->angle_increment = 0.0f; },
+      [nan](auto* message) { message->angle_increment = nan; },
+      [nan](auto* message) { message->angle_min = nan; },
+      [](auto* message) { message->time_increment = -1e-5f; },
+      [nan](auto* message) { message->time_increment = nan; },
+  };
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", MakeMessage(kStart));
+    int64_t stamp_ns = kStart;
+    for (const auto& damage : damages) {
+      sensor_msgs::LaserScan message = MakeMessage(stamp_ns += kPeriod);
+      damage(&message);
+      Record(&bag, "/top_scan", message);
+    }
+    Record(&bag, "/top_scan", MakeMessage(stamp_ns += kPeriod));
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 175));
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 6 scan lines passed over: no ranges, or angles or "
+                          "time increments that make no sense, first at 0.025 s"));
+}
+
+TEST_F(RecordingTest, PassesRangesThroughAsTheyAre) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.ranges = {std::nanf(""), infinity, 0.0f, -1.0f};
+    Record(&bag, "/top_scan", message);
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ScanLine scan_line;
+  ASSERT_TRUE(reader.Next(&scan_line));
+  ASSERT_EQ(scan_line.num_beams(), 4);
+  EXPECT_TRUE(std::isnan(scan_line.ranges[0]));
+  EXPECT_EQ(scan_line.ranges[1], infinity);
+  EXPECT_EQ(scan_line.ranges[2], 0.0f);
+  EXPECT_EQ(scan_line.ranges[3], -1.0f);
+  EXPECT_FALSE(reader.Next(&scan_line));
+  EXPECT_EQ(reader.scan_period_s(), 0.0);
+}
+
+TEST_F(RecordingTest, TakesTheFirstOfSeveralEchoes) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::MultiEchoLaserScan message;
+    message.header.stamp.fromNSec(static_cast<uint64_t>(kStart));
+    message.header.frame_id = "laser";
+    message.angle_increment = 0.25f;
+    message.ranges.resize(3);
+    message.ranges[0].echoes = {4.0f, 5.0f, 6.0f};
+    message.ranges[2].echoes = {7.0f};
+    Record(&bag, "/top_scan", message);
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ScanLine scan_line;
+  ASSERT_TRUE(reader.Next(&scan_line));
+  ASSERT_EQ(scan_line.num_beams(), 3);
+  EXPECT_EQ(scan_line.ranges[0], 4.0f);
+  EXPECT_TRUE(std::isnan(scan_line.ranges[1]));
+  EXPECT_EQ(scan_line.ranges[2], 7.0f);
+}
+
+TEST_F(RecordingTest, WarnsOfScannersThatStopEarlyOrStartLate) {
+  const Rig rig = MakeRig({"top", "left", "right"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 200; ++i) {
+    writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    if (i <= 100) writer.Write(MakeScanLine(1, kStart + i * kPeriod));
+    if (i >= 80) writer.Write(MakeScanLine(2, kStart + i * kPeriod));
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  EXPECT_THAT(
+      reader.warnings(),
+      ElementsAre("scanner 'left' stops early: its last scan line is at 2.500 s, 2.475 "
+                  "s before the end of the recording",
+                  "scanner 'right' starts late: its first scan line is at 2.000 s"));
+}
+
+TEST_F(RecordingTest, WarnsOfGapsInAllScanners) {
+  const Rig rig = MakeRig({"top", "left"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 200; ++i) {
+    if (i > 40 && i < 80) continue;    // 1 s, in all scanners
+    if (i > 100 && i < 119) continue;  // 0.475 s: too short to matter
+    writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    if (i < 130 || i > 160) writer.Write(MakeScanLine(1, kStart + i * kPeriod));
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("no scanner delivered anything for 1.000 s after 1.000 s"));
+}
+
+TEST_F(RecordingTest, ListsTenGapsAndCountsTheOthers) {
+  std::vector<int> stamps_ms;
+  for (int burst = 0; burst < 14; ++burst) {
+    for (int i = 0; i < 5; ++i) stamps_ms.push_back(1000 * burst + 25 * i);
+  }
+  RecordStamps(stamps_ms);
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ASSERT_EQ(reader.warnings().size(), 11u);
+  EXPECT_EQ(reader.warnings().back(), "3 more gaps longer than 0.500 s");
+}
+
+// Records two scanners with the receipt order that `first` decides, and reads them in the
+// order of their stamps.
+TEST_F(RecordingTest, DeliversInOrderOfStampsWhateverTheOrderInTheBag) {
+  const Rig rig = MakeRig({"top", "left"});
+  constexpr int kNumScanLines = 1500;  // more than the reader holds back
+  for (const int delay : {3, kNumScanLines}) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    bag.setChunkThreshold(4096);
+    for (int i = 0; i < kNumScanLines + delay; ++i) {
+      const int late = i - delay;
+      if (i < kNumScanLines) Record(&bag, "/left_scan", MakeMessage(kStart + i * kPeriod));
+      if (late >= 0) Record(&bag, "/top_scan", MakeMessage(kStart + late * kPeriod));
+    }
+    bag.close();
+    RecordingReader reader(path_, rig);
+    for (int pass = 0; pass < 2; ++pass) {
+      ScanLine scan_line;
+      for (int i = 0; i < 2 * kNumScanLines; ++i) {
+        ASSERT_TRUE(reader.Next(&scan_line));
+        ASSERT_EQ(scan_line.stamp_ns, kStart + (i / 2) * kPeriod);
+        ASSERT_EQ(scan_line.scanner_index, i % 2);
+      }
+      EXPECT_FALSE(reader.Next(&scan_line));
+      reader.Rewind();
+    }
+    EXPECT_THAT(reader.warnings(), IsEmpty());
+  }
 }
 
 }  // namespace
