@@ -2,10 +2,10 @@
 
 #include <array>
 #include <charconv>
-#include <cstdio>
-#include <fstream>
 #include <set>
+#include <sstream>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/yaml_node.h"
 
@@ -126,15 +126,10 @@ Rig ReadRig(const std::string& path) {
 }
 
 void WriteRig(const Rig& rig, const std::string& path) {
-  const std::string temporary = path + ".partial";
-  std::ofstream out(temporary, std::ios::binary);
+  std::ostringstream out;
   out << "motion: " << kMotionNames.at(static_cast<size_t>(rig.motion)) << "\nscanners:\n";
   for (const Scanner& scanner : rig.scanners) WriteScanner(scanner, out);
-  out.close();
-  if (!out || std::rename(temporary.c_str(), path.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw Error(path + ": can not write the file");
-  }
+  WriteFileAtomically(path, out.str());
 }
 
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {

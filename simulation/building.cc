@@ -85,7 +85,7 @@ struct PlaneOfFaces {
 PlaneOfFaces HorizontalPlane(double height, bool faces_up, const PlanarRegion& footprint) {
   PlaneOfFaces plane;
   const double sign = faces_up ? 1.0 : -1.0;
-  plane.normal = sign * Eigen::Vector3d::UnitZ();
+  plane.normal = Eigen::Vector3d(0.0, 0.0, sign);
   plane.distance = sign * height;
   plane.u_axis = Eigen::Vector3d::UnitX();
   plane.v_axis = sign * Eigen::Vector3d::UnitY();
@@ -114,7 +114,8 @@ void AddWallPiece(const Eigen::Vector2d& a,
                   const Layer& layer,
                   std::vector<PlaneOfFaces>* planes) {
   const Eigen::Vector2d direction = (b - a).normalized();
-  const Eigen::Vector3d normal(-direction.y(), direction.x(), 0.0);
+  // Adding zero turns -0 into 0, which looks better in files.
+  const Eigen::Vector3d normal(0.0 - direction.y(), 0.0 + direction.x(), 0.0);
   const double distance = normal.head<2>().dot(a);
   auto plane = std::find_if(planes->begin(), planes->end(), [&](const PlaneOfFaces& p) {
     return (p.normal - normal).norm() < kSamePlane &&
