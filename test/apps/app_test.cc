@@ -19,7 +19,7 @@ struct Outcome {
   std::string err;
 };
 
-Outcome Run(std::vector<std::string> arguments, bool fail = false) {
+Outcome RunWith(std::vector<std::string> arguments, bool fail = false) {
   FLAGS_recording = "";
   FLAGS_threads = 1;
   FLAGS_fast = false;
@@ -44,18 +44,18 @@ Outcome Run(std::vector<std::string> arguments, bool fail = false) {
 }
 
 TEST(AppTest, SetsFlagsAndRuns) {
-  const Outcome outcome = Run({"--recording=a.bag", "-threads", "3", "--fast"});
+  const Outcome outcome = RunWith({"--recording=a.bag", "-threads", "3", "--fast"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_TRUE(outcome.ran);
   EXPECT_EQ(FLAGS_recording, "a.bag");
   EXPECT_EQ(FLAGS_threads, 3);
   EXPECT_TRUE(FLAGS_fast);
-  EXPECT_EQ(Run({"--fast", "--nofast", "--recording=b"}).exit_code, 0);
+  EXPECT_EQ(RunWith({"--fast", "--nofast", "--recording=b"}).exit_code, 0);
   EXPECT_FALSE(FLAGS_fast);
 }
 
 TEST(AppTest, HelpShowsOurFlagsOnly) {
-  const Outcome outcome = Run({"--help"});
+  const Outcome outcome = RunWith({"--help"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_FALSE(outcome.ran);
   EXPECT_NE(outcome.out.find("--threads"), std::string::npos);
@@ -72,7 +72,7 @@ TEST(AppTest, WrongUsageIsTwo) {
                                                        {"--recording=a", "--"},
                                                        {"--recording=a", "--nothreads"}};
   for (const std::vector<std::string>& arguments : wrong) {
-    const Outcome outcome = Run(arguments);
+    const Outcome outcome = RunWith(arguments);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_FALSE(outcome.ran);
     EXPECT_NE(outcome.err.find("--help"), std::string::npos);
@@ -80,7 +80,7 @@ TEST(AppTest, WrongUsageIsTwo) {
 }
 
 TEST(AppTest, FailureIsOneLineAndOne) {
-  const Outcome outcome = Run({"--recording=a"}, true);
+  const Outcome outcome = RunWith({"--recording=a"}, true);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_EQ(outcome.err, "some_app: file.yaml:3: broken\n");
 }
