@@ -151,8 +151,9 @@ bool IsDoubleOf(const Candidate& a,
                 const PlaneMatchingOptions& options) {
   const int64_t points_a = a.estimate->num_points;
   const int64_t points_b = b.estimate->num_points;
-  if (points_a > points_b || (points_a == points_b && a.list_index <= b.list_index))
-    return false;
+  const bool b_wins =
+      points_b > points_a || (points_b == points_a && b.list_index < a.list_index);
+  if (!b_wins) return false;
   const auto shared =
       std::find_first_of(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end());
   if (shared == a.faces.end()) return false;

@@ -36,8 +36,8 @@ Rigid3d TrueFlatPose(double time_s) {
 
 std::vector<StampedPose> Sample(Rigid3d (*pose)(double), double end_s, double step_s) {
   std::vector<StampedPose> poses;
-  for (double time_s = 0.0; time_s <= end_s + 1e-9; time_s += step_s) {
-    poses.push_back({NanosecondsFromSeconds(time_s), pose(time_s)});
+  for (int i = 0; i * step_s <= end_s + 1e-9; ++i) {
+    poses.push_back({NanosecondsFromSeconds(i * step_s), pose(i * step_s)});
   }
   return poses;
 }
