@@ -1,0 +1,104 @@
+#include "apps/app.h"
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+namespace plumbline {
+namespace {
+
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Sets the flags from the command line; true when it asks for help. gflags' own parser leaves
+// with exit code 1 where ours has to be 2, and its help lists the flags of every library.
+bool ParseFlags(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const size_t name_start = argument.find_first_not_of('-');
+    if (name_start == 0 || name_start > 2) {
+      throw UsageError("unexpected argument '" + argument + "'");
+    }
+    const size_t equals = argument.find('=');
+    const bool has_value = equals != std::string::npos;
+    std::string name = argument.substr(name_start, equals - name_start);
+    std::string value = has_value ? argument.substr(equals + 1) : "";
+    if (name == "help") return true;
+    gflags::CommandLineFlagInfo info;
+    if (gflags::GetCommandLineFlagInfo(name.c_str(), &info)) {
+      if (!has_value && info.type == "bool") value = "true";
+      if (!has_value && info.type != "bool") {
+        if (++i == argc) throw UsageError("flag --" + name + " needs a value");
+        value = argv[i];
+      }
+    } else if (name.rfind("no", 0) == 0 && !has_value &&
+               gflags::GetCommandLineFlagInfo(name.c_str() + 2, &info) &&
+               info.type == "bool") {
+      name = name.substr(2);
+      value = "false";
+    } else {
+      throw UsageError("unknown flag --" + name);
+    }
+    if (gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) {
+      throw UsageError("flag --" + name + " does not take the value '" + value + "'");
+    }
+  }
+  return false;
+}
+
+void PrintHelp(const std::string& program,
+               const std::string& purpose,
+               const std::string& source_file,
+               const std::vector<std::string>& required_flags) {
+  std::cout << program << ": " << purpose << "\n\nUsage: " << program;
+  for (const std::string& flag : required_flags) std::cout << " --" << flag << "=...";
+  std::cout << " [other flags]\n\nFlags:\n";
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  for (const gflags::CommandLineFlagInfo& flag : flags) {
+    if (flag.filename != source_file) continue;
+    std::cout << "  --" << flag.name << "  " << flag.description;
+    if (!flag.default_value.empty()) std::cout << " [" << flag.default_value << "]";
+    std::cout << '\n';
+  }
+}
+
+}  // namespace
+
+int RunApp(int argc,
+           char** argv,
+           const std::string& purpose,
+           const std::string& source_file,
+           const std::vector<std::string>& required_flags,
+           const std::function<void()>& run) {
+  FLAGS_logtostderr = true;  // no log files
+  if (!google::IsGoogleLoggingInitialized()) google::InitGoogleLogging(argv[0]);
+  const std::string program = std::filesystem::path(argv[0]).filename().string();
+  try {
+    if (ParseFlags(argc, argv)) {
+      PrintHelp(program, purpose, source_file, required_flags);
+      return 0;
+    }
+    for (const std::string& name : required_flags) {
+      if (gflags::GetCommandLineFlagInfoOrDie(name.c_str()).current_value.empty()) {
+        throw UsageError("flag --" + name + " is missing");
+      }
+    }
+    run();
+    return 0;
+  } catch (const UsageError& error) {
+    std::cerr << program << ": " << error.what() << "; see " << program << " --help\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << program << ": " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace plumbline
