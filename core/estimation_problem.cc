@@ -1,7 +1,6 @@
 #include "core/estimation_problem.h"
 
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
+#include <ceres/cost_function.h>
 #include <glog/logging.h>
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <ceres/crs_matrix.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
