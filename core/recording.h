@@ -30,7 +30,8 @@ class RecordingReader {
   int64_t start_ns() const;        // stamp of the first scan line
   int64_t end_ns() const;          // stamp of the last scan line
   int num_scan_lines() const;      // that Next() will deliver in all
-  double scan_period_s() const;    // median time between scan lines of the same scanner
+  // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
+  double scan_period_s() const;
   // What was passed over or looks wrong, one sentence each: for the user and summary.json.
   const std::vector<std::string>& warnings() const;
 

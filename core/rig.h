@@ -11,13 +11,15 @@ namespace plumbline {
 // One 2D laser scanner of the rig: where it sits, how well it measures.
 struct Scanner {
   std::string name;
-  std::string topic;               // of its sensor_msgs/LaserScan messages
+  std::string topic;  // of its sensor_msgs/LaserScan messages
   Rigid3d body_from_scanner;
-  double range_noise_m = 0.03;     // standard deviation of one range
-  double angle_noise_rad = 1e-4;   // standard deviation of a beam's direction (angle_noise_deg)
+  double range_noise_m = 0.03;  // standard deviation of one range
+  // Standard deviation of a beam's direction; angle_noise_deg in the file, 0.005 deg by
+  // default.
+  double angle_noise_rad = 0.005 * M_PI / 180.0;
   double min_range_m = 0.1;
   double max_range_m = 30.0;
-  double time_offset_s = 0.0;      // beam time = stamp + index * time_increment + time_offset
+  double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
 
   // What only the simulator needs; when mapping, the recording's own values count.
   int beams = 270;

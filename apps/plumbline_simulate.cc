@@ -1,0 +1,27 @@
+// Simulates an experiment: a recording of scan lines, and the truth to judge maps by.
+
+#include <gflags/gflags.h>
+
+#include "apps/app.h"
+#include "apps/progress.h"
+#include "simulation/simulate_recording.h"
+
+DEFINE_string(experiment, "", "experiment file (YAML)");
+DEFINE_uint64(seed, 1, "of the random numbers; the same seed gives the same recording");
+DEFINE_string(output, "", "directory for recording.bag, rig.yaml and the truth");
+
+int main(int argc, char** argv) {
+  return plumbline::RunApp(
+      argc,
+      argv,
+      "scan lines of a rig in a building, with the true trajectory and planes",
+      __FILE__,
+      {"experiment", "output"},
+      [] {
+        plumbline::Progress progress("simulate");
+        plumbline::SimulateRecording(
+            FLAGS_experiment, FLAGS_seed, FLAGS_output, [&](double share_done) {
+              progress.Report(share_done);
+            });
+      });
+}
