@@ -75,7 +75,7 @@ def row(name, position_m, rotation_deg):
 
 
 print(f"\n{summary['scans']} scans, {summary['points']:,} points, "
-      f"{summary['real_time_factor']:.2f} of the recording's time\n")
+      f"mapped at {summary['real_time_factor']:.1f} times real time\n")
 print(f"  {'Errors (root mean square)':<34}{'position':>13} {'angle':>14}")
 for kind in ("unaligned", "aligned"):
     errors = trajectory[kind]

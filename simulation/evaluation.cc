@@ -68,23 +68,25 @@ Rigid3d Align(const std::vector<PosePair>& pairs, bool about_z) {
     estimate.col(i) = pairs[static_cast<size_t>(i)].estimate.translation;
     truth.col(i) = pairs[static_cast<size_t>(i)].truth.translation;
   }
-  const Eigen::Matrix3Xd centred = truth.colwise() - truth.rowwise().mean();
+  const Eigen::Vector3d estimate_mean = estimate.rowwise().mean();
+  const Eigen::Vector3d truth_mean = truth.rowwise().mean();
+  const Eigen::Matrix3d moments = (truth.colwise() - truth_mean) *
+                                  (estimate.colwise() - estimate_mean).transpose() /
+                                  static_cast<double>(n);
   const Eigen::Vector3d spread =
-      Eigen::JacobiSVD<Eigen::Matrix3Xd>(centred).singularValues() / std::sqrt(n);
+      Eigen::JacobiSVD<Eigen::Matrix3d>(moments).singularValues().cwiseSqrt();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   // Positions on one line tell nothing about the rotation around it, those of a rig that
   // stands still nothing at all.
   constexpr double kMinSpread = 0.01;
   if (spread(0) >= kMinSpread && (about_z || spread(1) < kMinSpread)) {
-    const Eigen::Matrix3d motion =
-        Eigen::umeyama(estimate.topRows<2>(), truth.topRows<2>(), false);
-    rotation = RotationFromYaw(std::atan2(motion(1, 0), motion(0, 0)));
+    rotation = RotationFromYaw(
+        std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1)));
   } else if (spread(0) >= kMinSpread) {
     const Eigen::Matrix4d motion = Eigen::umeyama(estimate, truth, false);
-    rotation = Eigen::Quaterniond(motion.topLeftCorner<3, 3>());
+    rotation = Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
   }
-  const Eigen::Vector3d estimate_mean = estimate.rowwise().mean();
-  return {rotation, truth.rowwise().mean() - rotation * estimate_mean};
+  return {rotation, truth_mean - rotation * estimate_mean};
 }
 
 // Errors of the motion between poses that lie one metre of the true path apart.
@@ -103,7 +105,7 @@ PoseErrors ComputeRelativeErrors(const std::vector<PosePair>& pairs,
 }
 
 TrajectoryEvaluation EvaluateTrajectory(const EvaluationInput& input,
-                                        const TruthTrajectory& truth,
+                                        const InterpolatedTrajectory& truth,
                                         const Rigid3d& model_from_truth) {
   const bool planar = input.figures.motion == "planar";
   TrajectoryEvaluation evaluation;
@@ -163,21 +165,30 @@ ErrorStatistics ComputeStatistics(std::vector<double> errors) {
   return statistics;
 }
 
-TruthTrajectory::TruthTrajectory(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
-  if (poses_.size() < 2) throw Error("the true trajectory has fewer than two poses");
-  for (size_t i = 1; i < poses_.size(); ++i) {
-    if (poses_[i].time_ns <= poses_[i - 1].time_ns) {
+InterpolatedTrajectory::InterpolatedTrajectory(const std::vector<StampedPose>& poses) {
+  if (poses.size() < 2) throw Error("the true trajectory has fewer than two poses");
+  for (size_t i = 1; i < poses.size(); ++i) {
+    if (poses[i].time_ns <= poses[i - 1].time_ns) {
       throw Error("the true trajectory's instants do not increase at pose " +
                   std::to_string(i + 1));
     }
   }
+  // Between samples that almost coincide, a polynomial only magnifies their rounding.
+  const int64_t mean_step =
+      (poses.back().time_ns - poses.front().time_ns) / static_cast<int64_t>(poses.size() - 1);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == poses.size();
+    if (is_end || poses[i + 1].time_ns - poses[i].time_ns > mean_step / 10) {
+      poses_.push_back(poses[i]);
+    }
+  }
 }
 
-bool TruthTrajectory::Covers(int64_t time_ns) const {
+bool InterpolatedTrajectory::Covers(int64_t time_ns) const {
   return time_ns >= poses_.front().time_ns && time_ns <= poses_.back().time_ns;
 }
 
-Rigid3d TruthTrajectory::Pose(int64_t time_ns) const {
+Rigid3d InterpolatedTrajectory::Pose(int64_t time_ns) const {
   if (!Covers(time_ns)) {
     throw Error("the true trajectory does not cover the instant " + std::to_string(time_ns) +
                 " ns");
@@ -210,7 +221,7 @@ Rigid3d TruthTrajectory::Pose(int64_t time_ns) const {
 }
 
 ModelFrame FindModelFrame(const EvaluationInput& input,
-                          const TruthTrajectory& truth,
+                          const InterpolatedTrajectory& truth,
                           const PlaneMatchingOptions& options) {
   const StampedPose& first = input.trajectory.front();
   const Rigid3d true_start = truth.Pose(first.time_ns);
@@ -245,7 +256,7 @@ ModelFrame FindModelFrame(const EvaluationInput& input,
 
 Evaluation Evaluate(const EvaluationInput& input, const PlaneMatchingOptions& options) {
   if (input.trajectory.empty()) throw Error("the result's trajectory has no poses");
-  const TruthTrajectory truth(input.truth_trajectory);
+  const InterpolatedTrajectory truth(input.truth_trajectory);
   if (!truth.Covers(input.trajectory.front().time_ns)) {
     throw Error("the result's first pose, at " +
                 std::to_string(input.trajectory.front().time_ns) +

@@ -71,10 +71,10 @@ struct Evaluation {
 // Poses between the samples of a dense trajectory: cubic through the four nearest samples, for
 // the rotation in the tangent space of one of them. At 5 ms sampling the interpolation error
 // of indoor motion is below a micrometre.
-class TruthTrajectory {
+class InterpolatedTrajectory {
  public:
   // Throws Error for fewer than two poses or instants that do not increase.
-  explicit TruthTrajectory(std::vector<StampedPose> poses);
+  explicit InterpolatedTrajectory(const std::vector<StampedPose>& poses);
 
   bool Covers(int64_t time_ns) const;
   Rigid3d Pose(int64_t time_ns) const;  // Error unless Covers(time_ns)
@@ -88,7 +88,7 @@ class TruthTrajectory {
 // shows. Without reference wall, or when no true face fits it, heading and origin are those
 // that make the first poses agree.
 ModelFrame FindModelFrame(const EvaluationInput& input,
-                          const TruthTrajectory& truth,
+                          const InterpolatedTrajectory& truth,
                           const PlaneMatchingOptions& options);
 
 // Throws Error when the result is empty or begins outside the time span of the truth.

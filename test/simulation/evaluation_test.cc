@@ -122,7 +122,7 @@ TEST(EvaluationTest, StatisticsByHand) {
 }
 
 TEST(EvaluationTest, InterpolatesTruthBetweenItsSamples) {
-  const TruthTrajectory truth(Sample(TruePose, 2.0, 0.005));
+  const InterpolatedTrajectory truth(Sample(TruePose, 2.0, 0.005));
   for (const double time_s : {0.0, 0.0012, 0.0025, 0.9987, 1.0025, 1.9981, 2.0}) {
     const Rigid3d pose = truth.Pose(NanosecondsFromSeconds(time_s));
     const Rigid3d expected = TruePose(time_s);
@@ -131,10 +131,19 @@ TEST(EvaluationTest, InterpolatesTruthBetweenItsSamples) {
   }
 }
 
+TEST(EvaluationTest, ASampleThatAlmostCoincidesDoesNoHarm) {
+  std::vector<StampedPose> poses = Sample(TruePose, 1.0, 0.005);
+  poses.push_back({NanosecondsFromSeconds(1.0) + 1, TruePose(1.0)});
+  poses.back().world_from_body.translation.x() += 1e-9;  // the rounding of a file
+  const InterpolatedTrajectory truth(poses);
+  const Rigid3d pose = truth.Pose(NanosecondsFromSeconds(0.9975));
+  EXPECT_LT((pose.translation - TruePose(0.9975).translation).norm(), 1e-8);
+}
+
 TEST(EvaluationTest, RejectsUnusableTruth) {
-  EXPECT_THROW(TruthTrajectory({}), Error);
-  EXPECT_THROW(TruthTrajectory({{5, {}}, {5, {}}}), Error);
-  const TruthTrajectory truth({{5, {}}, {6, {}}});
+  EXPECT_THROW(InterpolatedTrajectory(std::vector<StampedPose>{}), Error);
+  EXPECT_THROW(InterpolatedTrajectory(std::vector<StampedPose>{{5, {}}, {5, {}}}), Error);
+  const InterpolatedTrajectory truth({{5, {}}, {6, {}}});
   EXPECT_THROW(truth.Pose(7), Error);
   EvaluationInput input = PerfectInput();
   input.trajectory.front().time_ns = -1;
