@@ -5,6 +5,8 @@
 #include <glog/logging.h>
 
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "factors/manifolds.h"
@@ -24,7 +26,8 @@ constexpr double kMaxAcceleration = 100.0;  // rad/s^2 and m/s^2
 constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
 
 using ConstQuaternion = Eigen::Map<const Eigen::Quaterniond>;
-using ConstVector = Eigen::Map<const Eigen::Vector3d>;
+template <int kRows, int kCols>
+using RowMajor = Eigen::Matrix<double, kRows, kCols, Eigen::RowMajor>;
 
 template <typename A, typename B>
 auto Dot(const A& a, const B& b) {
@@ -88,6 +91,8 @@ class SegmentCost final : public ceres::CostFunction {
     sizes->insert(sizes->end(), num_control_points, 4);
     sizes->insert(sizes->end(), num_control_points, 3);
     sizes->insert(sizes->end(), {4, 3, Plane::kSize});
+    distance_root_.resize(root_.rows(), kNumNodes);
+    for (int k = 0; k < kNumNodes; ++k) distance_root_.col(k) = root_.col(3 * k + 2);
     set_num_residuals(static_cast<int>(root_.rows()));
   }
 
@@ -180,7 +185,7 @@ class SegmentCost final : public ceres::CostFunction {
     ScannerAxes(blocks, axes);
 
     Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
-    Eigen::Matrix<double, 9, kSize, Eigen::RowMajor> g_derivative;
+    RowMajor<9, kSize> g_derivative;
     g_derivative.setZero();
     std::array<SplinePoseJacobian, kNumNodes> splines;
     for (int k = 0; k < num_nodes_; ++k) {
@@ -205,14 +210,15 @@ class SegmentCost final : public ceres::CostFunction {
     WriteControlPoints(blocks, g_derivative, splines, jacobians);
     const int first = blocks.extrinsics;
     if constexpr (kExtrinsics) {
-      const Eigen::Matrix<double, 9, 4> rotation =
-          g_derivative.template middleCols<3>(kExtrinsicsAt) *
-          RotationMinusJacobian(blocks.extrinsics_q);
-      WriteJacobian<4>(rotation, jacobians[first]);
-      WriteJacobian<3>(g_derivative.template middleCols<3>(kExtrinsicsAt + 3),
-                       jacobians[first + 1]);
+      const RowMajor<9, 4> rotation =
+          g_derivative.template middleCols<3>(kExtrinsicsAt)
+              .lazyProduct(RotationMinusJacobian(blocks.extrinsics_q));
+      WriteJacobian<4>(root_, rotation, jacobians[first]);
+      WriteJacobian<3>(
+          root_, g_derivative.template middleCols<3>(kExtrinsicsAt + 3), jacobians[first + 1]);
     }
-    WriteJacobian<Plane::kSize>(g_derivative.template middleCols<Plane::kSize>(kPoseSize),
+    WriteJacobian<Plane::kSize>(root_,
+                                g_derivative.template middleCols<Plane::kSize>(kPoseSize),
                                 jacobians[first + 2]);
   }
 
@@ -245,22 +251,23 @@ class SegmentCost final : public ceres::CostFunction {
       double* const rotation_jacobian = jacobians[j];
       double* const position_jacobian = jacobians[num_control_points_ + j];
       if (rotation_jacobian == nullptr && position_jacobian == nullptr) continue;
-      Eigen::Matrix<double, 9, 3> rotation = Eigen::Matrix<double, 9, 3>::Zero();
-      Eigen::Matrix<double, 9, 3> position = Eigen::Matrix<double, 9, 3>::Zero();
+      RowMajor<9, 3> rotation = RowMajor<9, 3>::Zero();
+      RowMajor<kNumNodes, 3> position = RowMajor<kNumNodes, 3>::Zero();
       for (int k = 0; k < num_nodes_; ++k) {
         const int index = j - nodes_[k].first;
         if (index < 0 || index >= kSplineOrder) continue;
-        rotation.middleRows<3>(3 * k).noalias() = g_derivative.template block<3, 3>(3 * k, 0) *
-                                                  splines[k].rotation_wrt_control[index];
-        position.middleRows<3>(3 * k) =
-            g_derivative.template block<3, 3>(3 * k, 3) * splines[k].position_weights[index];
+        rotation.middleRows<3>(3 * k) =
+            g_derivative.template block<3, 3>(3 * k, 0).lazyProduct(
+                splines[k].rotation_wrt_control[index]);
+        position.row(k) = g_derivative.template block<1, 3>(3 * k + 2, 3) *
+                          splines[k].position_weights[index];
       }
       if (rotation_jacobian != nullptr) {
-        const Eigen::Matrix<double, 9, 4> ambient =
-            rotation * RotationMinusJacobian(blocks.q[j]);
-        WriteJacobian<4>(ambient, rotation_jacobian);
+        const RowMajor<9, 4> ambient =
+            rotation.lazyProduct(RotationMinusJacobian(blocks.q[j]));
+        WriteJacobian<4>(root_, ambient, rotation_jacobian);
       }
-      WriteJacobian<3>(position, position_jacobian);
+      WriteJacobian<3>(distance_root_, position, position_jacobian);
     }
   }
 
@@ -269,16 +276,23 @@ class SegmentCost final : public ceres::CostFunction {
         residuals, root_.rows()) = root_.lazyProduct(g);
   }
 
-  // U times the derivative of g, where Ceres asks for it.
-  template <int kCols, typename Derivative>
-  void WriteJacobian(const Derivative& g_derivative, double* jacobian) const {
+  // root times derivative, where Ceres asks for it.
+  template <int kCols, typename Root, typename Derivative>
+  static void WriteJacobian(const Root& root, const Derivative& derivative, double* jacobian) {
     if (jacobian == nullptr) return;
-    constexpr int kOrder = kCols == 1 ? Eigen::ColMajor : Eigen::RowMajor;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kCols, kOrder, kMaxResiduals, kCols>>(
-        jacobian, root_.rows(), kCols) = root_.lazyProduct(g_derivative);
+    for (Eigen::Index row = 0; row < root.rows(); ++row, jacobian += kCols) {
+      std::array<double, kCols> sum{};
+      for (int k = 0; k < Root::ColsAtCompileTime; ++k) {
+        for (int col = 0; col < kCols; ++col) sum[col] += root(row, k) * derivative(k, col);
+      }
+      for (int col = 0; col < kCols; ++col) jacobian[col] = sum[col];
+    }
   }
 
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, kMaxResiduals, 9> root_;
+  // The columns of root_ for the distances g_k(2), all that depends on the position.
+  Eigen::Matrix<double, Eigen::Dynamic, kNumNodes, Eigen::RowMajor, kMaxResiduals, kNumNodes>
+      distance_root_;
   std::array<SplineNode, kNumNodes> nodes_;
   int num_nodes_;
   int num_control_points_;
