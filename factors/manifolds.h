@@ -40,7 +40,7 @@ double YawDifference(const double* q, const double* q0);
 
 // The tangent that takes the general plane from reference to plane, and its derivative with
 // respect to plane's four parameters where jacobian is not null (differentiated
-// automatically).
+// automatically). Undefined for opposite normals.
 Eigen::Vector3d GeneralPlaneDifference(const double* plane,
                                        const double* reference,
                                        Eigen::Matrix<double, 3, 4>* jacobian);

@@ -4,7 +4,6 @@
 #include <ceres/jet.h>
 #include <glog/logging.h>
 
-#include <Eigen/QR>
 #include <type_traits>
 
 #include "factors/manifolds.h"
@@ -16,15 +15,9 @@ constexpr int kNumNodes = 3;
 constexpr int kMaxControlPoints = 6;
 constexpr int kMaxResiduals = 9;
 
-// Limits of the motion and geometry that CompressSegment's accuracy holds for; see the header.
-constexpr double kMaxPlaneDistance = 100.0;
-constexpr double kMaxRotationRate = 10.0;
-constexpr double kMaxSpeed = 10.0;
-constexpr double kMaxAcceleration = 100.0;  // rad/s^2 and m/s^2
-constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
-
 using ConstQuaternion = Eigen::Map<const Eigen::Quaterniond>;
-using ConstVector = Eigen::Map<const Eigen::Vector3d>;
+template <int kRows, int kCols>
+using RowMajor = Eigen::Matrix<double, kRows, kCols, Eigen::RowMajor>;
 
 template <typename A, typename B>
 auto Dot(const A& a, const B& b) {
@@ -88,6 +81,8 @@ class SegmentCost final : public ceres::CostFunction {
     sizes->insert(sizes->end(), num_control_points, 4);
     sizes->insert(sizes->end(), num_control_points, 3);
     sizes->insert(sizes->end(), {4, 3, Plane::kSize});
+    distance_root_.resize(root_.rows(), kNumNodes);
+    for (int k = 0; k < kNumNodes; ++k) distance_root_.col(k) = root_.col(3 * k + 2);
     set_num_residuals(static_cast<int>(root_.rows()));
   }
 
@@ -180,7 +175,7 @@ class SegmentCost final : public ceres::CostFunction {
     ScannerAxes(blocks, axes);
 
     Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
-    Eigen::Matrix<double, 9, kSize, Eigen::RowMajor> g_derivative;
+    RowMajor<9, kSize> g_derivative;
     g_derivative.setZero();
     std::array<SplinePoseJacobian, kNumNodes> splines;
     for (int k = 0; k < num_nodes_; ++k) {
@@ -205,14 +200,15 @@ class SegmentCost final : public ceres::CostFunction {
     WriteControlPoints(blocks, g_derivative, splines, jacobians);
     const int first = blocks.extrinsics;
     if constexpr (kExtrinsics) {
-      const Eigen::Matrix<double, 9, 4> rotation =
-          g_derivative.template middleCols<3>(kExtrinsicsAt) *
-          RotationMinusJacobian(blocks.extrinsics_q);
-      WriteJacobian<4>(rotation, jacobians[first]);
-      WriteJacobian<3>(g_derivative.template middleCols<3>(kExtrinsicsAt + 3),
-                       jacobians[first + 1]);
+      const RowMajor<9, 4> rotation =
+          g_derivative.template middleCols<3>(kExtrinsicsAt)
+              .lazyProduct(RotationMinusJacobian(blocks.extrinsics_q));
+      WriteJacobian<4>(root_, rotation, jacobians[first]);
+      WriteJacobian<3>(
+          root_, g_derivative.template middleCols<3>(kExtrinsicsAt + 3), jacobians[first + 1]);
     }
-    WriteJacobian<Plane::kSize>(g_derivative.template middleCols<Plane::kSize>(kPoseSize),
+    WriteJacobian<Plane::kSize>(root_,
+                                g_derivative.template middleCols<Plane::kSize>(kPoseSize),
                                 jacobians[first + 2]);
   }
 
@@ -245,22 +241,23 @@ class SegmentCost final : public ceres::CostFunction {
       double* const rotation_jacobian = jacobians[j];
       double* const position_jacobian = jacobians[num_control_points_ + j];
       if (rotation_jacobian == nullptr && position_jacobian == nullptr) continue;
-      Eigen::Matrix<double, 9, 3> rotation = Eigen::Matrix<double, 9, 3>::Zero();
-      Eigen::Matrix<double, 9, 3> position = Eigen::Matrix<double, 9, 3>::Zero();
+      RowMajor<9, 3> rotation = RowMajor<9, 3>::Zero();
+      RowMajor<kNumNodes, 3> position = RowMajor<kNumNodes, 3>::Zero();
       for (int k = 0; k < num_nodes_; ++k) {
         const int index = j - nodes_[k].first;
         if (index < 0 || index >= kSplineOrder) continue;
-        rotation.middleRows<3>(3 * k).noalias() = g_derivative.template block<3, 3>(3 * k, 0) *
-                                                  splines[k].rotation_wrt_control[index];
-        position.middleRows<3>(3 * k) =
-            g_derivative.template block<3, 3>(3 * k, 3) * splines[k].position_weights[index];
+        rotation.middleRows<3>(3 * k) =
+            g_derivative.template block<3, 3>(3 * k, 0).lazyProduct(
+                splines[k].rotation_wrt_control[index]);
+        position.row(k) = g_derivative.template block<1, 3>(3 * k + 2, 3) *
+                          splines[k].position_weights[index];
       }
       if (rotation_jacobian != nullptr) {
-        const Eigen::Matrix<double, 9, 4> ambient =
-            rotation * RotationMinusJacobian(blocks.q[j]);
-        WriteJacobian<4>(ambient, rotation_jacobian);
+        const RowMajor<9, 4> ambient =
+            rotation.lazyProduct(RotationMinusJacobian(blocks.q[j]));
+        WriteJacobian<4>(root_, ambient, rotation_jacobian);
       }
-      WriteJacobian<3>(position, position_jacobian);
+      WriteJacobian<3>(distance_root_, position, position_jacobian);
     }
   }
 
@@ -269,95 +266,30 @@ class SegmentCost final : public ceres::CostFunction {
         residuals, root_.rows()) = root_.lazyProduct(g);
   }
 
-  // U times the derivative of g, where Ceres asks for it.
-  template <int kCols, typename Derivative>
-  void WriteJacobian(const Derivative& g_derivative, double* jacobian) const {
+  // root times derivative, where Ceres asks for it.
+  template <int kCols, typename Root, typename Derivative>
+  static void WriteJacobian(const Root& root, const Derivative& derivative, double* jacobian) {
     if (jacobian == nullptr) return;
-    constexpr int kOrder = kCols == 1 ? Eigen::ColMajor : Eigen::RowMajor;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kCols, kOrder, kMaxResiduals, kCols>>(
-        jacobian, root_.rows(), kCols) = root_.lazyProduct(g_derivative);
+    for (Eigen::Index row = 0; row < root.rows(); ++row, jacobian += kCols) {
+      std::array<double, kCols> sum{};
+      for (int k = 0; k < Root::ColsAtCompileTime; ++k) {
+        for (int col = 0; col < kCols; ++col) sum[col] += root(row, k) * derivative(k, col);
+      }
+      for (int col = 0; col < kCols; ++col) jacobian[col] = sum[col];
+    }
   }
 
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, kMaxResiduals, 9> root_;
+  // The columns of root_ for the distances g_k(2), all that depends on the position.
+  Eigen::Matrix<double, Eigen::Dynamic, kNumNodes, Eigen::RowMajor, kMaxResiduals, kNumNodes>
+      distance_root_;
   std::array<SplineNode, kNumNodes> nodes_;
   int num_nodes_;
   int num_control_points_;
   Plane plane_;
 };
 
-// Number of leading rows of the triangular matrix that may matter: the entries of the vector
-// that it multiplies are at most one.
-Eigen::Index NumSignificantRows(const Eigen::MatrixXd& triangular) {
-  const double bound = std::sqrt(static_cast<double>(triangular.cols()));
-  Eigen::Index rows = triangular.rows();
-  double rest2 = 0.0;
-  while (rows > 1) {
-    rest2 += triangular.row(rows - 1).squaredNorm();
-    if (bound * std::sqrt(rest2) > kMaxLoss) break;
-    --rows;
-  }
-  return rows;
-}
-
 }  // namespace
-
-SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
-                                   const std::vector<int64_t>& times_ns,
-                                   const Eigen::VectorXd& whitening) {
-  const Eigen::Index num_points = points_scanner.cols();
-  CHECK_GE(num_points, 1);
-  CHECK_EQ(num_points, static_cast<Eigen::Index>(times_ns.size()));
-  CHECK_EQ(num_points, whitening.size());
-  CHECK_LE(times_ns.front(), times_ns.back());
-
-  SegmentMeasurement measurement;
-  measurement.num_points = static_cast<int>(num_points);
-  const int64_t half_span_ns = (times_ns.back() - times_ns.front()) / 2;
-  const int64_t middle_ns = times_ns.front() + half_span_ns;
-  measurement.node_times_ns = {times_ns.front(), middle_ns, middle_ns + half_span_ns};
-  measurement.num_nodes = half_span_ns == 0 ? 1 : kNumNodes;
-
-  // With g(tau) = h_0 + tau h_1 + tau^2 h_2, tau = -1, 0, 1 at the nodes, the matrix of h is
-  // [ m, tau m, tau^2 m ], m = w (x, y, 1). Its columns are scaled by the largest plausible h.
-  const double half_span_s = static_cast<double>(half_span_ns) * 1e-9;
-  const double rate = kMaxRotationRate * half_span_s;
-  const double speed = kMaxSpeed * half_span_s;
-  const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
-  Eigen::VectorXd scale(9);
-  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend;
-  const Eigen::Index num_columns = 3 * measurement.num_nodes;
-  Eigen::MatrixXd matrix(num_points, num_columns);
-  for (Eigen::Index i = 0; i < num_points; ++i) {
-    const Eigen::RowVector3d row =
-        whitening[i] * Eigen::RowVector3d(points_scanner(0, i), points_scanner(1, i), 1.0);
-    matrix.block<1, 3>(i, 0) = row;
-    if (measurement.num_nodes == 1) continue;
-    const double tau = static_cast<double>(times_ns[static_cast<size_t>(i)] - middle_ns) /
-                       static_cast<double>(half_span_ns);
-    matrix.block<1, 3>(i, 3) = tau * row;
-    matrix.block<1, 3>(i, 6) = tau * tau * row;
-  }
-  matrix *= scale.head(num_columns).asDiagonal();
-
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
-  const Eigen::Index size = std::min(num_points, num_columns);
-  const Eigen::MatrixXd triangular =
-      qr.matrixQR().topRows(size).triangularView<Eigen::Upper>();
-  const Eigen::Index num_rows = NumSignificantRows(triangular);
-  const Eigen::MatrixXd rows = triangular.topRows(num_rows) *
-                               qr.colsPermutation().transpose() *
-                               scale.head(num_columns).cwiseInverse().asDiagonal();
-  measurement.root.setZero(num_rows, 9);
-  if (measurement.num_nodes == 1) {
-    measurement.root.leftCols<3>() = rows;
-  } else {
-    // h_0 = g_1,  h_1 = (g_2 - g_0) / 2,  h_2 = (g_0 - 2 g_1 + g_2) / 2.
-    measurement.root.leftCols<3>() = 0.5 * (rows.rightCols<3>() - rows.middleCols<3>(3));
-    measurement.root.middleCols<3>(3) = rows.leftCols<3>() - rows.rightCols<3>();
-    measurement.root.rightCols<3>() = 0.5 * (rows.rightCols<3>() + rows.middleCols<3>(3));
-  }
-  return measurement;
-}
 
 std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
     const SegmentMeasurement& measurement,

@@ -32,7 +32,7 @@ struct SegmentMeasurement {
   // counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
-  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> root;  // U
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> root;  // U
   int num_points = 0;
 };
 
