@@ -61,7 +61,7 @@ bool LineGrower::Seed(int first) {
   return chi2_.back() <= thresholds_.seed;
 }
 
-void LineGrower::Grow(int begin, int end, int step) {
+void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
     BeamFan::Prediction prediction;
@@ -74,24 +74,25 @@ void LineGrower::Grow(int begin, int end, int step) {
     q_ = sum.Solve();
     chi2_.push_back(sum.square - sum.x * q_.x() - sum.y * q_.y());
     gap = -1;
-    if (EndAtChange()) return;
+    if (EndAtChange(static_cast<size_t>(num_kept))) return;
   }
 }
 
 // Tests the last 2, 4, 8, ... points against those before, a run of length 2 h whenever h
 // more have come in: two tests per point on average, and no run is missed for long. The
 // statistic is the generalised likelihood ratio of two lines against one.
-bool LineGrower::EndAtChange() {
+bool LineGrower::EndAtChange(size_t num_kept) {
   const size_t n = point_beams_.size();
   for (size_t half = 1; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
     const size_t before = n - 2 * half;
+    if (before < num_kept) break;
     const double two_lines = chi2_[before] + (sums_.back() - sums_[before]).Chi2();
     if (chi2_.back() - two_lines <= thresholds_.run) continue;
     // The most likely place of the change.
     const size_t reach = 8 * half;
     size_t best = before;
     double best_chi2 = two_lines;
-    for (size_t k = n > reach + 2 ? n - reach : 2; k < n; ++k) {
+    for (size_t k = std::max(num_kept, n > reach ? n - reach : 0); k < n; ++k) {
       const double chi2 = chi2_[k] + (sums_.back() - sums_[k]).Chi2();
       if (chi2 < best_chi2) {
         best = k;

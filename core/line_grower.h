@@ -26,8 +26,8 @@ class LineGrower {
 
   // Takes up the beams from `begin` to before `end`, step 1 or -1, until min_points in a row
   // are not on the line or a run of points proves that the line has ended; the points after the
-  // change are then given back.
-  void Grow(int begin, int end, int step);
+  // change are then given back, but not the first num_kept.
+  void Grow(int begin, int end, int step, int num_kept);
 
   // Looks for a run of points anywhere in the line that do not fit the others, before and after
   // it: a pillar or door leaf that stands out by no more than the noise. A growing line sees
@@ -44,7 +44,7 @@ class LineGrower {
 
  private:
   void TakeUp(int beam, const BeamFan::Prediction& prediction);
-  bool EndAtChange();
+  bool EndAtChange(size_t num_kept);
   double SplitChi2(size_t begin, size_t end) const;
 
   const BeamFan& fan_;

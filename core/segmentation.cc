@@ -124,7 +124,7 @@ void Segmenter::GrowAll() {
       ++next;
       continue;
     }
-    grower.Grow(grower.PointBeam(grower.num_points() - 1) + 1, end, 1);
+    grower.Grow(grower.PointBeam(grower.num_points() - 1) + 1, end, 1, 2);
     bool next_starts_at_change = false;
     int run_begin = 0;
     int run_end = 0;
@@ -148,8 +148,7 @@ void Segmenter::AddGrownPiece(LineGrower* grower, bool starts_at_change) {
     // Backwards over beams at which no line could start, for example beside an outlier.
     const int before = pieces_.empty() ? -1 : pieces_.back().last;
     const int num_forward = grower->num_points();
-    grower->Grow(piece.first - 1, std::min(before, piece.first - 1), -1);
-    if (grower->num_points() < num_forward) return;
+    grower->Grow(piece.first - 1, std::min(before, piece.first - 1), -1, num_forward);
     if (grower->num_points() > num_forward) {
       piece.first = grower->PointBeam(grower->num_points() - 1);
     }
