@@ -78,12 +78,12 @@ void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   }
 }
 
-// Tests the last 2, 4, 8, ... points against those before, a run of length 2 h whenever h
-// more have come in: two tests per point on average, and no run is missed for long. The
+// Tests the last 4, 8, 16, ... points against those before, a run of length 2 h whenever h
+// more have come in: one test per point on average, and no run is missed for long. The
 // statistic is the generalised likelihood ratio of two lines against one.
 bool LineGrower::EndAtChange(size_t num_kept) {
   const size_t n = point_beams_.size();
-  for (size_t half = 1; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
+  for (size_t half = 2; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
     const size_t before = n - 2 * half;
     if (before < num_kept) break;
     const double two_lines = chi2_[before] + (sums_.back() - sums_[before]).Chi2();

@@ -7,9 +7,9 @@
 
 namespace plumbline {
 
-// Grows one line over the beams of a scan line as long as they agree with it. The line's points
-// are numbered in the order in which they were taken up; running sums over them make every test
-// of a run of points cost the same, however long the run.
+// Grows one line over the beams of a scan line as long as they agree with it. The line's
+// points are numbered in the order in which they were taken up; running sums over them make
+// every test of a run of points cost the same, however long the run.
 class LineGrower {
  public:
   struct Thresholds {
@@ -25,13 +25,13 @@ class LineGrower {
   bool Seed(int first);
 
   // Takes up the beams from `begin` to before `end`, step 1 or -1, until min_points in a row
-  // are not on the line or a run of points proves that the line has ended; the points after the
-  // change are then given back, but not the first num_kept.
+  // are not on the line or a run of points proves that the line has ended; the points after
+  // the change are then given back, but not the first num_kept.
   void Grow(int begin, int end, int step, int num_kept);
 
-  // Looks for a run of points anywhere in the line that do not fit the others, before and after
-  // it: a pillar or door leaf that stands out by no more than the noise. A growing line sees
-  // only what came before and may have followed such a run.
+  // Looks for a run of points anywhere in the line that do not fit the others, before and
+  // after it: a pillar or door leaf that stands out by no more than the noise. A growing line
+  // sees only what came before and may have followed such a run.
   bool FindForeignRun(int* begin, int* end) const;
 
   // Keeps the first `num_points` points.

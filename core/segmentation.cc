@@ -31,13 +31,13 @@ double Chi2Quantile(int degrees, double normal_quantile) {
 
 struct Limits {
   Limits(const SegmentationOptions& options, int num_beams) {
-    // Union bounds: there are fewer than three tests of runs for each beam (two while growing,
-    // the rest when looking for foreign runs). The statistic of a run is chi square with two
-    // degrees of freedom, P(T > x) = exp(-x / 2).
+    // Union bounds: there are fewer than two tests of runs for each beam (one while growing,
+    // half a test when looking for foreign runs). The statistic of a run is chi square with
+    // two degrees of freedom, P(T > x) = exp(-x / 2).
     const double per_beam = options.significance / std::max(1, num_beams);
     const double point = TwoSidedNormalQuantile(per_beam);
     outlier = point * point;
-    run = -2.0 * std::log(per_beam / 3.0);
+    run = -2.0 * std::log(per_beam / 2.0);
     sum_quantile = TwoSidedNormalQuantile(2.0 * options.significance);
   }
 
@@ -53,6 +53,8 @@ struct Piece {
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
   NormalEquations information;  // of the last fit or, while growing, of the points taken up
+  int num_points = 0;           // likewise
+  double chi2 = 0.0;            // after the last fit
 };
 
 class Segmenter {
@@ -160,12 +162,13 @@ void Segmenter::AddGrownPiece(LineGrower* grower, bool starts_at_change) {
 
 // --- Fitting
 
-// Maximum likelihood line through the beams of the piece, without outliers: least squares of the
-// whitened range residuals. The residual of range is that of distance divided by n . u, so this
-// is the weighted fit of the distances n . p - d with one difference that matters: the lever arm
-// of a point comes from where its beam meets the line, not from its measured range. A measured
-// lever arm shares the noise of its residual, which turns every line that is not seen
-// symmetrically. Shortens the piece to beams on the line. False if fewer than min_points remain.
+// Maximum likelihood line through the beams of the piece, without outliers: least squares of
+// the whitened range residuals. The residual of range is that of distance divided by n . u, so
+// this is the weighted fit of the distances n . p - d with one difference that matters: the
+// lever arm of a point comes from where its beam meets the line, not from its measured range.
+// A measured lever arm shares the noise of its residual, which turns every line that is not
+// seen symmetrically. Shortens the piece to beams on the line. False if fewer than min_points
+// remain.
 bool Segmenter::Fit(int max_iterations, Piece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     NormalEquations sum;
@@ -183,8 +186,11 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
     piece->information = sum;
+    piece->num_points = num_points;
+    const double gain = change.dot(Eigen::Vector2d(sum.x, sum.y));
+    piece->chi2 = sum.square - gain;
     // Length of the step in standard deviations; the error left is of its square.
-    if (change.dot(Eigen::Vector2d(sum.x, sum.y)) < 1e-4) break;
+    if (gain < 1e-4) break;
   }
   while (piece->first < piece->last && !fan_.IsOnLine(piece->first, piece->q)) ++piece->first;
   while (piece->first < piece->last && !fan_.IsOnLine(piece->last, piece->q)) --piece->last;
@@ -197,13 +203,10 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
   return b.first - a.last <= options_.min_points;
 }
 
-// Most likely last beam of line a if b follows, within first - 1 .. last, searched from `split`
-// on both sides. Second: the change of chi square with respect to `split`.
-std::pair<int, double> Segmenter::BestSplit(const Eigen::Vector2d& a,
-                                            const Eigen::Vector2d& b,
-                                            int first,
-                                            int last,
-                                            int split) const {
+// Most likely last beam of line a if b follows, within first - 1 .. last, searched from
+// `split` on both sides. Second: the change of chi square with respect to `split`.
+std::pair<int, double> Segmenter::BestSplit(
+    const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
@@ -247,8 +250,8 @@ bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
   const double xy = -scale_m * m.xy - scale_n * n.xy;
   const double yy = scale_m * m.xx + scale_n * n.xx;
   const Eigen::Vector2d d = a.q - b.q;
-  const double chi2 =
-      (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) / (xx * yy - xy * xy);
+  const double chi2 = (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) /
+                      (xx * yy - xy * xy);
   if (chi2 > limits_.run) return false;
   *merged = a.last - a.first > b.last - b.first ? a : b;
   merged->first = a.first;
@@ -291,8 +294,8 @@ void Segmenter::OptimiseSplitsAndMerge() {
   pieces_ = std::move(done);
 }
 
-// --- Doubtful beams. All decisions follow from the fitted lines. These are independent of their
-// points' residuals, so that leaving points out does not bias what the others say.
+// --- Doubtful beams. All decisions follow from the fitted lines. These are independent of
+// their points' residuals, so that leaving points out does not bias what the others say.
 
 // Difference of the ranges that two lines predict in standard deviations of a range.
 double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
@@ -303,8 +306,8 @@ double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
   return (in_a.range - in_b.range) / std::sqrt(0.5 * (in_a.variance + in_b.variance));
 }
 
-// First beam from i on that belongs to one of the lines without doubt. Either it does so alone,
-// or the beams passed over, all taken together, would: a run with the sum S of squared
+// First beam from i on that belongs to one of the lines without doubt. Either it does so
+// alone, or the beams passed over, all taken together, would: a run with the sum S of squared
 // separations goes to the wrong line with the probability of a normal variable > sqrt(S) / 2.
 int Segmenter::PassDoubtful(int i, int end, int step, const Piece& a, const Piece& b) const {
   const double limit = options_.ambiguity_sigmas;
@@ -364,12 +367,12 @@ void Segmenter::LeaveOutDoubtfulBeams() {
       while (piece.first < piece.last && IsNearLimit(piece.first, piece)) ++piece.first;
       while (piece.first < piece.last && IsNearLimit(piece.last, piece)) --piece.last;
       const bool has_moved = piece.first != pieces_[k].first || piece.last != pieces_[k].last;
-      if (round > 0 && !has_moved) continue;
       is_changed = is_changed || has_moved;
-      Piece fitted = piece;
-      pieces_[k] = Fit(kMaxIterations, &fitted) ? fitted : piece;
+      if (round > 1 && !has_moved) continue;
+      if (!Fit(round == 0 ? 1 : kMaxIterations, &piece)) piece.num_points = 0;
+      pieces_[k] = piece;
     }
-    if (!is_changed) return;
+    if (round > 0 && !is_changed) return;
   }
 }
 
@@ -381,14 +384,11 @@ Segment Segmenter::MakeSegment(const Piece& piece) const {
   Segment segment;
   segment.first_beam = piece.first;
   segment.last_beam = piece.last;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    const double deviation = fan_.Deviation(i, piece.q);
-    if (fan_.beam(i).is_valid && deviation < limits_.outlier) {
-      ++segment.num_points;
-      segment.chi2 += deviation;
-    } else {
-      segment.excluded_beams.push_back(i);
-    }
+  segment.num_points = piece.num_points;
+  segment.chi2 = piece.chi2;
+  for (int i = piece.first; piece.num_points <= piece.last - piece.first && i <= piece.last;
+       ++i) {
+    if (!fan_.IsOnLine(i, piece.q)) segment.excluded_beams.push_back(i);
   }
   const double norm = piece.q.norm();
   segment.normal = -piece.q / norm;
@@ -411,9 +411,9 @@ Segment Segmenter::MakeSegment(const Piece& piece) const {
   return segment;
 }
 
-// Leaves out what is too short or not straight. A variance factor above one that the segments of
-// the scan line share (median over the points) says that range_noise_m is understated, not that
-// all lines are bent.
+// Leaves out what is too short or not straight. A variance factor above one that the segments
+// of the scan line share (median over the points) says that range_noise_m is understated, not
+// that all lines are bent.
 std::vector<Segment> Segmenter::MakeSegments() const {
   std::vector<Segment> segments;
   segments.reserve(pieces_.size());
@@ -421,8 +421,8 @@ std::vector<Segment> Segmenter::MakeSegments() const {
   factors.reserve(pieces_.size());
   int num_points = 0;
   for (const Piece& piece : pieces_) {
+    if (piece.num_points < options_.min_points) continue;
     Segment segment = MakeSegment(piece);
-    if (segment.num_points < options_.min_points) continue;
     factors.emplace_back(segment.chi2 / (segment.num_points - 2), segment.num_points);
     num_points += segment.num_points;
     segments.push_back(std::move(segment));
@@ -435,8 +435,7 @@ std::vector<Segment> Segmenter::MakeSegments() const {
     num_below += count;
   }
   const auto is_bent = [&](const Segment& segment) {
-    return segment.chi2 >
-           factor * Chi2Quantile(segment.num_points - 2, limits_.sum_quantile);
+    return segment.chi2 > factor * Chi2Quantile(segment.num_points - 2, limits_.sum_quantile);
   };
   segments.erase(std::remove_if(segments.begin(), segments.end(), is_bent), segments.end());
   return segments;
