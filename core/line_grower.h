@@ -29,9 +29,14 @@ class LineGrower {
   // the change are then given back, but not the first num_kept.
   void Grow(int begin, int end, int step, int num_kept);
 
-  // Looks for a run of points anywhere in the line that do not fit the others, before and
-  // after it: a pillar or door leaf that stands out by no more than the noise. A growing line
-  // sees only what came before and may have followed such a run.
+  // Starts without points, and takes up the beams first .. last that are on the line q as they
+  // are.
+  void Clear();
+  void TakeUpAll(int first, int last, const Eigen::Vector2d& q);
+
+  // Looks for a run of points, begin to before end, that do not fit the others, be they before
+  // it, after it or on both sides: a pillar or door leaf that stands out by no more than the
+  // noise. A growing line sees only what came before and may have followed such a run.
   bool FindForeignRun(int* begin, int* end) const;
 
   // Keeps the first `num_points` points.
