@@ -27,8 +27,12 @@ struct NormalEquations {
   }
 
   NormalEquations operator-(const NormalEquations& other) const {
-    return {xx - other.xx, xy - other.xy, yy - other.yy,
-            x - other.x,   y - other.y,   square - other.square};
+    return {xx - other.xx,
+            xy - other.xy,
+            yy - other.yy,
+            x - other.x,
+            y - other.y,
+            square - other.square};
   }
 
   double Determinant() const { return xx * yy - xy * xy; }
@@ -55,9 +59,10 @@ struct NormalEquations {
 
 // The beams of one scan line with the motion taken out, and their measurement model.
 //
-// Beam i starts at o and points along the unit vector u, both in the scanner frame at the middle
-// time. A line is kept as q = n / d with q . p = 1 for its points and n pointing away from the
-// scanner, so that it predicts the range (1 - q . o) / (q . u), whose derivative by q is
+// Beam i starts at o and points along the unit vector u, both in the scanner frame at the
+// middle time. A line is kept as q = n / d with q . p = 1 for its points and n pointing away
+// from the scanner, so that it predicts the range (1 - q . o) / (q . u), whose derivative by q
+// is
 // -(o + range u) / (q . u). Its variance is sigma_range^2 plus that of the beam's direction
 // times the squared derivative of the range by the angle.
 class BeamFan {

@@ -1,7 +1,7 @@
 #include "core/line_grower.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace plumbline {
 
@@ -11,6 +11,22 @@ LineGrower::LineGrower(const BeamFan& fan, const Thresholds& thresholds)
   point_beams_.reserve(num_beams);
   sums_.reserve(num_beams + 1);
   chi2_.reserve(num_beams + 1);
+}
+
+void LineGrower::Clear() {
+  point_beams_.clear();
+  sums_.assign(1, NormalEquations());
+  chi2_.assign(1, 0.0);
+}
+
+void LineGrower::TakeUpAll(int first, int last, const Eigen::Vector2d& q) {
+  q_ = q;
+  for (int i = first; i <= last; ++i) {
+    BeamFan::Prediction prediction;
+    if (!fan_.IsOnLine(i, q) || !fan_.Predict(i, q, &prediction)) continue;
+    TakeUp(i, prediction);
+    chi2_.push_back(sums_.back().Chi2());
+  }
 }
 
 void LineGrower::Truncate(int num_points) {
@@ -30,10 +46,8 @@ void LineGrower::TakeUp(int beam, const BeamFan::Prediction& prediction) {
 }
 
 bool LineGrower::Seed(int first) {
+  Clear();
   seed_beams_.clear();
-  point_beams_.clear();
-  sums_.assign(1, NormalEquations());
-  chi2_.assign(1, 0.0);
   // The measured ranges give a first line, and that the weights and the linearisation.
   NormalEquations measured;
   int gap = 0;
@@ -61,7 +75,7 @@ bool LineGrower::Seed(int first) {
   return chi2_.back() <= thresholds_.seed;
 }
 
-void LineGrower::Grow(int begin, int end, int step) {
+void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
     BeamFan::Prediction prediction;
@@ -74,24 +88,25 @@ void LineGrower::Grow(int begin, int end, int step) {
     q_ = sum.Solve();
     chi2_.push_back(sum.square - sum.x * q_.x() - sum.y * q_.y());
     gap = -1;
-    if (EndAtChange()) return;
+    if (EndAtChange(static_cast<size_t>(num_kept))) return;
   }
 }
 
-// Tests the last 2, 4, 8, ... points against those before, a run of length 2 h whenever h
-// more have come in: two tests per point on average, and no run is missed for long. The
+// Tests the last 4, 8, 16, ... points against those before, a run of length 2 h whenever h
+// more have come in: one test per point on average, and no run is missed for long. The
 // statistic is the generalised likelihood ratio of two lines against one.
-bool LineGrower::EndAtChange() {
+bool LineGrower::EndAtChange(size_t num_kept) {
   const size_t n = point_beams_.size();
-  for (size_t half = 1; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
+  for (size_t half = 2; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
     const size_t before = n - 2 * half;
+    if (before < num_kept) break;
     const double two_lines = chi2_[before] + (sums_.back() - sums_[before]).Chi2();
     if (chi2_.back() - two_lines <= thresholds_.run) continue;
     // The most likely place of the change.
     const size_t reach = 8 * half;
     size_t best = before;
     double best_chi2 = two_lines;
-    for (size_t k = n > reach + 2 ? n - reach : 2; k < n; ++k) {
+    for (size_t k = std::max(num_kept, n > reach ? n - reach : 0); k < n; ++k) {
       const double chi2 = chi2_[k] + (sums_.back() - sums_[k]).Chi2();
       if (chi2 < best_chi2) {
         best = k;
@@ -114,7 +129,8 @@ double LineGrower::SplitChi2(size_t begin, size_t end) const {
 bool LineGrower::FindForeignRun(int* begin, int* end) const {
   constexpr size_t kShortest = 8;  // the growing line sees shorter runs as well as this would
   const size_t n = point_beams_.size();
-  size_t best_begin = 0, best_end = 0;
+  size_t best_begin = 0;
+  size_t best_end = 0;
   double best = chi2_.back() - thresholds_.run;
   for (size_t length = kShortest; length + 3 <= n; length *= 2) {
     for (size_t k = 0; k + length <= n; k += length / 2) {
@@ -129,15 +145,29 @@ bool LineGrower::FindForeignRun(int* begin, int* end) const {
   // Moves one end of the run after the other to its most likely place.
   const size_t reach = best_end - best_begin;
   for (int sweep = 0; sweep < 2; ++sweep) {
-    const size_t old_begin = best_begin, old_end = best_end;
+    const size_t old_begin = best_begin;
+    const size_t old_end = best_end;
     for (size_t k = old_begin > reach ? old_begin - reach : 0; k + 3 < old_end; ++k) {
       const double chi2 = SplitChi2(k, old_end);
-      if (chi2 < best) best = chi2, best_begin = k;
+      if (chi2 >= best) continue;
+      best = chi2;
+      best_begin = k;
     }
     for (size_t k = best_begin + 3; k <= std::min(n, old_end + reach); ++k) {
       const double chi2 = SplitChi2(best_begin, k);
-      if (chi2 < best) best = chi2, best_end = k;
+      if (chi2 >= best) continue;
+      best = chi2;
+      best_end = k;
     }
+  }
+  // A single change explains as much with one parameter less (Schwarz's criterion): prefer it.
+  double single = best + std::log(static_cast<double>(n));
+  for (size_t k = 2; k + 2 <= n; ++k) {
+    const double chi2 = SplitChi2(k, n);
+    if (chi2 >= single) continue;
+    single = chi2;
+    best_begin = k;
+    best_end = n;
   }
   *begin = static_cast<int>(best_begin);
   *end = static_cast<int>(best_end);

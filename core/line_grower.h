@@ -7,9 +7,9 @@
 
 namespace plumbline {
 
-// Grows one line over the beams of a scan line as long as they agree with it. The line's points
-// are numbered in the order in which they were taken up; running sums over them make every test
-// of a run of points cost the same, however long the run.
+// Grows one line over the beams of a scan line as long as they agree with it. The line's
+// points are numbered in the order in which they were taken up; running sums over them make
+// every test of a run of points cost the same, however long the run.
 class LineGrower {
  public:
   struct Thresholds {
@@ -25,13 +25,18 @@ class LineGrower {
   bool Seed(int first);
 
   // Takes up the beams from `begin` to before `end`, step 1 or -1, until min_points in a row
-  // are not on the line or a run of points proves that the line has ended; the points after the
-  // change are then given back.
-  void Grow(int begin, int end, int step);
+  // are not on the line or a run of points proves that the line has ended; the points after
+  // the change are then given back, but not the first num_kept.
+  void Grow(int begin, int end, int step, int num_kept);
 
-  // Looks for a run of points anywhere in the line that do not fit the others, before and after
-  // it: a pillar or door leaf that stands out by no more than the noise. A growing line sees
-  // only what came before and may have followed such a run.
+  // Starts without points, and takes up the beams first .. last that are on the line q as they
+  // are.
+  void Clear();
+  void TakeUpAll(int first, int last, const Eigen::Vector2d& q);
+
+  // Looks for a run of points, begin to before end, that do not fit the others, be they before
+  // it, after it or on both sides: a pillar or door leaf that stands out by no more than the
+  // noise. A growing line sees only what came before and may have followed such a run.
   bool FindForeignRun(int* begin, int* end) const;
 
   // Keeps the first `num_points` points.
@@ -44,7 +49,7 @@ class LineGrower {
 
  private:
   void TakeUp(int beam, const BeamFan::Prediction& prediction);
-  bool EndAtChange();
+  bool EndAtChange(size_t num_kept);
   double SplitChi2(size_t begin, size_t end) const;
 
   const BeamFan& fan_;

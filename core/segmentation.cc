@@ -31,13 +31,13 @@ double Chi2Quantile(int degrees, double normal_quantile) {
 
 struct Limits {
   Limits(const SegmentationOptions& options, int num_beams) {
-    // Union bounds: there are fewer than three tests of runs for each beam (two while growing,
-    // the rest when looking for foreign runs). The statistic of a run is chi square with two
-    // degrees of freedom, P(T > x) = exp(-x / 2).
+    // Union bounds: there are fewer than two tests of runs for each beam (one while growing,
+    // half a test when looking for foreign runs). The statistic of a run is chi square with
+    // two degrees of freedom, P(T > x) = exp(-x / 2).
     const double per_beam = options.significance / std::max(1, num_beams);
     const double point = TwoSidedNormalQuantile(per_beam);
     outlier = point * point;
-    run = -2.0 * std::log(per_beam / 3.0);
+    run = -2.0 * std::log(per_beam / 2.0);
     sum_quantile = TwoSidedNormalQuantile(2.0 * options.significance);
   }
 
@@ -53,7 +53,24 @@ struct Piece {
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
   NormalEquations information;  // of the last fit or, while growing, of the points taken up
+  int num_points = 0;           // likewise
+  double chi2 = 0.0;            // after the last fit
 };
+
+// (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if both are
+// one line.
+double Difference(const Piece& a, const Piece& b) {
+  const NormalEquations& m = a.information;
+  const NormalEquations& n = b.information;
+  const double scale_m = 1.0 / m.Determinant();
+  const double scale_n = 1.0 / n.Determinant();
+  const double xx = scale_m * m.yy + scale_n * n.yy;
+  const double xy = -scale_m * m.xy - scale_n * n.xy;
+  const double yy = scale_m * m.xx + scale_n * n.xx;
+  const Eigen::Vector2d d = a.q - b.q;
+  return (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) /
+         (xx * yy - xy * xy);
+}
 
 class Segmenter {
  public:
@@ -64,20 +81,24 @@ class Segmenter {
       : scanner_(scanner),
         options_(options),
         limits_(options, scan_line.num_beams()),
-        fan_(scan_line, scanner, motion, limits_.outlier) {}
+        fan_(scan_line, scanner, motion, limits_.outlier),
+        grower_(fan_,
+                {options.min_points,
+                 limits_.run,
+                 Chi2Quantile(options.min_points - 2, limits_.sum_quantile)}) {}
 
   std::vector<Segment> Run() {
     GrowAll();
-    // Twice, because a merged line may show that the next end point was at the wrong place.
     OptimiseSplitsAndMerge();
-    OptimiseSplitsAndMerge();
+    SeparateWeakRuns();
+    OptimiseSplitsAndMerge();  // with the lines that merged and separated
     LeaveOutDoubtfulBeams();
     return MakeSegments();
   }
 
  private:
   void GrowAll();
-  void AddGrownPiece(LineGrower* grower, bool starts_at_change);
+  void AddGrownPiece(bool starts_at_change);
   bool Fit(int max_iterations, Piece* piece) const;
   bool AreAdjacent(const Piece& a, const Piece& b) const;
   std::pair<int, double> BestSplit(const Eigen::Vector2d& a,
@@ -89,8 +110,10 @@ class Segmenter {
   bool Merge(const Piece& a, const Piece& b, Piece* merged) const;
   bool IsNeeded(const Piece& a, const Piece& b, const Piece& c) const;
   void OptimiseSplitsAndMerge();
+  void SeparateWeakRuns();
   double Separation(int i, const Piece& a, const Piece& b) const;
-  int PassDoubtful(int i, int end, int step, const Piece& a, const Piece& b) const;
+  int PassDoubtful(
+      int i, int end, int step, double limit, const Piece& a, const Piece& b) const;
   void LeaveOutBetween(Piece* a, Piece* b) const;
   bool IsNearLimit(int i, const Piece& piece) const;
   void LeaveOutDoubtfulBeams();
@@ -101,6 +124,7 @@ class Segmenter {
   const SegmentationOptions& options_;
   const Limits limits_;
   const BeamFan fan_;
+  LineGrower grower_;
   std::vector<Piece> pieces_;
 };
 
@@ -108,10 +132,6 @@ class Segmenter {
 
 void Segmenter::GrowAll() {
   const int num_beams = fan_.num_beams();
-  LineGrower grower(fan_,
-                    {options_.min_points,
-                     limits_.run,
-                     Chi2Quantile(options_.min_points - 2, limits_.sum_quantile)});
   int next = 0;
   int end = num_beams;  // where the next line has to end, if known
   bool starts_at_change = false;
@@ -120,53 +140,53 @@ void Segmenter::GrowAll() {
       end = num_beams;
       starts_at_change = true;
     }
-    if (!fan_.beam(next).is_valid || !grower.Seed(next)) {
+    if (!fan_.beam(next).is_valid || !grower_.Seed(next)) {
       ++next;
       continue;
     }
-    grower.Grow(grower.PointBeam(grower.num_points() - 1) + 1, end, 1);
+    grower_.Grow(grower_.PointBeam(grower_.num_points() - 1) + 1, end, 1, 2);
     bool next_starts_at_change = false;
     int run_begin = 0;
     int run_end = 0;
-    while (grower.FindForeignRun(&run_begin, &run_end)) {
+    while (grower_.FindForeignRun(&run_begin, &run_end)) {
       next_starts_at_change = run_begin > 0;
-      if (run_begin > 0 && run_end < grower.num_points()) end = grower.PointBeam(run_end);
-      grower.Truncate(run_begin > 0 ? run_begin : run_end);
+      if (run_begin > 0 && run_end < grower_.num_points()) end = grower_.PointBeam(run_end);
+      grower_.Truncate(run_begin > 0 ? run_begin : run_end);
     }
-    next = grower.PointBeam(grower.num_points() - 1) + 1;
-    if (grower.num_points() >= options_.min_points) AddGrownPiece(&grower, starts_at_change);
+    next = grower_.PointBeam(grower_.num_points() - 1) + 1;
+    if (grower_.num_points() >= options_.min_points) AddGrownPiece(starts_at_change);
     starts_at_change = next_starts_at_change;
   }
 }
 
-void Segmenter::AddGrownPiece(LineGrower* grower, bool starts_at_change) {
+void Segmenter::AddGrownPiece(bool starts_at_change) {
   Piece piece;
-  piece.first = grower->PointBeam(0);
-  piece.last = grower->PointBeam(grower->num_points() - 1);
+  piece.first = grower_.PointBeam(0);
+  piece.last = grower_.PointBeam(grower_.num_points() - 1);
   piece.starts_at_change = starts_at_change;
   if (!starts_at_change) {
     // Backwards over beams at which no line could start, for example beside an outlier.
     const int before = pieces_.empty() ? -1 : pieces_.back().last;
-    const int num_forward = grower->num_points();
-    grower->Grow(piece.first - 1, std::min(before, piece.first - 1), -1);
-    if (grower->num_points() < num_forward) return;
-    if (grower->num_points() > num_forward) {
-      piece.first = grower->PointBeam(grower->num_points() - 1);
+    const int num_forward = grower_.num_points();
+    grower_.Grow(piece.first - 1, std::min(before, piece.first - 1), -1, num_forward);
+    if (grower_.num_points() > num_forward) {
+      piece.first = grower_.PointBeam(grower_.num_points() - 1);
     }
   }
-  piece.q = grower->q();
-  piece.information = grower->equations();
+  piece.q = grower_.q();
+  piece.information = grower_.equations();
   pieces_.push_back(piece);
 }
 
 // --- Fitting
 
-// Maximum likelihood line through the beams of the piece, without outliers: least squares of the
-// whitened range residuals. The residual of range is that of distance divided by n . u, so this
-// is the weighted fit of the distances n . p - d with one difference that matters: the lever arm
-// of a point comes from where its beam meets the line, not from its measured range. A measured
-// lever arm shares the noise of its residual, which turns every line that is not seen
-// symmetrically. Shortens the piece to beams on the line. False if fewer than min_points remain.
+// Maximum likelihood line through the beams of the piece, without outliers: least squares of
+// the whitened range residuals. The residual of range is that of distance divided by n . u, so
+// this is the weighted fit of the distances n . p - d with one difference that matters: the
+// lever arm of a point comes from where its beam meets the line, not from its measured range.
+// A measured lever arm shares the noise of its residual, which turns every line that is not
+// seen symmetrically. Shortens the piece to beams on the line. False if fewer than min_points
+// remain.
 bool Segmenter::Fit(int max_iterations, Piece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     NormalEquations sum;
@@ -184,8 +204,11 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
     piece->information = sum;
+    piece->num_points = num_points;
+    const double gain = change.dot(Eigen::Vector2d(sum.x, sum.y));
+    piece->chi2 = sum.square - gain;
     // Length of the step in standard deviations; the error left is of its square.
-    if (change.dot(Eigen::Vector2d(sum.x, sum.y)) < 1e-4) break;
+    if (gain < 1e-4) break;
   }
   while (piece->first < piece->last && !fan_.IsOnLine(piece->first, piece->q)) ++piece->first;
   while (piece->first < piece->last && !fan_.IsOnLine(piece->last, piece->q)) --piece->last;
@@ -198,13 +221,10 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
   return b.first - a.last <= options_.min_points;
 }
 
-// Most likely last beam of line a if b follows, within first - 1 .. last, searched from `split`
-// on both sides. Second: the change of chi square with respect to `split`.
-std::pair<int, double> Segmenter::BestSplit(const Eigen::Vector2d& a,
-                                            const Eigen::Vector2d& b,
-                                            int first,
-                                            int last,
-                                            int split) const {
+// Most likely last beam of line a if b follows, within first - 1 .. last, searched from
+// `split` on both sides. Second: the change of chi square with respect to `split`.
+std::pair<int, double> Segmenter::BestSplit(
+    const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
@@ -236,21 +256,8 @@ void Segmenter::OptimiseSplit(Piece* a, Piece* b) const {
   }
 }
 
-// Tests (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if it
-// is one line.
 bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
-  if (b.starts_at_change) return false;
-  const NormalEquations& m = a.information;
-  const NormalEquations& n = b.information;
-  const double scale_m = 1.0 / m.Determinant();
-  const double scale_n = 1.0 / n.Determinant();
-  const double xx = scale_m * m.yy + scale_n * n.yy;
-  const double xy = -scale_m * m.xy - scale_n * n.xy;
-  const double yy = scale_m * m.xx + scale_n * n.xx;
-  const Eigen::Vector2d d = a.q - b.q;
-  const double chi2 =
-      (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) / (xx * yy - xy * xy);
-  if (chi2 > limits_.run) return false;
+  if (b.starts_at_change || Difference(a, b) > limits_.run) return false;
   *merged = a.last - a.first > b.last - b.first ? a : b;
   merged->first = a.first;
   merged->last = b.last;
@@ -292,8 +299,40 @@ void Segmenter::OptimiseSplitsAndMerge() {
   pieces_ = std::move(done);
 }
 
-// --- Doubtful beams. All decisions follow from the fitted lines. These are independent of their
-// points' residuals, so that leaving points out does not bias what the others say.
+// A weak run in the middle of a wall may have merged with the wall on one side of it: wall and
+// run against wall. Looks again at neighbours that differ little, with the points of both.
+void Segmenter::SeparateWeakRuns() {
+  constexpr double kLittle = 10.0;  // stronger runs do not merge; saves time only
+  for (size_t k = 0; k + 1 < pieces_.size(); ++k) {
+    const Piece a = pieces_[k];
+    const Piece b = pieces_[k + 1];
+    if (!AreAdjacent(a, b) || Difference(a, b) > kLittle * limits_.run) continue;
+    grower_.Clear();
+    grower_.TakeUpAll(a.first, a.last, a.q);
+    grower_.TakeUpAll(b.first, b.last, b.q);
+    int begin = 0;
+    int end = 0;
+    if (!grower_.FindForeignRun(&begin, &end)) continue;
+    if (begin < options_.min_points || end > grower_.num_points() - options_.min_points)
+      continue;
+    Piece wall = a;
+    Piece run = a;
+    Piece rest = b;
+    wall.last = grower_.PointBeam(begin - 1);
+    run.first = grower_.PointBeam(begin);
+    run.last = grower_.PointBeam(end - 1);
+    rest.first = grower_.PointBeam(end);
+    run.starts_at_change = rest.starts_at_change = true;
+    if (!Fit(2, &wall) || !Fit(2, &run) || !Fit(2, &rest)) continue;
+    pieces_[k] = wall;
+    pieces_[k + 1] = run;
+    pieces_.insert(pieces_.begin() + static_cast<std::ptrdiff_t>(k) + 2, rest);
+    k += 2;
+  }
+}
+
+// --- Doubtful beams. All decisions follow from the fitted lines. These are independent of
+// their points' residuals, so that leaving points out does not bias what the others say.
 
 // Difference of the ranges that two lines predict in standard deviations of a range.
 double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
@@ -304,13 +343,15 @@ double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
   return (in_a.range - in_b.range) / std::sqrt(0.5 * (in_a.variance + in_b.variance));
 }
 
-// First beam from i on that belongs to one of the lines without doubt. Either it does so alone,
-// or the beams passed over, all taken together, would: a run with the sum S of squared
-// separations goes to the wrong line with the probability of a normal variable > sqrt(S) / 2.
-int Segmenter::PassDoubtful(int i, int end, int step, const Piece& a, const Piece& b) const {
-  const double limit = options_.ambiguity_sigmas;
+// First beam from i on that belongs to one of the lines without doubt: either alone, separated
+// by `limit`, or because the beams passed over, all taken together, would: a run with the sum
+// S of squared separations goes to the wrong line with the probability of a normal variable >
+// sqrt(S) / 2.
+int Segmenter::PassDoubtful(
+    int i, int end, int step, double limit, const Piece& a, const Piece& b) const {
+  const double max_sum = 4.0 * options_.ambiguity_sigmas * options_.ambiguity_sigmas;
   double sum = 0.0;
-  for (; i != end && sum < 4.0 * limit * limit; i += step) {
+  for (; i != end && sum < max_sum; i += step) {
     const double separation = Separation(i, a, b);
     if (std::abs(separation) >= limit) break;
     sum += separation * separation;
@@ -321,9 +362,10 @@ int Segmenter::PassDoubtful(int i, int end, int step, const Piece& a, const Piec
 void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
   int last_of_a = a->last;
   int first_of_b = b->first;
-  // Where the lines intersect among the doubtful beams, a ends and b starts there.
-  const int low = PassDoubtful(a->last, a->first, -1, *a, *b);
-  const int high = PassDoubtful(b->first, b->last, 1, *a, *b);
+  // Where the lines intersect so near that the split may just as well be there, it is there.
+  const double any = std::numeric_limits<double>::infinity();
+  const int low = PassDoubtful(a->last, a->first, -1, any, *a, *b);
+  const int high = PassDoubtful(b->first, b->last, 1, any, *a, *b);
   bool is_above = Separation(low, *a, *b) > 0.0;
   for (int i = low; i < high; ++i) {
     const bool is_next_above = Separation(i + 1, *a, *b) > 0.0;
@@ -334,8 +376,9 @@ void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
     }
     is_above = is_next_above;
   }
-  a->last = PassDoubtful(last_of_a, a->first, -1, *a, *b);
-  b->first = PassDoubtful(first_of_b, b->last, 1, *a, *b);
+  const double limit = options_.ambiguity_sigmas;
+  a->last = PassDoubtful(last_of_a, a->first, -1, limit, *a, *b);
+  b->first = PassDoubtful(first_of_b, b->last, 1, limit, *a, *b);
 }
 
 // Near the limits of the scanner only noise of one sign gives a valid range.
@@ -365,12 +408,12 @@ void Segmenter::LeaveOutDoubtfulBeams() {
       while (piece.first < piece.last && IsNearLimit(piece.first, piece)) ++piece.first;
       while (piece.first < piece.last && IsNearLimit(piece.last, piece)) --piece.last;
       const bool has_moved = piece.first != pieces_[k].first || piece.last != pieces_[k].last;
-      if (round > 0 && !has_moved) continue;
       is_changed = is_changed || has_moved;
-      Piece fitted = piece;
-      pieces_[k] = Fit(kMaxIterations, &fitted) ? fitted : piece;
+      if (round > 1 && !has_moved) continue;
+      if (!Fit(round == 0 ? 1 : kMaxIterations, &piece)) piece.num_points = 0;
+      pieces_[k] = piece;
     }
-    if (!is_changed) return;
+    if (round > 0 && !is_changed) return;
   }
 }
 
@@ -382,14 +425,11 @@ Segment Segmenter::MakeSegment(const Piece& piece) const {
   Segment segment;
   segment.first_beam = piece.first;
   segment.last_beam = piece.last;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    const double deviation = fan_.Deviation(i, piece.q);
-    if (fan_.beam(i).is_valid && deviation < limits_.outlier) {
-      ++segment.num_points;
-      segment.chi2 += deviation;
-    } else {
-      segment.excluded_beams.push_back(i);
-    }
+  segment.num_points = piece.num_points;
+  segment.chi2 = piece.chi2;
+  for (int i = piece.first; piece.num_points <= piece.last - piece.first && i <= piece.last;
+       ++i) {
+    if (!fan_.IsOnLine(i, piece.q)) segment.excluded_beams.push_back(i);
   }
   const double norm = piece.q.norm();
   segment.normal = -piece.q / norm;
@@ -412,9 +452,9 @@ Segment Segmenter::MakeSegment(const Piece& piece) const {
   return segment;
 }
 
-// Leaves out what is too short or not straight. A variance factor above one that the segments of
-// the scan line share (median over the points) says that range_noise_m is understated, not that
-// all lines are bent.
+// Leaves out what is too short or not straight. A variance factor above one that the segments
+// of the scan line share (median over the points) says that range_noise_m is understated, not
+// that all lines are bent.
 std::vector<Segment> Segmenter::MakeSegments() const {
   std::vector<Segment> segments;
   segments.reserve(pieces_.size());
@@ -422,8 +462,8 @@ std::vector<Segment> Segmenter::MakeSegments() const {
   factors.reserve(pieces_.size());
   int num_points = 0;
   for (const Piece& piece : pieces_) {
+    if (piece.num_points < options_.min_points) continue;
     Segment segment = MakeSegment(piece);
-    if (segment.num_points < options_.min_points) continue;
     factors.emplace_back(segment.chi2 / (segment.num_points - 2), segment.num_points);
     num_points += segment.num_points;
     segments.push_back(std::move(segment));
@@ -436,8 +476,7 @@ std::vector<Segment> Segmenter::MakeSegments() const {
     num_below += count;
   }
   const auto is_bent = [&](const Segment& segment) {
-    return segment.chi2 >
-           factor * Chi2Quantile(segment.num_points - 2, limits_.sum_quantile);
+    return segment.chi2 > factor * Chi2Quantile(segment.num_points - 2, limits_.sum_quantile);
   };
   segments.erase(std::remove_if(segments.begin(), segments.end(), is_bent), segments.end());
   return segments;
