@@ -1,5 +1,7 @@
 #include "core/landmark.h"
 
+#include <Eigen/Geometry>
+
 #include <glog/logging.h>
 
 #include <algorithm>
