@@ -12,7 +12,7 @@ namespace {
 constexpr int kMinPoints = 8;               // of a segment that counts here
 constexpr double kMaxSigma = 0.05;          // rad, of a direction that counts here
 const double kMinCrossing = std::sin(15.0 * M_PI / 180.0);  // between two scanners' traces
-const double kMinUpright = std::cos(45.0 * M_PI / 180.0);   // z axis against the body's
+const double kMinUpright = std::cos(35.0 * M_PI / 180.0);   // z axis against the body's
 constexpr double kMaxZSigma = 0.03;         // rad, of the z axis found
 constexpr double kSigmas = 3.5;
 constexpr double kSignificance = 1e-4;
@@ -30,6 +30,7 @@ struct Line {
 // A direction that is perpendicular to z if it comes from what it seems to come from.
 struct Level {
   Eigen::Vector3d direction_body;
+  Eigen::Vector3d scan_normal_body;  // zero where two scanners gave it
   double sigma_rad = 0.0;
   double weight = 0.0;  // m of segment
 };
@@ -67,7 +68,8 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
   for (const Line& line : lines) {
     const double tilt_sine = line.scan_normal_body.head<2>().norm();
     if (tilt_sine < kMinCrossing) continue;
-    levels.push_back({line.direction_body, line.sigma_rad, line.length_m});
+    levels.push_back(
+        {line.direction_body, line.scan_normal_body, line.sigma_rad, line.length_m});
   }
   for (size_t i = 0; i < lines.size(); ++i) {
     for (size_t j = i + 1; j < lines.size(); ++j) {
@@ -79,13 +81,21 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
       const double sigma = std::hypot(lines[i].sigma_rad, lines[j].sigma_rad) / cross.norm();
       if (std::abs(normal.dot(apart)) > kSigmas * sigma * std::max(1.0, apart.norm())) continue;
       if (std::abs(normal.z()) > kMinUpright) continue;  // seems a floor: its traces count
-      levels.push_back({normal, sigma, std::min(lines[i].length_m, lines[j].length_m)});
+      levels.push_back({normal,
+                        Eigen::Vector3d::Zero(),
+                        sigma,
+                        std::min(lines[i].length_m, lines[j].length_m)});
     }
   }
   return levels;
 }
 
 bool Agrees(const Level& level, const Eigen::Vector3d& z) {
+  // Every trace of a scanner is perpendicular to its own scan normal, whatever it lies on.
+  if (!level.scan_normal_body.isZero() &&
+      level.scan_normal_body.cross(z).norm() < kMinCrossing) {
+    return false;
+  }
   return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
 }
 

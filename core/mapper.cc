@@ -275,6 +275,15 @@ void Follower::Follow(const Scan& scan) {
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
   window_->Track(first, last, CandidateIds(scan_index));
+  if (VLOG_IS_ON(2)) {
+    const Rigid3d pose = state_->trajectory.WorldFromBody(scan.end_ns);
+    VLOG(2) << "scan " << scan_index << " at " << pose.translation.transpose() << " q " << pose.rotation.coeffs().transpose();
+    for (int index = first; index <= last; ++index) {
+      const Observation& o = state_->observations[static_cast<size_t>(index)];
+      VLOG(2) << "  obs scanner " << o.scanner_index << " beams " << o.first_beam << "-" << o.last_beam << " n " << o.num_points << " len " << o.length_m() << " sdir " << o.sigma_direction_rad << " -> " << o.landmark_id;
+    }
+    for (const Landmark& l : state_->landmarks) VLOG(2) << "  landmark " << l.id << " n " << l.Normal().transpose() << " d " << l.Distance() << " sig " << l.covariance.diagonal().cwiseSqrt().transpose() << " seg " << l.num_segments << " ext " << l.extent.min_corner().transpose() << " / " << l.extent.max_corner().transpose();
+  }
   CheckNotLost(scan.end_ns);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
