@@ -6,18 +6,13 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
-#include <sys/resource.h>
 
 #include <cmath>
-#include <csignal>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
-#include <sstream>
 
-#include "core/error.h"
+#include "test/core/temporary_directory.h"
 
 namespace plumbline {
 namespace {
@@ -64,30 +59,12 @@ sensor_msgs::LaserScan MakeMessage(int64_t stamp_ns) {
   return message;
 }
 
-std::string ErrorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-std::string ReadBytes(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return bytes.str();
-}
-
-class RecordingTest : public ::testing::Test {
+class RecordingTest : public TemporaryDirectoryTest {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "plumbline_XXXXXX").string();
-    directory_ = mkdtemp(pattern.data());
+    TemporaryDirectoryTest::SetUp();
     path_ = (directory_ / "recording.bag").string();
   }
-  void TearDown() override { fs::remove_all(directory_); }
 
   // Receipt times are a millisecond apart, whatever the stamp in the message.
   template <typename Message>
@@ -125,7 +102,6 @@ class RecordingTest : public ::testing::Test {
     return ErrorOf([&] { RecordingReader reader(path_, MakeRig(names)); });
   }
 
-  fs::path directory_;
   std::string path_;
   int64_t receipt_ns_ = kStart;
 };
@@ -186,18 +162,12 @@ TEST_F(RecordingTest, UnfinishedWriterLeavesNothing) {
 }
 
 TEST_F(RecordingTest, WriterThatRunsOutOfSpaceFailsAndLeavesNothing) {
-  struct rlimit old_limit;
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  const struct rlimit limit = {100'000, old_limit.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
   const std::string error = ErrorOf([&] {
+    const FileSizeLimit limit(100'000);
     RecordingWriter writer(path_, MakeRig({"top"}));
     for (int i = 0; i < 2000; ++i) writer.Write(MakeScanLine(0, kStart + i * kPeriod));
     writer.Close();
   });
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old_limit), 0);
-  std::signal(SIGXFSZ, old_handler);
   EXPECT_THAT(error, HasSubstr(path_ + ": can not be written"));
   EXPECT_TRUE(fs::is_empty(directory_));
 }
@@ -210,7 +180,7 @@ TEST_F(RecordingTest, WriterNamesTheFileItCanNotWrite) {
 
 TEST_F(RecordingTest, RefusesWhatIsNoBag) {
   EXPECT_EQ(OpenError({"top"}), path_ + ": no such file");
-  std::ofstream(path_) << "SQLite format 3";
+  WriteBytes(path_, "SQLite format 3");
   EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
   fs::resize_file(path_, 0);
   EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
@@ -235,7 +205,7 @@ TEST_F(RecordingTest, RefusesABagThatWasNeverClosed) {
   std::string bytes = ReadBytes(path_);
   const size_t position = bytes.find("index_pos=") + 10;
   bytes.replace(position, 8, std::string(8, '\0'));
-  std::ofstream(path_, std::ios::binary) << bytes;
+  WriteBytes(path_, bytes);
   EXPECT_THAT(OpenError({"top"}), HasSubstr("the bag was never closed and has no index"));
 }
 
@@ -296,7 +266,7 @@ TEST_F(RecordingTest, NamesTheMessageThatCanNotBeDecoded) {
   ASSERT_EQ(bytes[position], 3);
   bytes[position] = '\xe8';
   bytes[position + 1] = '\x03';
-  std::ofstream(path_, std::ios::binary) << bytes;
+  WriteBytes(path_, bytes);
   EXPECT_THAT(OpenError({"top"}),
               HasSubstr(path_ + ": message 2 of 2 (topic /top_scan, recorded at "
                                 "1600000000.002000000 s) can not be decoded"));

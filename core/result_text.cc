@@ -1,0 +1,162 @@
+#include "core/result_text.h"
+
+#include <glog/logging.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+// Exact: a double can not hold today's nanoseconds.
+std::string SecondsText(int64_t time_ns) {
+  constexpr uint64_t kNanoseconds = 1'000'000'000;
+  const uint64_t magnitude =
+      time_ns < 0 ? -static_cast<uint64_t>(time_ns) : static_cast<uint64_t>(time_ns);
+  char text[48];
+  std::snprintf(text,
+                sizeof(text),
+                "%s%llu.%09llu",
+                time_ns < 0 ? "-" : "",
+                static_cast<unsigned long long>(magnitude / kNanoseconds),
+                static_cast<unsigned long long>(magnitude % kNanoseconds));
+  return text;
+}
+
+// The shortest text that reads back as the same double.
+std::string NumberText(double value) { return nlohmann::json(value).dump(); }
+
+std::string VectorText(const Eigen::Vector3d& vector) {
+  return "[" + NumberText(vector.x()) + ", " + NumberText(vector.y()) + ", " +
+         NumberText(vector.z()) + "]";
+}
+
+std::string PlaneText(const PlanePatch& plane) {
+  std::string outline;
+  for (const Eigen::Vector3d& corner : plane.outline) {
+    outline += (outline.empty() ? "" : ", ") + VectorText(corner);
+  }
+  std::string text = "{\"id\": " + std::to_string(plane.id);
+  const auto add = [&text](const std::string& key, const std::string& value) {
+    text += ", \"" + key + "\": " + value;
+  };
+  add("type", "\"" + PlaneTypeName(plane.type) + "\"");
+  add("normal", VectorText(plane.normal));
+  add("distance", NumberText(plane.distance));
+  add("sigma_angle_deg", NumberText(plane.sigma_angle_rad * kDegreesPerRadian));
+  add("sigma_distance_m", NumberText(plane.sigma_distance_m));
+  add("centre", VectorText(plane.centre));
+  add("outline", "[" + outline + "]");
+  add("num_points", std::to_string(plane.num_points));
+  add("num_segments", std::to_string(plane.num_segments));
+  add("first_time", SecondsText(plane.first_time_ns));
+  add("last_time", SecondsText(plane.last_time_ns));
+  return text + "}";
+}
+
+// A bright colour "red green blue"; hues of successive ids are far apart (golden ratio).
+std::string ColourText(int id) {
+  const double hue = 6.0 * std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0);
+  const auto channel = [hue](double offset) {
+    const double position = std::fmod(hue + offset + 6.0, 6.0);
+    const double ramp = std::min(std::max(std::abs(position - 3.0) - 1.0, 0.0), 1.0);
+    return std::to_string(static_cast<int>(std::lround(64.0 + 191.0 * ramp)));
+  };
+  return channel(0.0) + " " + channel(4.0) + " " + channel(2.0);
+}
+
+}  // namespace
+
+std::string FormatTrajectory(const std::vector<StampedPose>& poses) {
+  std::string text;
+  for (const StampedPose& pose : poses) {
+    const Eigen::Vector3d& p = pose.world_from_body.translation;
+    Eigen::Quaterniond q = pose.world_from_body.rotation.normalized();
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+    CHECK(p.allFinite() && q.coeffs().allFinite()) << "pose at " << pose.time_ns << " ns";
+    char line[256];
+    const int size = std::snprintf(line,
+                                   sizeof(line),
+                                   " %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
+                                   p.x(),
+                                   p.y(),
+                                   p.z(),
+                                   q.x(),
+                                   q.y(),
+                                   q.z(),
+                                   q.w());
+    CHECK_LT(size, static_cast<int>(sizeof(line))) << "pose at " << pose.time_ns << " ns";
+    text += SecondsText(pose.time_ns) + line;
+  }
+  return text;
+}
+
+std::string FormatPlanes(const std::vector<PlanePatch>& planes) {
+  std::string text = "[";
+  for (const PlanePatch& plane : planes) {
+    text += text.size() == 1 ? "\n  " : ",\n  ";
+    text += PlaneText(plane);
+  }
+  return text + "\n]\n";
+}
+
+std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
+  std::string vertices;
+  std::string faces;
+  int num_vertices = 0;
+  int num_faces = 0;
+  for (const PlanePatch& plane : planes) {
+    if (plane.outline.size() < 3) continue;
+    const std::string colour = ColourText(plane.id);
+    faces += std::to_string(plane.outline.size());
+    for (const Eigen::Vector3d& corner : plane.outline) {
+      char position[128];
+      std::snprintf(
+          position, sizeof(position), "%.6g %.6g %.6g ", corner.x(), corner.y(), corner.z());
+      vertices += position + colour + "\n";
+      faces += " " + std::to_string(num_vertices++);
+    }
+    faces += " " + colour + " " + std::to_string(plane.id) + "\n";
+    ++num_faces;
+  }
+  // Colours stand with the corners too: few viewers show those of faces.
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(num_vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
+         std::to_string(num_faces) +
+         "\nproperty list int int vertex_indices\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "property int plane_id\nend_header\n" +
+         vertices + faces;
+}
+
+std::string FormatSummary(const Summary& summary) {
+  nlohmann::ordered_json json;
+  json["scans"] = summary.scans;
+  json["points"] = summary.points;
+  json["points_used"] = summary.points_used;
+  json["segments"] = summary.segments;
+  json["planes"] = summary.planes;
+  json["control_points"] = summary.control_points;
+  json["residual_rms_m"] = summary.residual_rms_m;
+  json["variance_factor"] = summary.variance_factor;
+  json["duration_s"] = summary.duration_s;
+  nlohmann::ordered_json stages = nlohmann::ordered_json::object();
+  for (const auto& [name, seconds] : summary.stages) {
+    stages[name] = stages.value(name, 0.0) + seconds;
+  }
+  json["stages"] = stages;
+  json["real_time_factor"] = summary.real_time_factor;
+  json["peak_memory_mb"] = summary.peak_memory_mb;
+  json["motion"] = summary.motion;
+  json["reference_plane_id"] = summary.reference_plane_id;
+  json["warnings"] = summary.warnings;
+  // File names in warnings need not be UTF-8.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace plumbline
