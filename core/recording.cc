@@ -165,6 +165,7 @@ struct RecordingReader::Impl {
   void ReadAhead(size_t position);
 
   [[noreturn]] void Fail(size_t position, const std::string& reason);
+  serialization::IStream ReadBytes(size_t position);
   ScanHead ReadMessageHead(size_t position);
   void ReadScanLine(size_t position, ScanLine* scan_line);
 };
@@ -179,11 +180,15 @@ void RecordingReader::Impl::Fail(size_t position, const std::string& reason) {
               ", recorded at " + time + " s) can not be decoded: " + reason);
 }
 
+serialization::IStream RecordingReader::Impl::ReadBytes(size_t position) {
+  bytes.bytes.clear();  // rosbag does not touch them where a message is empty
+  instances[position].write(bytes);
+  return {bytes.bytes.data(), static_cast<uint32_t>(bytes.bytes.size())};
+}
+
 ScanHead RecordingReader::Impl::ReadMessageHead(size_t position) {
   try {
-    instances[position].write(bytes);
-    serialization::IStream stream(bytes.bytes.data(),
-                                  static_cast<uint32_t>(bytes.bytes.size()));
+    serialization::IStream stream = ReadBytes(position);
     return ReadHead(&stream);
   } catch (const std::exception& exception) {
     Fail(position, exception.what());
@@ -191,14 +196,11 @@ ScanHead RecordingReader::Impl::ReadMessageHead(size_t position) {
 }
 
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
-  const rosbag::MessageInstance& instance = instances[position];
   const bool multi_echo =
-      instance.getDataType() ==
+      instances[position].getDataType() ==
       ros::message_traits::DataType<sensor_msgs::MultiEchoLaserScan>::value();
   try {
-    instance.write(bytes);
-    serialization::IStream stream(bytes.bytes.data(),
-                                  static_cast<uint32_t>(bytes.bytes.size()));
+    serialization::IStream stream = ReadBytes(position);
     const ScanHead head = ReadHead(&stream);
     scan_line->scanner_index = stamps[position].scanner_index;
     scan_line->stamp_ns = head.stamp_ns;
