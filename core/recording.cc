@@ -143,6 +143,13 @@ void OpenBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
+// Takes a bag that can not be closed, for want of space: its destructor would try again,
+// throw, and so end the program. The list keeps it reachable.
+void Abandon(std::unique_ptr<rosbag::Bag> bag) {
+  static auto* abandoned = new std::vector<rosbag::Bag*>();
+  abandoned->push_back(bag.release());
+}
+
 }  // namespace
 
 struct RecordingReader::Impl {
@@ -381,8 +388,7 @@ RecordingWriter::~RecordingWriter() {
   try {
     impl_->bag->close();
   } catch (const std::exception&) {
-    // The bag's own destructor would try, and throw, once more.
-    (void)impl_->bag.release();
+    Abandon(std::move(impl_->bag));
   }
 }
 
