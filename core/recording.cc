@@ -143,6 +143,13 @@ void OpenBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
+// Takes a bag that can not be closed, for want of space: its destructor would try again,
+// throw, and so end the program. The list keeps it reachable.
+void Abandon(std::unique_ptr<rosbag::Bag> bag) {
+  static auto* abandoned = new std::vector<rosbag::Bag*>();
+  abandoned->push_back(bag.release());
+}
+
 }  // namespace
 
 struct RecordingReader::Impl {
@@ -165,6 +172,7 @@ struct RecordingReader::Impl {
   void ReadAhead(size_t position);
 
   [[noreturn]] void Fail(size_t position, const std::string& reason);
+  serialization::IStream ReadBytes(size_t position);
   ScanHead ReadMessageHead(size_t position);
   void ReadScanLine(size_t position, ScanLine* scan_line);
 };
@@ -179,11 +187,15 @@ void RecordingReader::Impl::Fail(size_t position, const std::string& reason) {
               ", recorded at " + time + " s) can not be decoded: " + reason);
 }
 
+serialization::IStream RecordingReader::Impl::ReadBytes(size_t position) {
+  bytes.bytes.clear();  // rosbag does not touch them where a message is empty
+  instances[position].write(bytes);
+  return {bytes.bytes.data(), static_cast<uint32_t>(bytes.bytes.size())};
+}
+
 ScanHead RecordingReader::Impl::ReadMessageHead(size_t position) {
   try {
-    instances[position].write(bytes);
-    serialization::IStream stream(bytes.bytes.data(),
-                                  static_cast<uint32_t>(bytes.bytes.size()));
+    serialization::IStream stream = ReadBytes(position);
     return ReadHead(&stream);
   } catch (const std::exception& exception) {
     Fail(position, exception.what());
@@ -191,14 +203,11 @@ ScanHead RecordingReader::Impl::ReadMessageHead(size_t position) {
 }
 
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
-  const rosbag::MessageInstance& instance = instances[position];
   const bool multi_echo =
-      instance.getDataType() ==
+      instances[position].getDataType() ==
       ros::message_traits::DataType<sensor_msgs::MultiEchoLaserScan>::value();
   try {
-    instance.write(bytes);
-    serialization::IStream stream(bytes.bytes.data(),
-                                  static_cast<uint32_t>(bytes.bytes.size()));
+    serialization::IStream stream = ReadBytes(position);
     const ScanHead head = ReadHead(&stream);
     scan_line->scanner_index = stamps[position].scanner_index;
     scan_line->stamp_ns = head.stamp_ns;
@@ -379,8 +388,7 @@ RecordingWriter::~RecordingWriter() {
   try {
     impl_->bag->close();
   } catch (const std::exception&) {
-    // The bag's own destructor would try, and throw, once more.
-    (void)impl_->bag.release();
+    Abandon(std::move(impl_->bag));
   }
 }
 
