@@ -129,39 +129,44 @@ double LineGrower::SplitChi2(size_t begin, size_t end) const {
 bool LineGrower::FindForeignRun(int* begin, int* end) const {
   constexpr size_t kShortest = 8;  // the growing line sees shorter runs as well as this would
   const size_t n = point_beams_.size();
+  const double limit = chi2_.back() - thresholds_.run;
+  bool is_found = false;
   size_t best_begin = 0;
-  size_t best_end = 0;
-  double best = chi2_.back() - thresholds_.run;
+  size_t best_end = n;
+  double best = chi2_.back();  // of the runs with points on both sides
   for (size_t length = kShortest; length + 3 <= n; length *= 2) {
     for (size_t k = 0; k + length <= n; k += length / 2) {
       const double chi2 = SplitChi2(k, k + length);
-      if (chi2 >= best) continue;
+      is_found = is_found || chi2 < limit;
+      if (chi2 >= best || k == 0 || k + length == n) continue;
       best = chi2;
       best_begin = k;
       best_end = k + length;
     }
   }
-  if (best_end == 0) return false;
+  if (!is_found) return false;
   // Moves one end of the run after the other to its most likely place.
   const size_t reach = best_end - best_begin;
   for (int sweep = 0; sweep < 2; ++sweep) {
     const size_t old_begin = best_begin;
     const size_t old_end = best_end;
-    for (size_t k = old_begin > reach ? old_begin - reach : 0; k + 3 < old_end; ++k) {
+    for (size_t k = old_begin > reach ? old_begin - reach : 1; k + 3 < old_end; ++k) {
       const double chi2 = SplitChi2(k, old_end);
       if (chi2 >= best) continue;
       best = chi2;
       best_begin = k;
     }
-    for (size_t k = best_begin + 3; k <= std::min(n, old_end + reach); ++k) {
+    for (size_t k = best_begin + 3; k < std::min(n, old_end + reach); ++k) {
       const double chi2 = SplitChi2(best_begin, k);
       if (chi2 >= best) continue;
       best = chi2;
       best_end = k;
     }
   }
-  // A single change explains as much with one parameter less (Schwarz's criterion): prefer it.
-  double single = best + std::log(static_cast<double>(n));
+  // A single change has one end less to choose freely. Prefer it unless the run explains more
+  // than that freedom does in one of a hundred lines that change once (union bound).
+  constexpr double kWrongChoice = 0.01;
+  double single = best - 2.0 * std::log(kWrongChoice / static_cast<double>(n));
   for (size_t k = 2; k + 2 <= n; ++k) {
     const double chi2 = SplitChi2(k, n);
     if (chi2 >= single) continue;
