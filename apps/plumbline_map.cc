@@ -1,0 +1,39 @@
+// Maps a recording of several 2D laser scanners.
+
+#include <gflags/gflags.h>
+
+#include <cstdio>
+
+#include "apps/app.h"
+#include "apps/progress.h"
+#include "core/error.h"
+#include "core/map_job.h"
+
+DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");
+DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well they measure");
+DEFINE_string(config, "", "mapper settings (YAML) or a whole experiment; without it, defaults");
+DEFINE_int32(threads, 1, "threads; the result does not depend on them");
+DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
+
+int main(int argc, char** argv) {
+  return plumbline::RunApp(
+      argc,
+      argv,
+      "a recording of 2D scan lines in, the rig's trajectory, the building's planes and a map out",
+      __FILE__,
+      {"recording", "rig", "output"},
+      [] {
+        if (FLAGS_threads < 1) throw plumbline::Error("--threads must be at least 1");
+        plumbline::Progress progress("map");
+        const plumbline::Summary summary = plumbline::RunMapJob(
+            {FLAGS_recording, FLAGS_rig, FLAGS_config, FLAGS_output, FLAGS_threads},
+            [&](const std::string&, double share) { progress.Report(share); });
+        std::printf(
+            "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time\n",
+            summary.scans,
+            summary.planes,
+            1e3 * summary.residual_rms_m,
+            summary.duration_s,
+            summary.real_time_factor);
+      });
+}

@@ -1,0 +1,62 @@
+#include "core/association.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plumbline {
+
+bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
+  return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&
+                             landmark.first_scan - scan_index <= options.max_gap_scans);
+}
+
+Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
+  // A bump somewhere along the segment: its offset, and the slope between its two halves.
+  const double slope = flatness_m / std::max(0.5 * length_m, flatness_m);
+  return Eigen::Vector2d(flatness_m * flatness_m, slope * slope).asDiagonal();
+}
+
+double TwoDegreesQuantile(double significance) { return -2.0 * std::log(significance); }
+
+int FindLandmark(const Observation& observation,
+                 const Rigid3d& body_from_scanner,
+                 const ObservationPoses& poses,
+                 const Matrix6d& pose_covariance,
+                 const std::deque<Landmark>& landmarks,
+                 const std::vector<int>& candidate_ids,
+                 const AssociationOptions& options) {
+  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
+  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+    return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  };
+  const Eigen::Vector3d start_world = to_world(observation.start);
+  const Eigen::Vector3d end_world = to_world(observation.end);
+  const Eigen::Matrix2d flatness =
+      FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
+  const double gate = TwoDegreesQuantile(options.significance);
+  double best_score = std::numeric_limits<double>::infinity();
+  int best_id = -1;
+  for (const int id : candidate_ids) {
+    const Landmark& landmark = landmarks[static_cast<size_t>(id)];
+    if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) continue;
+    if (!landmark.extent.IsNear(start_world, end_world, options.max_gap_m)) continue;
+    const LineDeviation deviation =
+        DeviationFromPlane(observation, body_from_scanner, poses, landmark);
+    const Eigen::Matrix2d covariance =
+        deviation.covariance + flatness +
+        deviation.by_pose * pose_covariance * deviation.by_pose.transpose() +
+        deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
+    const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
+    if (!(distance2 < gate)) continue;
+    const double score = distance2 + std::log(covariance.determinant());
+    if (score < best_score) {
+      best_score = score;
+      best_id = id;
+    }
+  }
+  return best_id;
+}
+
+}  // namespace plumbline

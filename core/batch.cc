@@ -1,0 +1,210 @@
+#include "core/batch.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "core/association.h"
+#include "core/duplicates.h"
+#include "core/estimation_problem.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kHuberWidth = 5.0;
+
+Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
+
+class Batch {
+ public:
+  Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+      : rig_(rig), planar_(planar), options_(options), state_(state) {}
+
+  // All residuals; huber_width 0: plain least squares.
+  std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
+    auto problem = std::make_unique<EstimationProblem>(
+        rig_, planar_, &state_->trajectory, &state_->landmarks);
+    problem->AddStartVelocityPrior(options_.trajectory);
+    problem->AddOrigin(state_->origin_time_ns);
+    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
+      problem->AddMotionPrior(i, options_.trajectory);
+    }
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      problem->AddObservation(observation, factor, huber_width);
+    }
+    return problem;
+  }
+
+  ceres::Solver::Summary Solve(EstimationProblem* problem) {
+    ceres::Solver::Options options;
+    // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 30;
+    options.function_tolerance = 1e-9;
+    options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
+    options.logging_type = ceres::SILENT;
+    const ceres::Solver::Summary summary = problem->Solve(options);
+    VLOG(1) << summary.BriefReport();
+    return summary;
+  }
+
+  // Extents, times and counts from the associations as they stand.
+  void RebuildLandmarks() {
+    for (Landmark& landmark : state_->landmarks) {
+      landmark.extent = PatchExtent(landmark.extent.u_axis(), landmark.extent.v_axis());
+      landmark.num_segments = 0;
+      landmark.num_points = 0;
+    }
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id >= 0) Count(observation);
+    }
+  }
+
+  // Associates every observation anew; returns how many changed.
+  int Reassociate() {
+    int num_changed = 0;
+    std::vector<int> ids;
+    for (Observation& observation : state_->observations) {
+      ids.clear();
+      for (const Landmark& landmark : state_->landmarks) {
+        if (landmark.num_segments > 0 &&
+            IsWithinGap(landmark, observation.scan_index, options_.loop_closure)) {
+          ids.push_back(landmark.id);
+        }
+      }
+      const int id =
+          FindLandmark(observation,
+                       rig_.scanners[static_cast<size_t>(observation.scanner_index)]
+                           .body_from_scanner,
+                       ObservationPoses(state_->trajectory, observation),
+                       Matrix6d::Zero(),
+                       state_->landmarks,
+                       ids,
+                       options_.association);
+      num_changed += id != observation.landmark_id ? 1 : 0;
+      observation.landmark_id = id;
+    }
+    return num_changed;
+  }
+
+  int MergeDuplicates() {
+    const auto pairs = FindDuplicates(rig_, *state_, options_, 0);
+    // A landmark that was itself merged away passes its share on.
+    std::vector<int> target(state_->landmarks.size());
+    for (size_t i = 0; i < target.size(); ++i) target[i] = static_cast<int>(i);
+    for (const auto& [into, from] : pairs) {
+      const int end = target[static_cast<size_t>(into)];
+      target[static_cast<size_t>(from)] = end;
+      MergeInto(end, from, state_);
+    }
+    return static_cast<int>(pairs.size());
+  }
+
+  // Landmarks that fewer scans support than a new plane needs.
+  int DropWeak() {
+    std::vector<std::set<int>> scans(state_->landmarks.size());
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id >= 0) {
+        scans[static_cast<size_t>(observation.landmark_id)].insert(observation.scan_index);
+      }
+    }
+    int num_dropped = 0;
+    for (Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      const size_t at = static_cast<size_t>(observation.landmark_id);
+      if (static_cast<int>(scans[at].size()) >= options_.planes.min_scans) continue;
+      observation.landmark_id = -1;
+      ++num_dropped;
+    }
+    return num_dropped;
+  }
+
+  void SetCovariances(EstimationProblem* problem) {
+    std::vector<BlockId> blocks;
+    std::vector<int> offsets;
+    const Eigen::MatrixXd covariance = problem->LandmarkCovariance(&blocks, &offsets);
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const int size = offsets[i + 1] - offsets[i];
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(blocks[i].index)];
+      landmark.covariance.setZero();
+      landmark.covariance.topLeftCorner(size, size) =
+          covariance.block(offsets[i], offsets[i], size, size);
+    }
+  }
+
+  double VarianceFactor(const ceres::Solver::Summary& summary) const {
+    double num_points = 0.0;
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id >= 0) num_points += observation.num_points;
+    }
+    return 2.0 * summary.final_cost / (num_points - summary.num_effective_parameters_reduced);
+  }
+
+ private:
+  void Count(const Observation& observation) {
+    Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+    const Rigid3d& body_from_scanner =
+        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const Rigid3d start =
+        state_->trajectory.WorldFromBody(observation.start_time_ns) * body_from_scanner;
+    const Rigid3d end =
+        state_->trajectory.WorldFromBody(observation.end_time_ns) * body_from_scanner;
+    landmark.extent.AddSegment(start * Lift(observation.start), end * Lift(observation.end));
+    if (landmark.num_segments == 0) {
+      landmark.first_scan = observation.scan_index;
+      landmark.first_time_ns = observation.start_time_ns;
+    }
+    landmark.last_scan = observation.scan_index;
+    landmark.last_time_ns = observation.end_time_ns;
+    ++landmark.num_segments;
+    landmark.num_points += observation.num_points;
+  }
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  MapState* state_;
+};
+
+}  // namespace
+
+BatchReport EstimateBatch(const Rig& rig,
+                          bool planar,
+                          const MapperOptions& options,
+                          const std::function<void(const std::string&)>& progress,
+                          MapState* state) {
+  Batch batch(rig, planar, options, state);
+  BatchReport report;
+  for (int round = 1; round <= options.batch.max_rounds; ++round) {
+    report.rounds = round;
+    {
+      const auto problem = batch.BuildProblem(FactorKind::kSegment, kHuberWidth);
+      batch.Solve(problem.get());
+      batch.SetCovariances(problem.get());
+    }
+    batch.RebuildLandmarks();
+    const int num_merged = batch.MergeDuplicates();
+    const int num_changed = batch.Reassociate();
+    const int num_dropped = batch.DropWeak();
+    batch.RebuildLandmarks();
+    report.changed_associations = num_changed + num_dropped;
+    progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +
+             " associations changed, " + std::to_string(num_merged) + " planes merged");
+    // What still changes sides then is worth less than its own noise.
+    const double share = static_cast<double>(report.changed_associations) /
+                         static_cast<double>(std::max<size_t>(1, state->observations.size()));
+    if (num_merged == 0 && num_dropped == 0 && share < 1e-4) break;
+  }
+  const auto problem = batch.BuildProblem(options.batch.factor, 0.0);
+  const ceres::Solver::Summary summary = batch.Solve(problem.get());
+  report.variance_factor = batch.VarianceFactor(summary);
+  batch.SetCovariances(problem.get());
+  batch.RebuildLandmarks();
+  return report;
+}
+
+}  // namespace plumbline

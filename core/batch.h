@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "core/mapper_options.h"
+#include "core/rig.h"
+#include "core/window.h"
+
+namespace plumbline {
+
+struct BatchReport {
+  int rounds = 0;
+  int changed_associations = 0;  // in the last round before the final estimation
+  double variance_factor = 0.0;  // weighted sum of squares / redundancy
+};
+
+// The final estimation: all segments, control points and planes together, no marginalised
+// history. Estimates and associates anew until the associations stand, merges planes that turn
+// out to be one, drops those that too few scans support, and ends as plain weighted least squares
+// over the segments that agree with their planes. Leaves each landmark's covariance (absolute, in
+// the model frame), extent and counts as they follow from the final associations.
+BatchReport EstimateBatch(const Rig& rig,
+                          bool planar,
+                          const MapperOptions& options,
+                          const std::function<void(const std::string&)>& progress,
+                          MapState* state);
+
+}  // namespace plumbline

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/mapper_options.h"
+#include "core/rig.h"
+#include "core/window.h"
+
+namespace plumbline {
+
+// Pairs (older, newer) of landmarks that are one plane: same type and side, seen next to each
+// other, no statistically significant difference in position and direction where they meet, and
+// that difference known to better than the scanners' range noise. Only pairs with a landmark
+// seen since scan `since_scan`, and, with loop closure off, only within the allowed gap.
+std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
+                                                const MapState& state,
+                                                const MapperOptions& options,
+                                                int since_scan);
+
+// Makes landmark `from` part of `into`: its observations, extent and times.
+void MergeInto(int into, int from, MapState* state);
+
+}  // namespace plumbline

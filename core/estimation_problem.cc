@@ -1,0 +1,389 @@
+#include "core/estimation_problem.h"
+
+#include <ceres/cost_function.h>
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "core/arrow_matrix.h"
+#include "core/error.h"
+#include "factors/manifolds.h"
+#include "factors/motion_factor.h"
+#include "factors/point_factor.h"
+#include "factors/position_factor.h"
+#include "factors/schur.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kOrder = 4;
+// Whitening of the origin's gauge constraint: far below any measured precision, yet well
+// conditioned beside the residuals.
+constexpr double kOriginSigma = 1e-5;  // m
+
+int AmbientSize(const BlockId& block, const std::deque<Landmark>& landmarks) {
+  switch (block.kind) {
+    case BlockId::Kind::kRotation:
+      return 4;
+    case BlockId::Kind::kPosition:
+      return 3;
+    case BlockId::Kind::kLandmark:
+      return landmarks[static_cast<size_t>(block.index)].num_parameters();
+  }
+  LOG(FATAL) << "unknown block";
+  return 0;
+}
+
+ceres::Problem::Options ProblemOptions() {
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+}  // namespace
+
+EstimationProblem::EstimationProblem(const Rig& rig,
+                                     bool planar,
+                                     Trajectory* trajectory,
+                                     std::deque<Landmark>* landmarks)
+    : rig_(rig),
+      planar_(planar),
+      trajectory_(trajectory),
+      landmarks_(landmarks),
+      rotation_manifold_(planar ? CreateYawManifold() : CreateRotationManifold()),
+      planar_position_manifold_(
+          std::make_unique<ceres::SubsetManifold>(3, std::vector<int>{2})),
+      fixed_heading_manifold_(std::make_unique<ceres::SubsetManifold>(2, std::vector<int>{0})),
+      problem_(ProblemOptions()) {
+  extrinsic_rotations_.resize(rig.scanners.size());
+  extrinsic_translations_.resize(rig.scanners.size());
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const Rigid3d& body_from_scanner = rig.scanners[i].body_from_scanner;
+    Eigen::Map<Eigen::Quaterniond>(extrinsic_rotations_[i].data()) = body_from_scanner.rotation;
+    Eigen::Map<Eigen::Vector3d>(extrinsic_translations_[i].data()) =
+        body_from_scanner.translation;
+    problem_.AddParameterBlock(extrinsic_rotations_[i].data(), 4);
+    problem_.AddParameterBlock(extrinsic_translations_[i].data(), 3);
+    problem_.SetParameterBlockConstant(extrinsic_rotations_[i].data());
+    problem_.SetParameterBlockConstant(extrinsic_translations_[i].data());
+  }
+}
+
+double* EstimationProblem::Data(const BlockId& block) const {
+  switch (block.kind) {
+    case BlockId::Kind::kRotation:
+      return trajectory_->control_point(block.index).rotation.data();
+    case BlockId::Kind::kPosition:
+      return trajectory_->control_point(block.index).position.data();
+    case BlockId::Kind::kLandmark:
+      return (*landmarks_)[static_cast<size_t>(block.index)].parameters.data();
+  }
+  LOG(FATAL) << "unknown block";
+  return nullptr;
+}
+
+int EstimationProblem::TangentSize(const BlockId& block) const {
+  if (block.kind == BlockId::Kind::kRotation) return planar_ ? 1 : 3;
+  return AmbientSize(block, *landmarks_);
+}
+
+void EstimationProblem::Register(const BlockId& block) {
+  double* data = Data(block);
+  if (!blocks_.emplace(block, data).second) return;
+  problem_.AddParameterBlock(data, AmbientSize(block, *landmarks_));
+  switch (block.kind) {
+    case BlockId::Kind::kRotation:
+      problem_.SetManifold(data, rotation_manifold_.get());
+      break;
+    case BlockId::Kind::kPosition:
+      if (planar_) problem_.SetManifold(data, planar_position_manifold_.get());
+      break;
+    case BlockId::Kind::kLandmark:
+      if ((*landmarks_)[static_cast<size_t>(block.index)].heading_fixed) {
+        problem_.SetManifold(data, fixed_heading_manifold_.get());
+      }
+      break;
+  }
+}
+
+std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count) {
+  std::vector<double*> blocks;
+  for (int i = first; i < first + count; ++i) {
+    Register(RotationBlock(i));
+    blocks.push_back(Data(RotationBlock(i)));
+  }
+  for (int i = first; i < first + count; ++i) {
+    Register(PositionBlock(i));
+    blocks.push_back(Data(PositionBlock(i)));
+  }
+  return blocks;
+}
+
+void EstimationProblem::AddObservation(const Observation& observation,
+                                       FactorKind factor,
+                                       double huber_width) {
+  const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const Rigid3d& body_from_scanner = rig_.scanners[scanner].body_from_scanner;
+  const Rigid3d world_from_body =
+      trajectory_->WorldFromBody(observation.measurement.node_times_ns[1]);
+  const double scale = WhiteningScale(
+      observation, world_from_body.rotation * body_from_scanner.rotation, landmark.Normal());
+  Register(LandmarkBlock(landmark.id));
+  const auto add = [&](int first, int count, std::unique_ptr<ceres::CostFunction> cost,
+                       ceres::LossFunction* loss) {
+    std::vector<double*> blocks = ControlPointBlocks(first, count);
+    blocks.push_back(extrinsic_rotations_[scanner].data());
+    blocks.push_back(extrinsic_translations_[scanner].data());
+    blocks.push_back(Data(LandmarkBlock(landmark.id)));
+    problem_.AddResidualBlock(cost.release(), loss, blocks);
+  };
+  if (factor == FactorKind::kPoint) {
+    for (size_t i = 0; i < observation.points.size(); ++i) {
+      const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
+      const PointMeasurement measurement{
+          observation.points[i], at.u, scale * observation.point_whitening[i]};
+      add(at.first, kOrder, CreatePointFactor(measurement, landmark.model, landmark.sign),
+          nullptr);
+    }
+    return;
+  }
+  std::array<Trajectory::Location, 3> at;
+  for (size_t k = 0; k < 3; ++k) {
+    at[k] = trajectory_->Locate(observation.measurement.node_times_ns[k]);
+  }
+  const int first = at[0].first;
+  std::array<SplineNode, 3> nodes;
+  for (size_t k = 0; k < 3; ++k) nodes[k] = {at[k].first - first, at[k].u};
+  const int count = at[2].first - first + kOrder;
+  ceres::LossFunction* loss = nullptr;
+  if (huber_width > 0.0) {
+    auto& shared = losses_[huber_width];
+    if (!shared) shared = std::make_unique<ceres::HuberLoss>(huber_width);
+    loss = shared.get();
+  }
+  add(first,
+      count,
+      CreateSegmentFactor(
+          observation.measurement, nodes, count, landmark.model, landmark.sign, scale),
+      loss);
+}
+
+void EstimationProblem::AddMotionPrior(int first, const TrajectoryOptions& options) {
+  const double interval_s = trajectory_->knot_interval_s();
+  const std::vector<double*> blocks = ControlPointBlocks(first, 3);
+  problem_.AddResidualBlock(
+      CreateRotationAccelerationFactor(
+          options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s)
+          .release(),
+      nullptr,
+      {blocks[0], blocks[1], blocks[2]});
+  problem_.AddResidualBlock(
+      CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s).release(),
+      nullptr,
+      {blocks[3], blocks[4], blocks[5]});
+}
+
+void EstimationProblem::AddStartVelocityPrior(const TrajectoryOptions& options) {
+  const double interval_s = trajectory_->knot_interval_s();
+  const std::vector<double*> blocks = ControlPointBlocks(0, 2);
+  problem_.AddResidualBlock(
+      CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
+                                   interval_s)
+          .release(),
+      nullptr,
+      {blocks[0], blocks[1]});
+  problem_.AddResidualBlock(
+      CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s).release(),
+      nullptr,
+      {blocks[2], blocks[3]});
+}
+
+void EstimationProblem::AddOrigin(int64_t time_ns) {
+  const Trajectory::Location at = trajectory_->Locate(time_ns);
+  const std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
+  problem_.AddResidualBlock(
+      CreatePositionFactor(Eigen::Vector3d::Zero(), at.u, kOriginSigma).release(),
+      nullptr,
+      {blocks[4], blocks[5], blocks[6], blocks[7]});
+}
+
+void EstimationProblem::AddPrior(const Prior& prior) {
+  if (prior.empty()) return;
+  std::vector<double*> blocks;
+  for (const BlockId& block : prior.blocks) {
+    Register(block);
+    blocks.push_back(Data(block));
+  }
+  problem_.AddResidualBlock(CreateLinearPriorFactor(prior.linear).release(), nullptr, blocks);
+}
+
+void EstimationProblem::Hold(const BlockId& block) {
+  if (blocks_.count(block) > 0) problem_.SetParameterBlockConstant(Data(block));
+}
+
+std::vector<BlockId> EstimationProblem::FreeBlocks() const {
+  std::vector<BlockId> free;
+  for (const auto& [block, data] : blocks_) {
+    if (!problem_.IsParameterBlockConstant(data)) free.push_back(block);
+  }
+  return free;
+}
+
+ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& options) {
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  if (!summary.IsSolutionUsable()) {
+    throw Error("the estimation failed: " + summary.message);
+  }
+  return summary;
+}
+
+void EstimationProblem::Evaluate(const std::vector<BlockId>& blocks,
+                                 std::vector<int>* offsets,
+                                 std::vector<int>* full_column,
+                                 std::vector<double>* residuals,
+                                 ceres::CRSMatrix* jacobian) {
+  offsets->assign(1, 0);
+  ceres::Problem::EvaluateOptions options;
+  for (const BlockId& block : blocks) {
+    const int offset = offsets->back();
+    const int size = TangentSize(block);
+    double* data = Data(block);
+    options.parameter_blocks.push_back(data);
+    const int free_size = problem_.ParameterBlockTangentSize(data);
+    const bool heading_held = block.kind == BlockId::Kind::kLandmark && free_size < size;
+    for (int i = 0; i < free_size; ++i) {
+      full_column->push_back(offset + i + (heading_held ? 1 : 0));
+    }
+    offsets->push_back(offset + size);
+  }
+  problem_.Evaluate(options, nullptr, residuals, nullptr, jacobian);
+}
+
+NormalEquations EstimationProblem::Linearise() {
+  NormalEquations equations;
+  equations.blocks = FreeBlocks();
+  std::vector<int> full_column;
+  std::vector<double> residuals;
+  ceres::CRSMatrix jacobian;
+  Evaluate(equations.blocks, &equations.offsets, &full_column, &residuals, &jacobian);
+  equations.hessian.setZero(equations.size(), equations.size());
+  equations.gradient.setZero(equations.size());
+  for (size_t row = 0; row < residuals.size(); ++row) {
+    const int begin = jacobian.rows[row];
+    const int end = jacobian.rows[row + 1];
+    for (int a = begin; a < end; ++a) {
+      const auto at_a = static_cast<size_t>(a);
+      const double value = jacobian.values[at_a];
+      const int column = full_column[static_cast<size_t>(jacobian.cols[at_a])];
+      equations.gradient[column] += value * residuals[row];
+      for (int b = begin; b <= a; ++b) {
+        const auto at_b = static_cast<size_t>(b);
+        const int other = full_column[static_cast<size_t>(jacobian.cols[at_b])];
+        equations.hessian(std::max(column, other), std::min(column, other)) +=
+            value * jacobian.values[at_b];
+      }
+    }
+  }
+  equations.hessian = Eigen::MatrixXd(equations.hessian.selfadjointView<Eigen::Lower>());
+  return equations;
+}
+
+Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* landmark_blocks,
+                                                      std::vector<int>* landmark_offsets) {
+  const std::vector<BlockId> blocks = FreeBlocks();
+  std::vector<int> offsets;
+  std::vector<int> full_column;
+  std::vector<double> residuals;
+  ceres::CRSMatrix jacobian;
+  Evaluate(blocks, &offsets, &full_column, &residuals, &jacobian);
+  int num_band = 0;
+  landmark_offsets->assign(1, 0);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i].kind != BlockId::Kind::kLandmark) {
+      num_band = offsets[i + 1];
+    } else {
+      landmark_blocks->push_back(blocks[i]);
+      landmark_offsets->push_back(offsets[i + 1] - num_band);
+    }
+  }
+  // Directions that are held get a unit diagonal and are taken out again at the end.
+  std::vector<bool> is_free(static_cast<size_t>(offsets.back()), false);
+  for (const int column : full_column) is_free[static_cast<size_t>(column)] = true;
+  constexpr int kMaxControlPointsOfResidual = 6;
+  const int bandwidth = kMaxControlPointsOfResidual * (planar_ ? 4 : 6) - 1;
+  const int num_border = offsets.back() - num_band;
+  ArrowMatrix matrix(num_band, bandwidth, num_border);
+  for (int i = 0; i < offsets.back(); ++i) {
+    if (!is_free[static_cast<size_t>(i)]) matrix.Add(i, i, 1.0);
+  }
+  for (size_t row = 0; row < residuals.size(); ++row) {
+    const int begin = jacobian.rows[row];
+    const int end = jacobian.rows[row + 1];
+    for (int a = begin; a < end; ++a) {
+      const auto at_a = static_cast<size_t>(a);
+      const int column = full_column[static_cast<size_t>(jacobian.cols[at_a])];
+      for (int b = begin; b <= a; ++b) {
+        const auto at_b = static_cast<size_t>(b);
+        const int other = full_column[static_cast<size_t>(jacobian.cols[at_b])];
+        matrix.Add(std::max(column, other),
+                   std::min(column, other),
+                   jacobian.values[at_a] * jacobian.values[at_b]);
+      }
+    }
+  }
+  const Eigen::MatrixXd information = matrix.MarginaliseBand();
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * information *
+                                           scale.asDiagonal());
+  if (factor.info() != Eigen::Success) {
+    throw Error("the planes are not determined: singular normal matrix");
+  }
+  Eigen::MatrixXd covariance =
+      scale.asDiagonal() *
+      factor.solve(Eigen::MatrixXd::Identity(num_border, num_border)) * scale.asDiagonal();
+  for (int i = 0; i < num_border; ++i) {
+    if (is_free[static_cast<size_t>(num_band + i)]) continue;
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+  }
+  return covariance;
+}
+
+Prior EstimationProblem::MarginaliseOnto(const NormalEquations& equations,
+                                         const std::vector<BlockId>& kept) const {
+  std::vector<int> order;
+  Prior prior;
+  std::vector<int> kept_rows;
+  for (size_t i = 0; i < equations.blocks.size(); ++i) {
+    const BlockId& block = equations.blocks[i];
+    const bool keep = std::binary_search(kept.begin(), kept.end(), block);
+    for (int row = equations.offsets[i]; row < equations.offsets[i + 1]; ++row) {
+      (keep ? kept_rows : order).push_back(row);
+    }
+    if (!keep) continue;
+    const double* data = Data(block);
+    LinearPrior::Block linear;
+    linear.kind = block.kind != BlockId::Kind::kRotation ? LinearPrior::Kind::kEuclidean
+                  : planar_                              ? LinearPrior::Kind::kYawRotation
+                                                         : LinearPrior::Kind::kRotation;
+    linear.size = AmbientSize(block, *landmarks_);
+    linear.x0 = Eigen::Map<const Eigen::VectorXd>(data, linear.size);
+    prior.blocks.push_back(block);
+    prior.linear.blocks.push_back(std::move(linear));
+  }
+  const int num_marginalised = static_cast<int>(order.size());
+  order.insert(order.end(), kept_rows.begin(), kept_rows.end());
+  const MarginalisedSystem result = Marginalise(equations.hessian(order, order),
+                                                   equations.gradient(order),
+                                                   num_marginalised);
+  prior.linear.root = result.root;
+  prior.linear.offset = result.offset;
+  return prior;
+}
+
+}  // namespace plumbline

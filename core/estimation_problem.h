@@ -1,0 +1,138 @@
+#pragma once
+
+#include <ceres/crs_matrix.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "core/landmark.h"
+#include "core/mapper_options.h"
+#include "core/observation.h"
+#include "core/rig.h"
+#include "core/trajectory.h"
+#include "factors/linear_prior_factor.h"
+
+namespace plumbline {
+
+// The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id;
+// every matrix of ours has its rows and columns in this order.
+struct BlockId {
+  enum class Kind { kRotation, kPosition, kLandmark };
+  int group = 0;  // 0: control points, 1: landmarks
+  int index = 0;  // control point index or landmark id
+  Kind kind = Kind::kRotation;
+
+  bool operator<(const BlockId& other) const {
+    return std::tie(group, index, kind) < std::tie(other.group, other.index, other.kind);
+  }
+  bool operator==(const BlockId& other) const {
+    return group == other.group && index == other.index && kind == other.kind;
+  }
+};
+
+inline BlockId RotationBlock(int control_point) {
+  return {0, control_point, BlockId::Kind::kRotation};
+}
+inline BlockId PositionBlock(int control_point) {
+  return {0, control_point, BlockId::Kind::kPosition};
+}
+inline BlockId LandmarkBlock(int id) { return {1, id, BlockId::Kind::kLandmark}; }
+
+// A Gaussian on some blocks: history that has been marginalised, or the outcome of an
+// estimation.
+struct Prior {
+  std::vector<BlockId> blocks;  // in order, parallel to linear.blocks
+  LinearPrior linear;
+
+  bool empty() const { return blocks.empty(); }
+};
+
+// Normal equations of (part of) a problem at its current values: H = J^T J, g = J^T r, in the
+// blocks' full tangent spaces (3 for a position, 3 for a rotation, or 1 when planar, and a
+// landmark's parameters). Directions that are held have zero rows and columns.
+struct NormalEquations {
+  std::vector<BlockId> blocks;
+  std::vector<int> offsets;  // first row of each block; the last element is the total size
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+
+  int size() const { return offsets.back(); }
+};
+
+// A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold, and
+// is the one place that turns observations, motion priors, marginalised history and gauge into
+// residual blocks. Window, tracking and batch differ only in what they add and hold.
+class EstimationProblem {
+ public:
+  EstimationProblem(const Rig& rig,
+                    bool planar,
+                    Trajectory* trajectory,
+                    std::deque<Landmark>* landmarks);
+
+  // Point-to-plane residuals of one segment. huber_width: in standard deviations of the whole
+  // block's norm, 0 for plain least squares.
+  void AddObservation(const Observation& observation, FactorKind factor, double huber_width);
+  // Second differences of control points first, first+1, first+2.
+  void AddMotionPrior(int first, const TrajectoryOptions& options);
+  // First differences of the first two control points: unknown velocity at the start.
+  void AddStartVelocityPrior(const TrajectoryOptions& options);
+  // Gauge: the position at this instant is the origin.
+  void AddOrigin(int64_t time_ns);
+  void AddPrior(const Prior& prior);
+
+  void Hold(const BlockId& block);
+  // Blocks that occur in residuals and are not held, in order.
+  std::vector<BlockId> FreeBlocks() const;
+
+  // Throws Error when the solver fails.
+  ceres::Solver::Summary Solve(const ceres::Solver::Options& options);
+
+  // Normal equations of all the residuals.
+  NormalEquations Linearise();
+  // Covariance of the landmarks' parameters from all the residuals, control points marginalised
+  // (blocks and offsets of the landmarks in the result's rows). Held directions have zero rows.
+  // Throws Error when the problem does not determine its unknowns.
+  Eigen::MatrixXd LandmarkCovariance(std::vector<BlockId>* blocks, std::vector<int>* offsets);
+  int TangentSize(const BlockId& block) const;
+  double* Data(const BlockId& block) const;
+
+  // The outcome as a Gaussian on the kept blocks, the others marginalised.
+  Prior MarginaliseOnto(const NormalEquations& equations, const std::vector<BlockId>& kept) const;
+
+ private:
+  // Jacobian of all residuals by the free blocks. Ceres' columns leave out the directions that a
+  // manifold holds; full_column maps them to ours, which have them.
+  void Evaluate(const std::vector<BlockId>& blocks,
+                std::vector<int>* offsets,
+                std::vector<int>* full_column,
+                std::vector<double>* residuals,
+                ceres::CRSMatrix* jacobian);
+  void Register(const BlockId& block);
+  std::vector<double*> ControlPointBlocks(int first, int count);
+
+  const Rig& rig_;
+  bool planar_;
+  Trajectory* trajectory_;
+  std::deque<Landmark>* landmarks_;
+  // Extrinsics as parameter blocks, constant: the factors can estimate them.
+  std::vector<std::array<double, 4>> extrinsic_rotations_;
+  std::vector<std::array<double, 3>> extrinsic_translations_;
+  // Shared by all blocks; declared before the problem that refers to them.
+  std::unique_ptr<ceres::Manifold> rotation_manifold_;
+  std::unique_ptr<ceres::Manifold> planar_position_manifold_;
+  std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
+  std::map<BlockId, double*> blocks_;
+  std::map<double, std::unique_ptr<ceres::LossFunction>> losses_;
+  ceres::Problem problem_;
+};
+
+}  // namespace plumbline

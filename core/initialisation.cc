@@ -1,0 +1,177 @@
+#include "core/initialisation.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/candidates.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kMinPoints = 8;               // of a segment that counts here
+constexpr double kMaxSigma = 0.05;          // rad, of a direction that counts here
+const double kMinCrossing = std::sin(15.0 * M_PI / 180.0);  // between two scanners' traces
+const double kMinUpright = std::cos(45.0 * M_PI / 180.0);   // z axis against the body's
+constexpr double kMaxZSigma = 0.03;         // rad, of the z axis found
+constexpr double kSigmas = 3.5;
+constexpr double kSignificance = 1e-4;
+
+struct Line {
+  int observation = 0;
+  int scanner = 0;
+  Eigen::Vector3d point_body;
+  Eigen::Vector3d direction_body;
+  Eigen::Vector3d scan_normal_body;
+  double length_m = 0.0;
+  double sigma_rad = 0.0;
+};
+
+// A direction that is perpendicular to z if it comes from what it seems to come from.
+struct Level {
+  Eigen::Vector3d direction_body;
+  double sigma_rad = 0.0;
+  double weight = 0.0;  // m of segment
+};
+
+std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& scan) {
+  std::vector<Line> lines;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Observation& observation = scan[i];
+    if (observation.num_points < kMinPoints || observation.sigma_direction_rad > kMaxSigma) {
+      continue;
+    }
+    const Rigid3d& body_from_scanner =
+        rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    Line line;
+    line.observation = static_cast<int>(i);
+    line.scanner = observation.scanner_index;
+    line.point_body = body_from_scanner * Eigen::Vector3d(observation.centroid.x(),
+                                                          observation.centroid.y(),
+                                                          0.0);
+    line.direction_body =
+        body_from_scanner.rotation *
+        Eigen::Vector3d(observation.tangent.x(), observation.tangent.y(), 0.0);
+    line.scan_normal_body = body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+    line.length_m = observation.length_m();
+    line.sigma_rad = observation.sigma_direction_rad;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+// Floor and ceiling traces, and normals of planes that two scanners see; among them are wrong
+// ones, which the vote leaves alone.
+std::vector<Level> FindLevels(const std::vector<Line>& lines) {
+  std::vector<Level> levels;
+  for (const Line& line : lines) {
+    const double tilt_sine = line.scan_normal_body.head<2>().norm();
+    if (tilt_sine < kMinCrossing) continue;
+    levels.push_back({line.direction_body, line.sigma_rad, line.length_m});
+  }
+  for (size_t i = 0; i < lines.size(); ++i) {
+    for (size_t j = i + 1; j < lines.size(); ++j) {
+      if (lines[i].scanner == lines[j].scanner) continue;
+      const Eigen::Vector3d cross = lines[i].direction_body.cross(lines[j].direction_body);
+      if (cross.norm() < kMinCrossing) continue;
+      const Eigen::Vector3d normal = cross.normalized();
+      const Eigen::Vector3d apart = lines[i].point_body - lines[j].point_body;
+      const double sigma = std::hypot(lines[i].sigma_rad, lines[j].sigma_rad) / cross.norm();
+      if (std::abs(normal.dot(apart)) > kSigmas * sigma * std::max(1.0, apart.norm())) continue;
+      if (std::abs(normal.z()) > kMinUpright) continue;  // seems a floor: its traces count
+      levels.push_back({normal, sigma, std::min(lines[i].length_m, lines[j].length_m)});
+    }
+  }
+  return levels;
+}
+
+bool Agrees(const Level& level, const Eigen::Vector3d& z) {
+  return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
+}
+
+// The z axis with the largest consensus, refined over those that agree; zero when there is none
+// or it is not well determined.
+Eigen::Vector3d FindZ(std::vector<Level> levels) {
+  std::stable_sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) {
+    return a.weight > b.weight;
+  });
+  constexpr size_t kMaxLevels = 60;
+  if (levels.size() > kMaxLevels) levels.resize(kMaxLevels);
+  double best_weight = 0.0;
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < levels.size(); ++i) {
+    for (size_t j = i + 1; j < levels.size(); ++j) {
+      Eigen::Vector3d z = levels[i].direction_body.cross(levels[j].direction_body);
+      if (z.norm() < kMinCrossing) continue;
+      z.normalize();
+      if (z.z() < 0.0) z = -z;
+      if (z.z() < kMinUpright) continue;
+      double weight = 0.0;
+      for (const Level& level : levels) weight += Agrees(level, z) ? level.weight : 0.0;
+      if (weight > best_weight) {
+        best_weight = weight;
+        best = z;
+      }
+    }
+  }
+  if (best_weight == 0.0) return Eigen::Vector3d::Zero();
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    for (const Level& level : levels) {
+      if (!Agrees(level, best)) continue;
+      moments += level.direction_body * level.direction_body.transpose() /
+                 (level.sigma_rad * level.sigma_rad);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+    if (solver.eigenvalues()[1] * kMaxZSigma * kMaxZSigma < 1.0) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d z = solver.eigenvectors().col(0);
+    best = z.z() < 0.0 ? Eigen::Vector3d(-z) : z;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<ModelFrame> FindModelFrame(const Rig& rig,
+                                         bool planar,
+                                         const std::vector<Observation>& scan) {
+  const std::vector<Line> lines = LinesInBody(rig, scan);
+  const Eigen::Vector3d z_body =
+      planar ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : FindZ(FindLevels(lines));
+  if (z_body.isZero()) return std::nullopt;
+  // Some rotation that takes z_body to the z axis; the wall then gives the heading.
+  const Eigen::Quaterniond level_from_body =
+      Eigen::Quaterniond::FromTwoVectors(z_body, Eigen::Vector3d::UnitZ());
+  double best_sigma = kMaxSigma;
+  ModelFrame frame;
+  Eigen::Vector3d wall_normal = Eigen::Vector3d::Zero();
+  for (const Line& line : lines) {
+    const Observation& observation = scan[static_cast<size_t>(line.observation)];
+    const Rigid3d& body_from_scanner =
+        rig.scanners[static_cast<size_t>(line.scanner)].body_from_scanner;
+    if (!planar) {
+      const TypeEvidence evidence =
+          JudgeType(observation,
+                    level_from_body * body_from_scanner.rotation,
+                    std::hypot(line.sigma_rad, kMaxZSigma),
+                    kSignificance);
+      if (evidence.can_be_horizontal || !evidence.can_be_vertical) continue;
+    }
+    const Eigen::Vector3d direction = level_from_body * line.direction_body;
+    const double sigma = line.sigma_rad / direction.head<2>().squaredNorm();
+    if (sigma >= best_sigma) continue;
+    best_sigma = sigma;
+    frame.reference_observation = line.observation;
+    wall_normal = direction.cross(Eigen::Vector3d::UnitZ()).normalized();
+    const Eigen::Vector3d to_scanner =
+        level_from_body * (body_from_scanner.translation - line.point_body);
+    if (wall_normal.dot(to_scanner) < 0.0) wall_normal = -wall_normal;
+  }
+  if (frame.reference_observation < 0) return std::nullopt;
+  const double heading = std::atan2(wall_normal.y(), wall_normal.x());
+  frame.world_from_body =
+      Eigen::AngleAxisd(-heading, Eigen::Vector3d::UnitZ()) * level_from_body;
+  return frame;
+}
+
+}  // namespace plumbline

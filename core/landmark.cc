@@ -1,0 +1,180 @@
+#include "core/landmark.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr double kCellSize = 0.5;  // m
+
+std::pair<int, int> CellOf(const Eigen::Vector2d& p) {
+  return {static_cast<int>(std::floor(p.x() / kCellSize)),
+          static_cast<int>(std::floor(p.y() / kCellSize))};
+}
+
+// Calls visit(point) along the piece from a to b, at most half a cell apart, until it is true.
+template <typename Visit>
+bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
+  const int steps = static_cast<int>(std::ceil((b - a).norm() / (0.5 * kCellSize)));
+  if (visit(a)) return true;
+  for (int i = 1; i <= steps; ++i) {
+    if (visit(Eigen::Vector2d(a + (b - a) * (static_cast<double>(i) / steps)))) return true;
+  }
+  return false;
+}
+
+double Cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+}
+
+// Andrew's monotone chain; counter-clockwise, without collinear points.
+std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  });
+  if (points.size() < 3) return points;
+  std::vector<Eigen::Vector2d> hull;
+  for (int pass = 0; pass < 2; ++pass) {
+    const size_t base = hull.size();
+    for (const Eigen::Vector2d& p : points) {
+      while (hull.size() >= base + 2 && Cross(hull[hull.size() - 2], hull.back(), p) <= 0.0) {
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+}  // namespace
+
+void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
+  const Eigen::Vector2d a = Project(a_world);
+  const Eigen::Vector2d b = Project(b_world);
+  AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
+    cells_.insert(CellOf(p));
+    return false;
+  });
+  for (const Eigen::Vector2d& p : {a, b}) {
+    min_ = min_.cwiseMin(p);
+    max_ = max_.cwiseMax(p);
+    hull_points_.push_back(p);
+  }
+  constexpr size_t kReduceAt = 4096;
+  if (hull_points_.size() > kReduceAt) hull_points_ = HullOf(std::move(hull_points_));
+}
+
+bool PatchExtent::IsNear(const Cell& cell, int reach) const {
+  for (int i = -reach; i <= reach; ++i) {
+    const auto at = cells_.lower_bound({cell.first + i, cell.second - reach});
+    if (at != cells_.end() && at->first == cell.first + i && at->second <= cell.second + reach) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
+                         const Eigen::Vector3d& b_world,
+                         double max_gap_m) const {
+  const Eigen::Vector2d a = Project(a_world);
+  const Eigen::Vector2d b = Project(b_world);
+  const Eigen::Array2d gap = Eigen::Array2d::Constant(max_gap_m);
+  if ((a.cwiseMax(b).array() + gap < min_.array()).any() ||
+      (a.cwiseMin(b).array() - gap > max_.array()).any()) {
+    return false;
+  }
+  const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
+  return AnyAlong(a, b, [&](const Eigen::Vector2d& p) { return IsNear(CellOf(p), reach); });
+}
+
+bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
+  const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
+  return std::any_of(other.cells_.begin(), other.cells_.end(), [&](const Cell& cell) {
+    return IsNear(cell, reach);
+  });
+}
+
+double PatchExtent::OverlapWith(const PatchExtent& other) const {
+  if (cells_.empty()) return 0.0;
+  const auto num_shared = std::count_if(cells_.begin(), cells_.end(), [&](const Cell& cell) {
+    return other.cells_.count(cell) > 0;
+  });
+  return static_cast<double>(num_shared) / static_cast<double>(cells_.size());
+}
+
+void PatchExtent::Merge(const PatchExtent& other) {
+  cells_.insert(other.cells_.begin(), other.cells_.end());
+  hull_points_.insert(hull_points_.end(), other.hull_points_.begin(), other.hull_points_.end());
+  min_ = min_.cwiseMin(other.min_);
+  max_ = max_.cwiseMax(other.max_);
+}
+
+double PatchExtent::area_m2() const {
+  return static_cast<double>(cells_.size()) * kCellSize * kCellSize;
+}
+
+std::vector<Eigen::Vector2d> PatchExtent::ConvexHull() const { return HullOf(hull_points_); }
+
+Eigen::Vector3d Landmark::Normal() const {
+  switch (model) {
+    case PlaneModel::kHorizontal:
+      return Eigen::Vector3d(0.0, 0.0, sign);
+    case PlaneModel::kVertical:
+      return Eigen::Vector3d(std::cos(parameters[0]), std::sin(parameters[0]), 0.0);
+    case PlaneModel::kGeneral:
+      return Eigen::Vector3d(parameters[0], parameters[1], parameters[2]);
+  }
+  LOG(FATAL) << "unknown plane model";
+  return Eigen::Vector3d::Zero();
+}
+
+double Landmark::Distance() const {
+  return parameters[static_cast<size_t>(PlaneModelSize(model) - 1)];
+}
+
+Eigen::Matrix2d Landmark::DeviationJacobian(const Eigen::Vector3d& p_world,
+                                            const Eigen::Vector3d& direction_world) const {
+  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();
+  if (model == PlaneModel::kHorizontal) {
+    jacobian(0, 0) = -1.0;
+    return jacobian;
+  }
+  CHECK(model == PlaneModel::kVertical);
+  const Eigen::Vector3d normal_by_angle(-std::sin(parameters[0]), std::cos(parameters[0]), 0.0);
+  if (!heading_fixed) {
+    jacobian(0, 0) = normal_by_angle.dot(p_world);
+    jacobian(1, 0) = normal_by_angle.dot(direction_world);
+  }
+  jacobian(0, 1) = -1.0;
+  return jacobian;
+}
+
+Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {
+  Landmark landmark;
+  landmark.model = PlaneModel::kHorizontal;
+  landmark.sign = sign;
+  landmark.parameters[0] = sign * p_world.z();
+  landmark.extent = PatchExtent(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  return landmark;
+}
+
+Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world,
+                              const Eigen::Vector3d& p_world) {
+  Landmark landmark;
+  landmark.model = PlaneModel::kVertical;
+  const double angle = std::atan2(normal_world.y(), normal_world.x());
+  const Eigen::Vector3d normal(std::cos(angle), std::sin(angle), 0.0);
+  landmark.parameters[0] = angle;
+  landmark.parameters[1] = normal.dot(p_world);
+  landmark.extent =
+      PatchExtent(Eigen::Vector3d::UnitZ().cross(normal), Eigen::Vector3d::UnitZ());
+  return landmark;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "factors/plane_model.h"
+
+namespace plumbline {
+
+// Where on its plane a landmark has been seen: occupied cells of a grid and the bounding
+// rectangle, in fixed axes on the plane.
+class PatchExtent {
+ public:
+  PatchExtent() = default;
+  PatchExtent(const Eigen::Vector3d& u_axis, const Eigen::Vector3d& v_axis)
+      : u_axis_(u_axis), v_axis_(v_axis) {}
+
+  // The straight piece from a to b (world) has been seen.
+  void AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world);
+  // Whether any part of the piece from a to b lies within max_gap_m of what has been seen.
+  bool IsNear(const Eigen::Vector3d& a_world,
+              const Eigen::Vector3d& b_world,
+              double max_gap_m) const;
+  bool IsNear(const PatchExtent& other, double max_gap_m) const;
+  // Share of this extent's cells that the other one occupies too (or touches).
+  double OverlapWith(const PatchExtent& other) const;
+  void Merge(const PatchExtent& other);
+
+  bool empty() const { return cells_.empty(); }
+  double area_m2() const;
+  Eigen::Vector2d min_corner() const { return min_; }
+  Eigen::Vector2d max_corner() const { return max_; }
+  const Eigen::Vector3d& u_axis() const { return u_axis_; }
+  const Eigen::Vector3d& v_axis() const { return v_axis_; }
+  // Convex hull of the end points seen, in (u, v), counter-clockwise.
+  std::vector<Eigen::Vector2d> ConvexHull() const;
+
+ private:
+  using Cell = std::pair<int, int>;
+
+  Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
+    return {u_axis_.dot(p_world), v_axis_.dot(p_world)};
+  }
+  bool IsNear(const Cell& cell, int reach) const;
+
+  Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
+  std::set<Cell> cells_;
+  std::vector<Eigen::Vector2d> hull_points_;  // reduced to their hull now and then
+  Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e300);
+  Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e300);
+};
+
+// A plane of the building that is being estimated, and what is known of it.
+struct Landmark {
+  int id = 0;
+  PlaneModel model = PlaneModel::kVertical;
+  double sign = 1.0;                       // horizontal planes: normal = sign * e_z
+  std::array<double, 4> parameters = {};   // see factors/plane_model.h
+  bool heading_fixed = false;              // the gauge's wall: its angle is not estimated
+  PatchExtent extent;
+  // Of the parameters, given the rig's current pose: what association tests need.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  int first_scan = 0;
+  int last_scan = 0;
+  int64_t first_time_ns = 0;
+  int64_t last_time_ns = 0;
+  int num_segments = 0;
+  int64_t num_points = 0;
+
+  int num_parameters() const { return PlaneModelSize(model); }
+  Eigen::Vector3d Normal() const;
+  double Distance() const;
+  double SignedDistance(const Eigen::Vector3d& p_world) const {
+    return Normal().dot(p_world) - Distance();
+  }
+  // Derivative of n.p - d (at a point, per metre along a direction) by the parameters; columns
+  // beyond num_parameters() are zero.
+  Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
+                                    const Eigen::Vector3d& direction_world) const;
+};
+
+// A horizontal landmark through a point; sign +1 seen from above.
+Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world);
+// A vertical landmark through a point with the given horizontal normal.
+Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world, const Eigen::Vector3d& p_world);
+
+}  // namespace plumbline

@@ -1,0 +1,147 @@
+#include "core/line_grower.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace plumbline {
+
+LineGrower::LineGrower(const BeamFan& fan, const Thresholds& thresholds)
+    : fan_(fan), thresholds_(thresholds) {
+  const size_t num_beams = static_cast<size_t>(fan.num_beams());
+  point_beams_.reserve(num_beams);
+  sums_.reserve(num_beams + 1);
+  chi2_.reserve(num_beams + 1);
+}
+
+void LineGrower::Truncate(int num_points) {
+  const size_t n = static_cast<size_t>(num_points);
+  point_beams_.resize(n);
+  sums_.resize(n + 1);
+  chi2_.resize(n + 1);
+  if (sums_.back().IsSolvable()) q_ = sums_.back().Solve();
+}
+
+void LineGrower::TakeUp(int beam, const BeamFan::Prediction& prediction) {
+  const double residual = fan_.beam(beam).range - prediction.range;
+  point_beams_.push_back(beam);
+  sums_.push_back(sums_.back());
+  sums_.back().Add(
+      prediction.row, prediction.row.dot(q_) - residual, 1.0 / prediction.variance);
+}
+
+bool LineGrower::Seed(int first) {
+  seed_beams_.clear();
+  point_beams_.clear();
+  sums_.assign(1, NormalEquations());
+  chi2_.assign(1, 0.0);
+  // The measured ranges give a first line, and that the weights and the linearisation.
+  NormalEquations measured;
+  int gap = 0;
+  for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
+    const BeamFan::Beam& beam = fan_.beam(i);
+    if (!beam.is_valid) continue;
+    gap = -1;
+    measured.Add(beam.origin + beam.range * beam.direction,
+                 1.0,
+                 beam.range * beam.range / fan_.range_variance());
+    seed_beams_.push_back(i);
+    if (static_cast<int>(seed_beams_.size()) == thresholds_.min_points) break;
+  }
+  if (static_cast<int>(seed_beams_.size()) < thresholds_.min_points) return false;
+  if (!measured.IsSolvable()) return false;
+  q_ = measured.Solve();
+  for (const int i : seed_beams_) {
+    BeamFan::Prediction prediction;
+    if (!fan_.Predict(i, q_, &prediction)) return false;
+    TakeUp(i, prediction);
+    chi2_.push_back(sums_.back().Chi2());
+  }
+  if (!sums_.back().IsSolvable()) return false;
+  q_ = sums_.back().Solve();
+  return chi2_.back() <= thresholds_.seed;
+}
+
+void LineGrower::Grow(int begin, int end, int step) {
+  int gap = 0;
+  for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
+    BeamFan::Prediction prediction;
+    if (!fan_.beam(i).is_valid || !fan_.Predict(i, q_, &prediction)) continue;
+    const double residual = fan_.beam(i).range - prediction.range;
+    const double variance = prediction.variance + sums_.back().VarianceOf(prediction.row);
+    if (residual * residual > fan_.outlier_threshold() * variance) continue;
+    TakeUp(i, prediction);
+    const NormalEquations& sum = sums_.back();
+    q_ = sum.Solve();
+    chi2_.push_back(sum.square - sum.x * q_.x() - sum.y * q_.y());
+    gap = -1;
+    if (EndAtChange()) return;
+  }
+}
+
+// Tests the last 2, 4, 8, ... points against those before, a run of length 2 h whenever h
+// more have come in: two tests per point on average, and no run is missed for long. The
+// statistic is the generalised likelihood ratio of two lines against one.
+bool LineGrower::EndAtChange() {
+  const size_t n = point_beams_.size();
+  for (size_t half = 1; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
+    const size_t before = n - 2 * half;
+    const double two_lines = chi2_[before] + (sums_.back() - sums_[before]).Chi2();
+    if (chi2_.back() - two_lines <= thresholds_.run) continue;
+    // The most likely place of the change.
+    const size_t reach = 8 * half;
+    size_t best = before;
+    double best_chi2 = two_lines;
+    for (size_t k = n > reach + 2 ? n - reach : 2; k < n; ++k) {
+      const double chi2 = chi2_[k] + (sums_.back() - sums_[k]).Chi2();
+      if (chi2 < best_chi2) {
+        best = k;
+        best_chi2 = chi2;
+      }
+    }
+    Truncate(static_cast<int>(best));
+    return true;
+  }
+  return false;
+}
+
+// Sum of squares when the points from `begin` to before `end` lie on a line of their own and
+// all others on another.
+double LineGrower::SplitChi2(size_t begin, size_t end) const {
+  const NormalEquations run = sums_[end] - sums_[begin];
+  return run.Chi2() + (sums_.back() - run).Chi2();
+}
+
+bool LineGrower::FindForeignRun(int* begin, int* end) const {
+  constexpr size_t kShortest = 8;  // the growing line sees shorter runs as well as this would
+  const size_t n = point_beams_.size();
+  size_t best_begin = 0, best_end = 0;
+  double best = chi2_.back() - thresholds_.run;
+  for (size_t length = kShortest; length + 3 <= n; length *= 2) {
+    for (size_t k = 0; k + length <= n; k += length / 2) {
+      const double chi2 = SplitChi2(k, k + length);
+      if (chi2 >= best) continue;
+      best = chi2;
+      best_begin = k;
+      best_end = k + length;
+    }
+  }
+  if (best_end == 0) return false;
+  // Moves one end of the run after the other to its most likely place.
+  const size_t reach = best_end - best_begin;
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    const size_t old_begin = best_begin, old_end = best_end;
+    for (size_t k = old_begin > reach ? old_begin - reach : 0; k + 3 < old_end; ++k) {
+      const double chi2 = SplitChi2(k, old_end);
+      if (chi2 < best) best = chi2, best_begin = k;
+    }
+    for (size_t k = best_begin + 3; k <= std::min(n, old_end + reach); ++k) {
+      const double chi2 = SplitChi2(best_begin, k);
+      if (chi2 < best) best = chi2, best_end = k;
+    }
+  }
+  *begin = static_cast<int>(best_begin);
+  *end = static_cast<int>(best_end);
+  return true;
+}
+
+}  // namespace plumbline

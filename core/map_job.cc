@@ -1,0 +1,171 @@
+#include "core/map_job.h"
+
+#include <glog/logging.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/config.h"
+#include "core/result_writer.h"
+#include "core/scan_reader.h"
+#include "core/stopwatch.h"
+
+namespace plumbline {
+namespace {
+
+// Peak resident memory of this process.
+double PeakMemoryMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+// Second pass over the recording: places every valid point, so that none had to be kept.
+class PointExporter {
+ public:
+  PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
+      : rig_(rig), state_(state), writer_(writer) {}
+
+  void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
+    recording->Rewind();
+    ScanLine scan_line;
+    size_t next_observation = 0;
+    const int num_scan_lines = recording->num_scan_lines();
+    for (int index = 0; recording->Next(&scan_line); ++index) {
+      if (index % 256 == 0) progress("writing", static_cast<double>(index) / num_scan_lines);
+      const auto& observations = state_.observations;
+      const size_t first = next_observation;
+      while (next_observation < observations.size() &&
+             observations[next_observation].scan_line_index == index) {
+        ++next_observation;
+      }
+      Place(scan_line, first, next_observation, recording->start_ns());
+    }
+    CHECK_EQ(next_observation, state_.observations.size()) << "observations out of order";
+    summary->points = num_points_;
+    summary->points_used = num_used_;
+    summary->residual_rms_m =
+        num_used_ > 0 ? std::sqrt(sum_squares_ / static_cast<double>(num_used_)) : 0.0;
+  }
+
+ private:
+  void Place(const ScanLine& scan_line, size_t first, size_t last, int64_t start_ns) {
+    landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
+    for (size_t i = first; i < last; ++i) {
+      const Observation& observation = state_.observations[i];
+      if (observation.landmark_id < 0) continue;
+      const Landmark* landmark =
+          &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
+      for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
+        landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
+      }
+      for (const int beam : observation.excluded_beams) {
+        landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
+      }
+    }
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
+      const double range = scan_line.ranges[static_cast<size_t>(beam)];
+      if (!scanner.IsValidRange(range)) continue;
+      ++num_points_;
+      const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
+      if (time_ns < state_.trajectory.start_ns() || time_ns >= state_.trajectory.end_ns()) {
+        continue;  // before the start or after the end of the map
+      }
+      const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+      const Eigen::Vector3d p_world =
+          state_.trajectory.WorldFromBody(time_ns) *
+          (scanner.body_from_scanner *
+           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0));
+      MapPoint point;
+      point.p_world = p_world.cast<float>();
+      point.time_s = SecondsBetween(start_ns, time_ns);
+      point.scanner = scan_line.scanner_index;
+      point.residual_m = std::numeric_limits<float>::quiet_NaN();
+      if (const Landmark* landmark = landmark_of_beam_[static_cast<size_t>(beam)]) {
+        const double residual = landmark->SignedDistance(p_world);
+        ++num_used_;
+        sum_squares_ += residual * residual;
+        point.plane_id = landmark->id;
+        point.residual_m = static_cast<float>(residual);
+      }
+      writer_->AddMapPoint(point);
+    }
+  }
+
+  const Rig& rig_;
+  const MapState& state_;
+  ResultWriter* writer_;
+  std::vector<const Landmark*> landmark_of_beam_;
+  int64_t num_points_ = 0;
+  int64_t num_used_ = 0;
+  double sum_squares_ = 0.0;
+};
+
+std::vector<StampedPose> Poses(const MapResult& result) {
+  std::vector<StampedPose> poses;
+  for (const int64_t time_ns : result.scan_times_ns) {
+    poses.push_back({time_ns, result.state.trajectory.WorldFromBody(time_ns)});
+  }
+  return poses;
+}
+
+}  // namespace
+
+Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
+  Stopwatch total_watch;
+  Stopwatch reading_watch;
+  Stopwatch writing_watch;
+  Summary summary;
+  auto total = std::make_unique<Stopwatch::Running>(&total_watch);
+  const Rig rig = ReadRig(job.rig);
+  const MapperOptions options = job.config.empty() ? MapperOptions() : ReadMapperOptions(job.config);
+  auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
+  RecordingReader recording(job.recording, rig);
+  reading.reset();
+  LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
+            << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
+  for (const std::string& warning : recording.warnings()) LOG(WARNING) << warning;
+
+  MapResult result = MapRecording(rig, options, job.threads, progress, &recording);
+  for (const std::string& warning : result.warnings) LOG(WARNING) << warning;
+
+  auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
+  ResultWriter writer(job.output);
+  const std::vector<PlanePatch> planes = PlanePatches(result.state);
+  writer.WriteTrajectory(Poses(result));
+  writer.WritePlanes(planes);
+  PointExporter(rig, result.state, &writer).Run(progress, &recording, &summary);
+  writer.WriteConfig(MapperOptionsToYaml(options));
+  writing.reset();
+  total.reset();
+
+  summary.scans = static_cast<int>(result.scan_times_ns.size());
+  summary.segments = static_cast<int>(
+      std::count_if(result.state.observations.begin(),
+                    result.state.observations.end(),
+                    [](const Observation& observation) { return observation.landmark_id >= 0; }));
+  summary.planes = static_cast<int>(planes.size());
+  summary.control_points = result.state.trajectory.num_control_points();
+  summary.variance_factor = result.batch.variance_factor;
+  summary.duration_s = SecondsBetween(recording.start_ns(), recording.end_ns());
+  summary.stages.emplace_back("reading", reading_watch.seconds());
+  summary.stages.insert(summary.stages.end(), result.stages.begin(), result.stages.end());
+  summary.stages.emplace_back("writing", writing_watch.seconds());
+  summary.stages.emplace_back("total", total_watch.seconds());
+  summary.real_time_factor = summary.duration_s / total_watch.seconds();
+  summary.motion = result.planar ? "planar" : "spatial";
+  summary.reference_plane_id = 0;
+  summary.warnings = recording.warnings();
+  summary.warnings.insert(
+      summary.warnings.end(), result.warnings.begin(), result.warnings.end());
+  summary.peak_memory_mb = PeakMemoryMb();
+  writer.WriteSummary(summary);
+  writer.Commit();
+  return summary;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,422 @@
+#include "core/mapper.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "core/candidates.h"
+#include "core/duplicates.h"
+#include "core/error.h"
+#include "core/initialisation.h"
+#include "core/scan_reader.h"
+#include "core/stopwatch.h"
+
+namespace plumbline {
+namespace {
+
+// Beyond these standard deviations, the planes given, the newest pose is lost.
+constexpr double kLostPosition = 0.5;                 // m
+constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
+// Scan planes tilted by less than this against each other and the body see no heights.
+constexpr double kPlanarTolerance = 2.0 * M_PI / 180.0;
+constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the model frame
+
+Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
+
+std::string FormatSeconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3f s", seconds);
+  return text;
+}
+
+// Follows the rig scan by scan: segmentation, tracking, new planes, window.
+class Follower {
+ public:
+  Follower(const Rig& rig,
+           bool planar,
+           const MapperOptions& options,
+           int num_threads,
+           double scan_period_s)
+      : rig_(rig),
+        planar_(planar),
+        options_(options),
+        num_threads_(num_threads),
+        scan_period_s_(scan_period_s),
+        candidates_(rig, planar, options) {}
+
+  bool started() const { return window_ != nullptr; }
+  MapState& state() { return *state_; }
+  const std::vector<int64_t>& scan_times_ns() const { return scan_times_ns_; }
+  Stopwatch& segmentation_watch() { return segmentation_watch_; }
+
+  // Looks for the model frame in this scan; false when it does not show.
+  bool Start(const Scan& scan);
+  // Takes the next scan. Throws Error when the pose is lost.
+  void Follow(const Scan& scan);
+
+ private:
+  std::vector<Observation> Observe(const Scan& scan);
+  ScannerMotion PredictMotion(const ScanLine& scan_line) const;
+  std::vector<int> CandidateIds(int scan_index) const;
+  void Accept(int observation_index);
+  void StartPlanes(int min_scans);
+  void AddLandmark(PlaneCandidate candidate);
+  void SolveWindow(int64_t now_ns);
+  void CheckNotLost(int64_t now_ns) const;
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  int num_threads_;
+  double scan_period_s_;
+  CandidatePlanes candidates_;
+  std::unique_ptr<MapState> state_;
+  std::unique_ptr<Window> window_;
+  std::vector<int64_t> scan_times_ns_;
+  int last_solved_interval_ = -1;
+  int last_solved_scan_ = 0;
+  Stopwatch segmentation_watch_;
+};
+
+ScannerMotion Follower::PredictMotion(const ScanLine& scan_line) const {
+  ScannerMotion motion;
+  if (!started()) return motion;
+  const int64_t time_ns = BeamInstant(scan_line, scan_line.num_beams() / 2, rig_);
+  Eigen::Vector3d angular_world;
+  Eigen::Vector3d linear_world;
+  state_->trajectory.Velocity(time_ns, &angular_world, &linear_world);
+  const Rigid3d world_from_body = state_->trajectory.WorldFromBody(time_ns);
+  const Rigid3d& body_from_scanner =
+      rig_.scanners[static_cast<size_t>(scan_line.scanner_index)].body_from_scanner;
+  const Eigen::Quaterniond scanner_from_world =
+      (world_from_body.rotation * body_from_scanner.rotation).conjugate();
+  const Eigen::Vector3d arm_world = world_from_body.rotation * body_from_scanner.translation;
+  const Eigen::Vector3d linear =
+      scanner_from_world * (linear_world + angular_world.cross(arm_world));
+  motion.velocity_m_s = linear.head<2>();
+  motion.yaw_rate_rad_s = (scanner_from_world * angular_world).z();
+  return motion;
+}
+
+std::vector<Observation> Follower::Observe(const Scan& scan) {
+  const Stopwatch::Running running(&segmentation_watch_);
+  const size_t num_lines = scan.scan_lines.size();
+  std::vector<std::vector<Observation>> found(num_lines);
+  const auto observe = [&](size_t i) {
+    const ScanLine& scan_line = scan.scan_lines[i];
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    for (const Segment& segment : SegmentScanLine(
+             scan_line, scanner, PredictMotion(scan_line), options_.segmentation)) {
+      found[i].push_back(MakeObservation(
+          scan_line, scanner, segment, options_.batch.factor == FactorKind::kPoint));
+      found[i].back().scan_line_index = scan.scan_line_indices[i];
+    }
+  };
+  // Scan lines are independent of each other: the result does not depend on the threads.
+  std::vector<std::thread> threads;
+  const size_t num_workers = std::min(num_lines, static_cast<size_t>(num_threads_));
+  for (size_t worker = 1; worker < num_workers; ++worker) {
+    threads.emplace_back([&, worker] {
+      for (size_t i = worker; i < num_lines; i += num_workers) observe(i);
+    });
+  }
+  for (size_t i = 0; i < num_lines; i += num_workers) observe(i);
+  for (std::thread& thread : threads) thread.join();
+  std::vector<Observation> observations;
+  for (std::vector<Observation>& line : found) {
+    for (Observation& observation : line) {
+      observation.scan_index = static_cast<int>(scan_times_ns_.size());
+      observations.push_back(std::move(observation));
+    }
+  }
+  return observations;
+}
+
+bool Follower::Start(const Scan& scan) {
+  std::vector<Observation> observations = Observe(scan);
+  const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
+  if (!frame) return false;
+  const double interval_s =
+      std::max(options_.trajectory.knot_interval_s,
+               options_.trajectory.min_scans_per_knot * scan_period_s_);
+  // Later scan lines may lie before this one by their scanners' time offsets.
+  double earliest_s = 0.0;
+  for (const Scanner& scanner : rig_.scanners) {
+    earliest_s = std::min(earliest_s, 2.0 * scanner.time_offset_s);
+  }
+  Trajectory trajectory(scan.start_ns + NanosecondsFromSeconds(earliest_s),
+                        NanosecondsFromSeconds(interval_s),
+                        {frame->world_from_body, Eigen::Vector3d::Zero()});
+  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns});
+  state_->trajectory.ExtendTo(scan.end_ns);
+  window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
+  scan_times_ns_.push_back(scan.start_ns);
+
+  for (Observation& observation : observations) {
+    state_->observations.push_back(std::move(observation));
+  }
+  // One scan must do for a start: its segments become planes at once, the first wall first.
+  const auto offer = [&](int index) {
+    candidates_.Offer(state_->observations[static_cast<size_t>(index)],
+                      index,
+                      state_->trajectory,
+                      Matrix6d::Zero());
+  };
+  offer(frame->reference_observation);
+  const int num_observations = static_cast<int>(state_->observations.size());
+  for (int index = 0; index < num_observations; ++index) {
+    if (index != frame->reference_observation) offer(index);
+  }
+  StartPlanes(1);
+  Landmark& first_wall = state_->landmarks.front();
+  CHECK(first_wall.model == PlaneModel::kVertical);
+  first_wall.heading_fixed = true;
+  first_wall.parameters[0] = 0.0;
+  SolveWindow(scan.end_ns);
+  return true;
+}
+
+std::vector<int> Follower::CandidateIds(int scan_index) const {
+  std::vector<int> ids;
+  for (const Landmark& landmark : state_->landmarks) {
+    if (landmark.num_segments > 0 &&
+        IsWithinGap(landmark, scan_index, options_.loop_closure)) {
+      ids.push_back(landmark.id);
+    }
+  }
+  return ids;
+}
+
+void Follower::Accept(int observation_index) {
+  const Observation& observation =
+      state_->observations[static_cast<size_t>(observation_index)];
+  Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+  const Rigid3d world_from_scanner =
+      state_->trajectory.WorldFromBody(observation.middle_time_ns()) *
+      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  landmark.extent.AddSegment(world_from_scanner * Lift(observation.start),
+                             world_from_scanner * Lift(observation.end));
+  if (landmark.num_segments == 0) {
+    landmark.first_scan = observation.scan_index;
+    landmark.first_time_ns = observation.start_time_ns;
+  }
+  landmark.last_scan = std::max(landmark.last_scan, observation.scan_index);
+  landmark.last_time_ns = std::max(landmark.last_time_ns, observation.end_time_ns);
+  ++landmark.num_segments;
+  landmark.num_points += observation.num_points;
+  window_->Add(observation_index);
+}
+
+void Follower::AddLandmark(PlaneCandidate candidate) {
+  candidate.landmark.id = static_cast<int>(state_->landmarks.size());
+  state_->landmarks.push_back(std::move(candidate.landmark));
+  for (const int index : candidate.observations) {
+    state_->observations[static_cast<size_t>(index)].landmark_id = state_->landmarks.back().id;
+    Accept(index);
+  }
+}
+
+void Follower::StartPlanes(int min_scans) {
+  for (PlaneCandidate& candidate : candidates_.TakeReady(min_scans)) {
+    // An observation that served two candidates belongs to the one that came first.
+    std::vector<int>& indices = candidate.observations;
+    indices.erase(std::remove_if(indices.begin(),
+                                 indices.end(),
+                                 [&](int index) {
+                                   return state_->observations[static_cast<size_t>(index)]
+                                              .landmark_id >= 0;
+                                 }),
+                  indices.end());
+    if (static_cast<int>(indices.size()) < min_scans) continue;
+    AddLandmark(std::move(candidate));
+  }
+}
+
+void Follower::SolveWindow(int64_t now_ns) {
+  const double window_s = options_.window.num_scans * scan_period_s_;
+  window_->Solve(now_ns, window_s);
+  for (const auto& [into, from] :
+       FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
+    if (state_->landmarks[static_cast<size_t>(into)].num_segments == 0) continue;
+    window_->MergeLandmarks(into, from);
+    MergeInto(into, from, state_.get());
+  }
+  last_solved_interval_ = state_->trajectory.Locate(now_ns).first;
+  last_solved_scan_ = static_cast<int>(scan_times_ns_.size()) - 1;
+}
+
+void Follower::CheckNotLost(int64_t now_ns) const {
+  const Matrix6d covariance = window_->pose_uncertainty().At(state_->trajectory, now_ns);
+  const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  if (position < kLostPosition && rotation < kLostRotation) return;
+  char text[200];
+  std::snprintf(text,
+                sizeof(text),
+                "lost track of the rig %.3f s into the recording: the planes in view leave its "
+                "pose open by %.2f m and %.1f deg",
+                SecondsBetween(state_->origin_time_ns, now_ns),
+                position,
+                rotation * 180.0 / M_PI);
+  throw Error(text);
+}
+
+void Follower::Follow(const Scan& scan) {
+  state_->trajectory.ExtendTo(scan.end_ns);
+  const int first = static_cast<int>(state_->observations.size());
+  const int scan_index = static_cast<int>(scan_times_ns_.size());
+  for (Observation& observation : Observe(scan)) {
+    state_->observations.push_back(std::move(observation));
+  }
+  scan_times_ns_.push_back(scan.start_ns);
+  const int last = static_cast<int>(state_->observations.size()) - 1;
+  window_->Track(first, last, CandidateIds(scan_index));
+  CheckNotLost(scan.end_ns);
+  for (int index = first; index <= last; ++index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) {
+      Accept(index);
+    } else {
+      candidates_.Offer(observation,
+                        index,
+                        state_->trajectory,
+                        window_->pose_uncertainty().At(state_->trajectory,
+                                                       observation.middle_time_ns()));
+    }
+  }
+  StartPlanes(options_.planes.min_scans);
+  candidates_.DropStale(scan.end_ns);
+  if (state_->trajectory.Locate(scan.end_ns).first > last_solved_interval_) {
+    SolveWindow(scan.end_ns);
+  }
+}
+
+}  // namespace
+
+MapResult MapRecording(const Rig& rig,
+                       const MapperOptions& options,
+                       int num_threads,
+                       const ProgressCallback& progress,
+                       RecordingReader* recording) {
+  const bool planar = rig.motion == MotionModel::kPlanar ||
+                      (rig.motion == MotionModel::kAutomatic &&
+                       AllScannersHorizontal(rig, kPlanarTolerance));
+  std::vector<std::string> warnings;
+  if (planar) {
+    LOG(INFO) << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
+                 "be seen; estimating the planar motion";
+  }
+  Stopwatch tracking_watch;
+  Stopwatch batch_watch;
+  Follower follower(rig, planar, options, num_threads, recording->scan_period_s());
+  const double duration_s =
+      std::max(1e-9, SecondsBetween(recording->start_ns(), recording->end_ns()));
+  int num_skipped = 0;
+  {
+    const Stopwatch::Running running(&tracking_watch);
+    ScanReader scans(rig, recording);
+    Scan scan;
+    int64_t previous_end_ns = 0;
+    while (scans.Next(&scan)) {
+      const double now_s = SecondsBetween(recording->start_ns(), scan.start_ns);
+      progress("following", now_s / duration_s);
+      if (!follower.started()) {
+        if (!follower.Start(scan)) {
+          ++num_skipped;
+          if (now_s > kMaxStartSearch) break;
+        }
+      } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
+        warnings.push_back(
+            "the map ends " + FormatSeconds(now_s) + " into the recording: no scans for " +
+            FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
+            ", a gap the motion can not be followed across");
+        break;
+      } else {
+        follower.Follow(scan);
+      }
+      previous_end_ns = scan.end_ns;
+    }
+  }
+  if (!follower.started()) {
+    throw Error(
+        "no start: none of the first " + std::to_string(num_skipped) + " scans shows " +
+        (planar ? "a wall clearly enough" : "floor or ceiling and a wall clearly enough"));
+  }
+  if (num_skipped > 0) {
+    warnings.push_back("the first " + std::to_string(num_skipped) +
+                       " scans are left out: they do not show " +
+                       (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+  }
+  MapResult result(std::move(follower.state()));
+  result.planar = planar;
+  result.scan_times_ns = follower.scan_times_ns();
+  result.num_skipped_scans = num_skipped;
+  result.warnings = std::move(warnings);
+  {
+    const Stopwatch::Running running(&batch_watch);
+    result.batch = EstimateBatch(
+        rig,
+        planar,
+        options,
+        [&](const std::string& text) {
+          LOG(INFO) << text;
+          progress(text, 0.0);
+        },
+        &result.state);
+  }
+  result.stages = {
+      {"segmentation", follower.segmentation_watch().seconds()},
+      {"window", tracking_watch.seconds() - follower.segmentation_watch().seconds()},
+      {"batch", batch_watch.seconds()}};
+  return result;
+}
+
+std::vector<PlanePatch> PlanePatches(const MapState& state) {
+  std::vector<PlanePatch> patches;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    PlanePatch patch;
+    patch.id = landmark.id;
+    patch.type = landmark.model == PlaneModel::kHorizontal ? PlaneType::kHorizontal
+                 : landmark.model == PlaneModel::kVertical ? PlaneType::kVertical
+                                                           : PlaneType::kGeneral;
+    patch.normal = landmark.Normal();
+    patch.distance = landmark.Distance();
+    const PatchExtent& extent = landmark.extent;
+    const auto on_plane = [&](const Eigen::Vector2d& uv) -> Eigen::Vector3d {
+      const Eigen::Vector3d p = uv.x() * extent.u_axis() + uv.y() * extent.v_axis();
+      return p - patch.SignedDistance(p) * patch.normal;
+    };
+    const Eigen::Vector2d low = extent.min_corner();
+    const Eigen::Vector2d high = extent.max_corner();
+    patch.centre = on_plane(0.5 * (low + high));
+    if (landmark.model == PlaneModel::kVertical) {
+      for (const Eigen::Vector2d& corner :
+           {low, Eigen::Vector2d(high.x(), low.y()), high, Eigen::Vector2d(low.x(), high.y())}) {
+        patch.outline.push_back(on_plane(corner));
+      }
+    } else {
+      for (const Eigen::Vector2d& corner : extent.ConvexHull()) {
+        patch.outline.push_back(on_plane(corner));
+      }
+    }
+    const Eigen::Matrix2d by_plane =
+        landmark.DeviationJacobian(patch.centre, landmark.extent.u_axis());
+    const Eigen::Matrix2d covariance =
+        by_plane * landmark.covariance * by_plane.transpose();
+    patch.sigma_distance_m = std::sqrt(covariance(0, 0));
+    patch.sigma_angle_rad = std::sqrt(covariance(1, 1));
+    patch.num_points = landmark.num_points;
+    patch.num_segments = landmark.num_segments;
+    patch.first_time_ns = landmark.first_time_ns;
+    patch.last_time_ns = landmark.last_time_ns;
+    patches.push_back(std::move(patch));
+  }
+  return patches;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/batch.h"
+#include "core/map_types.h"
+#include "core/mapper_options.h"
+#include "core/recording.h"
+#include "core/rig.h"
+#include "core/window.h"
+
+namespace plumbline {
+
+// What mapping a recording gives, before it is written.
+struct MapResult {
+  explicit MapResult(MapState state) : state(std::move(state)) {}
+
+  MapState state;
+  bool planar = false;
+  std::vector<int64_t> scan_times_ns;  // instant of each mapped scan
+  int num_skipped_scans = 0;           // before the model frame was found
+  BatchReport batch;
+  std::vector<std::pair<std::string, double>> stages;  // name, seconds
+  std::vector<std::string> warnings;
+};
+
+// Called now and then with the stage and the share of it done, 0 to 1.
+using ProgressCallback = std::function<void(const std::string& stage, double share)>;
+
+// From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
+// scan tracking with the window, final batch (docs/architecture.md). num_threads changes the time
+// it takes, never the result. Throws Error when the motion can not be followed.
+MapResult MapRecording(const Rig& rig,
+                       const MapperOptions& options,
+                       int num_threads,
+                       const ProgressCallback& progress,
+                       RecordingReader* recording);
+
+// The landmarks with observations as plane patches, ids as in the state.
+std::vector<PlanePatch> PlanePatches(const MapState& state);
+
+}  // namespace plumbline

@@ -1,0 +1,139 @@
+#include "core/observation.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include <glog/logging.h>
+
+#include "core/time.h"
+
+namespace plumbline {
+
+Observation MakeObservation(const ScanLine& scan_line,
+                            const Scanner& scanner,
+                            const Segment& segment,
+                            bool keep_points) {
+  Observation observation;
+  observation.scanner_index = scan_line.scanner_index;
+  observation.first_beam = segment.first_beam;
+  observation.last_beam = segment.last_beam;
+  observation.excluded_beams = segment.excluded_beams;
+  observation.num_points = segment.num_points;
+  observation.sigma_direction_rad = segment.sigma_direction_rad;
+
+  const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  const Eigen::Index num_points = segment.num_points;
+  Eigen::Matrix2Xd points(2, num_points);
+  std::vector<int64_t> times(static_cast<size_t>(num_points));
+  Eigen::VectorXd whitening(num_points);
+  const Eigen::Vector2d tangent(-segment.normal.y(), segment.normal.x());
+  const double range_variance = scanner.range_noise_m * scanner.range_noise_m;
+  const double angle_variance = scanner.angle_noise_rad * scanner.angle_noise_rad;
+  double sum_weights = 0.0;
+  double out_of_plane = 0.0;
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  Eigen::Index next = 0;
+  auto excluded = segment.excluded_beams.begin();
+  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam) {
+    if (excluded != segment.excluded_beams.end() && *excluded == beam) {
+      ++excluded;
+      continue;
+    }
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    const double cosine = segment.normal.dot(direction);
+    const double sine = tangent.dot(direction);
+    const double across_variance = range * range * angle_variance;
+    const double variance = range_variance * cosine * cosine + across_variance * sine * sine;
+    points.col(next) = range * direction;
+    times[static_cast<size_t>(next)] = scan_line.BeamTime(beam) + offset_ns;
+    whitening[next] = 1.0 / std::sqrt(variance);
+    centroid += points.col(next) / variance;
+    sum_weights += 1.0 / variance;
+    out_of_plane += across_variance / variance;
+    ++next;
+  }
+  CHECK_EQ(next, num_points) << "segment and its beams disagree";
+  observation.centroid = centroid / sum_weights;
+  observation.tangent = tangent;
+  observation.out_of_plane_ratio = out_of_plane / static_cast<double>(num_points);
+  observation.start = points.col(0);
+  observation.end = points.col(num_points - 1);
+  observation.start_time_ns = times.front();
+  observation.end_time_ns = times.back();
+  observation.measurement = CompressSegment(points, times, whitening);
+  if (keep_points) {
+    for (Eigen::Index i = 0; i < num_points; ++i) {
+      observation.points.push_back(points.col(i));
+      observation.point_whitening.push_back(whitening[i]);
+    }
+    observation.point_times_ns = times;
+  }
+  return observation;
+}
+
+ObservationPoses::ObservationPoses(const Trajectory& trajectory, const Observation& observation) {
+  for (size_t k = 0; k < 3; ++k) {
+    world_from_body[k] = trajectory.WorldFromBody(observation.measurement.node_times_ns[k]);
+  }
+}
+
+double WhiteningScale(const Observation& observation,
+                      const Eigen::Quaterniond& world_from_scanner,
+                      const Eigen::Vector3d& normal_world) {
+  const Eigen::Vector3d normal_scanner = world_from_scanner.conjugate() * normal_world;
+  const double across = normal_scanner.z() * normal_scanner.z();
+  const double along = 1.0 - across;
+  return 1.0 / std::sqrt(along + observation.out_of_plane_ratio * across);
+}
+
+LineDeviation DeviationFromPlane(const Observation& observation,
+                                 const Rigid3d& body_from_scanner,
+                                 const ObservationPoses& poses,
+                                 const Landmark& landmark) {
+  const Eigen::Vector3d normal = landmark.Normal();
+  const Eigen::MatrixXd& root = observation.measurement.root;
+  Eigen::Matrix<double, 9, 1> g;
+  for (int k = 0; k < 3; ++k) {
+    const Rigid3d world_from_scanner =
+        poses.world_from_body[static_cast<size_t>(k)] * body_from_scanner;
+    const Eigen::Vector3d normal_scanner = world_from_scanner.rotation.conjugate() * normal;
+    g.segment<3>(3 * k) << normal_scanner.x(), normal_scanner.y(),
+        landmark.SignedDistance(world_from_scanner.translation);
+  }
+  // A line that deviates by offset + slope * (tangent . (s - centroid)) adds shift * (offset,
+  // slope) to g, the same at every node.
+  Eigen::Matrix<double, 9, 2> shift;
+  for (int k = 0; k < 3; ++k) {
+    shift.middleRows<3>(3 * k) << 0.0, observation.tangent.x(), 0.0, observation.tangent.y(),  //
+        1.0, -observation.tangent.dot(observation.centroid);
+  }
+  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
+  const double scale = WhiteningScale(observation, world_from_scanner.rotation, normal);
+  const Eigen::VectorXd residuals = scale * (root * g);
+  const Eigen::MatrixXd design = scale * (root * shift);
+  const Eigen::Matrix2d information = design.transpose() * design;
+
+  LineDeviation deviation;
+  deviation.covariance = information.inverse();
+  deviation.value = deviation.covariance * (design.transpose() * residuals);
+  deviation.chi2 = residuals.squaredNorm();
+  deviation.remaining_chi2 =
+      std::max(0.0, deviation.chi2 - deviation.value.dot(information * deviation.value));
+  deviation.num_residuals = static_cast<int>(residuals.size());
+
+  const Eigen::Vector3d centroid_world =
+      world_from_scanner *
+      Eigen::Vector3d(observation.centroid.x(), observation.centroid.y(), 0.0);
+  const Eigen::Vector3d tangent_world =
+      world_from_scanner.rotation *
+      Eigen::Vector3d(observation.tangent.x(), observation.tangent.y(), 0.0);
+  const Eigen::Vector3d arm = centroid_world - poses.middle().translation;
+  deviation.by_pose.row(0) << arm.cross(normal).transpose(), normal.transpose();
+  deviation.by_pose.row(1) << tangent_world.cross(normal).transpose(), 0.0, 0.0, 0.0;
+  deviation.by_plane = landmark.DeviationJacobian(centroid_world, tangent_world);
+  return deviation;
+}
+
+}  // namespace plumbline

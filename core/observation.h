@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/landmark.h"
+#include "core/rig.h"
+#include "core/scan_line.h"
+#include "core/segmentation.h"
+#include "core/trajectory.h"
+#include "factors/segment_factor.h"
+
+namespace plumbline {
+
+// What is kept of one segment of one scan line: its beams compressed to a matrix of at most nine
+// rows (factors/segment_factor.h), a line for association, and its landmark.
+struct Observation {
+  int scan_index = 0;
+  int scan_line_index = 0;           // position in the recording's sequence of scan lines
+  int scanner_index = 0;
+  int first_beam = 0;
+  int last_beam = 0;                 // inclusive
+  std::vector<int> excluded_beams;
+  int num_points = 0;
+  SegmentMeasurement measurement;
+  int64_t start_time_ns = 0;         // of the first and last beam, time offset included
+  int64_t end_time_ns = 0;
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();     // scanner frame, m
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
+  double sigma_direction_rad = 0.0;
+  double out_of_plane_ratio = 0.0;   // see WhiteningScale
+  int landmark_id = -1;
+  // Single beams, kept only for the per-point factor.
+  std::vector<Eigen::Vector2d> points;
+  std::vector<int64_t> point_times_ns;
+  std::vector<double> point_whitening;
+
+  int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
+  double length_m() const { return (end - start).norm(); }
+};
+
+// Compresses a segment. keep_points also stores the single beams.
+Observation MakeObservation(const ScanLine& scan_line,
+                            const Scanner& scanner,
+                            const Segment& segment,
+                            bool keep_points);
+
+// The rig's poses at the three interpolation nodes of an observation.
+struct ObservationPoses {
+  std::array<Rigid3d, 3> world_from_body;
+
+  ObservationPoses(const Trajectory& trajectory, const Observation& observation);
+  const Rigid3d& middle() const { return world_from_body[1]; }
+};
+
+// Factor from the whitening in the scan plane to that of point-to-plane distances. With c the
+// length of the plane normal's part in the scan plane, a distance's standard deviation is c times
+// the one in the scan plane (the beam meets the plane at a slant), plus what the beams' angular
+// noise across the scan plane adds.
+double WhiteningScale(const Observation& observation,
+                      const Eigen::Quaterniond& world_from_scanner,
+                      const Eigen::Vector3d& normal_world);
+
+// How far an observed line deviates from a plane: signed distance at the centroid (m) and its
+// change along the tangent (rad), estimated from the compressed beams, with their covariance.
+struct LineDeviation {
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+  Eigen::Matrix<double, 2, 6> by_pose;  // world-frame rotation, position at the middle node
+  Eigen::Matrix2d by_plane;             // landmark parameters
+  double chi2 = 0.0;                    // of all the whitened residuals, deviation included
+  double remaining_chi2 = 0.0;          // without the deviation
+  int num_residuals = 0;
+};
+
+LineDeviation DeviationFromPlane(const Observation& observation,
+                                 const Rigid3d& body_from_scanner,
+                                 const ObservationPoses& poses,
+                                 const Landmark& landmark);
+
+}  // namespace plumbline

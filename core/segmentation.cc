@@ -1,0 +1,455 @@
+#include "core/segmentation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/beam_fan.h"
+#include "core/line_grower.h"
+
+namespace plumbline {
+namespace {
+
+// x with P(|z| > x) = probability for a standard normal z.
+double TwoSidedNormalQuantile(double probability) {
+  double low = 0.0;
+  double high = 40.0;
+  while (high - low > 1e-6) {
+    const double middle = 0.5 * (low + high);
+    (std::erfc(middle * M_SQRT1_2) > probability ? low : high) = middle;
+  }
+  return high;
+}
+
+// Upper quantile of the chi square distribution by Wilson and Hilferty's approximation.
+double Chi2Quantile(int degrees, double normal_quantile) {
+  const double a = 2.0 / (9.0 * degrees);
+  const double root = 1.0 - a + normal_quantile * std::sqrt(a);
+  return degrees * root * root * root;
+}
+
+struct Limits {
+  Limits(const SegmentationOptions& options, int num_beams) {
+    // Union bounds: there are fewer than three tests of runs for each beam (two while growing,
+    // the rest when looking for foreign runs). The statistic of a run is chi square with two
+    // degrees of freedom, P(T > x) = exp(-x / 2).
+    const double per_beam = options.significance / std::max(1, num_beams);
+    const double point = TwoSidedNormalQuantile(per_beam);
+    outlier = point * point;
+    run = -2.0 * std::log(per_beam / 3.0);
+    sum_quantile = TwoSidedNormalQuantile(2.0 * options.significance);
+  }
+
+  double outlier = 0.0;       // of one squared whitened residual
+  double run = 0.0;           // of the statistic of a run
+  double sum_quantile = 0.0;  // normal quantile for the chi square of a whole segment
+};
+
+// A segment in the making.
+struct Piece {
+  int first = 0;
+  int last = 0;                   // inclusive
+  bool starts_at_change = false;  // a test has proved that the line before ends there
+  Eigen::Vector2d q = Eigen::Vector2d::Zero();
+  NormalEquations information;  // of the last fit or, while growing, of the points taken up
+};
+
+class Segmenter {
+ public:
+  Segmenter(const ScanLine& scan_line,
+            const Scanner& scanner,
+            const ScannerMotion& motion,
+            const SegmentationOptions& options)
+      : scanner_(scanner),
+        options_(options),
+        limits_(options, scan_line.num_beams()),
+        fan_(scan_line, scanner, motion, limits_.outlier) {}
+
+  std::vector<Segment> Run() {
+    GrowAll();
+    // Twice, because a merged line may show that the next end point was at the wrong place.
+    OptimiseSplitsAndMerge();
+    OptimiseSplitsAndMerge();
+    LeaveOutDoubtfulBeams();
+    return MakeSegments();
+  }
+
+ private:
+  void GrowAll();
+  void AddGrownPiece(LineGrower* grower, bool starts_at_change);
+  bool Fit(int max_iterations, Piece* piece) const;
+  bool AreAdjacent(const Piece& a, const Piece& b) const;
+  std::pair<int, double> BestSplit(const Eigen::Vector2d& a,
+                                   const Eigen::Vector2d& b,
+                                   int first,
+                                   int last,
+                                   int split) const;
+  void OptimiseSplit(Piece* a, Piece* b) const;
+  bool Merge(const Piece& a, const Piece& b, Piece* merged) const;
+  bool IsNeeded(const Piece& a, const Piece& b, const Piece& c) const;
+  void OptimiseSplitsAndMerge();
+  double Separation(int i, const Piece& a, const Piece& b) const;
+  int PassDoubtful(int i, int end, int step, const Piece& a, const Piece& b) const;
+  void LeaveOutBetween(Piece* a, Piece* b) const;
+  bool IsNearLimit(int i, const Piece& piece) const;
+  void LeaveOutDoubtfulBeams();
+  Segment MakeSegment(const Piece& piece) const;
+  std::vector<Segment> MakeSegments() const;
+
+  const Scanner& scanner_;
+  const SegmentationOptions& options_;
+  const Limits limits_;
+  const BeamFan fan_;
+  std::vector<Piece> pieces_;
+};
+
+// --- Growing
+
+void Segmenter::GrowAll() {
+  const int num_beams = fan_.num_beams();
+  LineGrower grower(fan_,
+                    {options_.min_points,
+                     limits_.run,
+                     Chi2Quantile(options_.min_points - 2, limits_.sum_quantile)});
+  int next = 0;
+  int end = num_beams;  // where the next line has to end, if known
+  bool starts_at_change = false;
+  while (next < num_beams) {
+    if (next >= end) {
+      end = num_beams;
+      starts_at_change = true;
+    }
+    if (!fan_.beam(next).is_valid || !grower.Seed(next)) {
+      ++next;
+      continue;
+    }
+    grower.Grow(grower.PointBeam(grower.num_points() - 1) + 1, end, 1);
+    bool next_starts_at_change = false;
+    int run_begin = 0;
+    int run_end = 0;
+    while (grower.FindForeignRun(&run_begin, &run_end)) {
+      next_starts_at_change = run_begin > 0;
+      if (run_begin > 0 && run_end < grower.num_points()) end = grower.PointBeam(run_end);
+      grower.Truncate(run_begin > 0 ? run_begin : run_end);
+    }
+    next = grower.PointBeam(grower.num_points() - 1) + 1;
+    if (grower.num_points() >= options_.min_points) AddGrownPiece(&grower, starts_at_change);
+    starts_at_change = next_starts_at_change;
+  }
+}
+
+void Segmenter::AddGrownPiece(LineGrower* grower, bool starts_at_change) {
+  Piece piece;
+  piece.first = grower->PointBeam(0);
+  piece.last = grower->PointBeam(grower->num_points() - 1);
+  piece.starts_at_change = starts_at_change;
+  if (!starts_at_change) {
+    // Backwards over beams at which no line could start, for example beside an outlier.
+    const int before = pieces_.empty() ? -1 : pieces_.back().last;
+    const int num_forward = grower->num_points();
+    grower->Grow(piece.first - 1, std::min(before, piece.first - 1), -1);
+    if (grower->num_points() < num_forward) return;
+    if (grower->num_points() > num_forward) {
+      piece.first = grower->PointBeam(grower->num_points() - 1);
+    }
+  }
+  piece.q = grower->q();
+  piece.information = grower->equations();
+  pieces_.push_back(piece);
+}
+
+// --- Fitting
+
+// Maximum likelihood line through the beams of the piece, without outliers: least squares of the
+// whitened range residuals. The residual of range is that of distance divided by n . u, so this
+// is the weighted fit of the distances n . p - d with one difference that matters: the lever arm
+// of a point comes from where its beam meets the line, not from its measured range. A measured
+// lever arm shares the noise of its residual, which turns every line that is not seen
+// symmetrically. Shortens the piece to beams on the line. False if fewer than min_points remain.
+bool Segmenter::Fit(int max_iterations, Piece* piece) const {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    NormalEquations sum;
+    int num_points = 0;
+    for (int i = piece->first; i <= piece->last; ++i) {
+      BeamFan::Prediction prediction;
+      if (!fan_.beam(i).is_valid || !fan_.Predict(i, piece->q, &prediction)) continue;
+      const double residual = fan_.beam(i).range - prediction.range;
+      const double weight = 1.0 / prediction.variance;
+      if (residual * residual * weight >= limits_.outlier) continue;
+      sum.Add(prediction.row, -residual, weight);
+      ++num_points;
+    }
+    if (num_points < options_.min_points || !sum.IsSolvable()) return false;
+    const Eigen::Vector2d change = sum.Solve();
+    piece->q += change;
+    piece->information = sum;
+    // Length of the step in standard deviations; the error left is of its square.
+    if (change.dot(Eigen::Vector2d(sum.x, sum.y)) < 1e-4) break;
+  }
+  while (piece->first < piece->last && !fan_.IsOnLine(piece->first, piece->q)) ++piece->first;
+  while (piece->first < piece->last && !fan_.IsOnLine(piece->last, piece->q)) --piece->last;
+  return true;
+}
+
+// --- Neighbours
+
+bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
+  return b.first - a.last <= options_.min_points;
+}
+
+// Most likely last beam of line a if b follows, within first - 1 .. last, searched from `split`
+// on both sides. Second: the change of chi square with respect to `split`.
+std::pair<int, double> Segmenter::BestSplit(const Eigen::Vector2d& a,
+                                            const Eigen::Vector2d& b,
+                                            int first,
+                                            int last,
+                                            int split) const {
+  std::pair<int, double> best(split, 0.0);
+  double cost = 0.0;
+  for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
+    cost += fan_.Deviation(i, a) - fan_.Deviation(i, b);
+    if (cost < best.second) best = {i, cost};
+  }
+  cost = 0.0;
+  for (int i = split; i >= first && cost < best.second + limits_.run; --i) {
+    cost += fan_.Deviation(i, b) - fan_.Deviation(i, a);
+    if (cost < best.second) best = {i - 1, cost};
+  }
+  return best;
+}
+
+// Moves the end points between two adjacent pieces to the most likely place.
+void Segmenter::OptimiseSplit(Piece* a, Piece* b) const {
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const int split = BestSplit(a->q, b->q, a->first + 1, b->last - 1, a->last).first;
+    Piece new_a = *a;
+    Piece new_b = *b;
+    new_a.last = split;
+    new_b.first = split + 1;
+    if (new_a.last == a->last && new_b.first == b->first) return;
+    if (!Fit(1, &new_a) || !Fit(1, &new_b)) return;
+    const bool is_same = new_a.last == a->last && new_b.first == b->first;
+    *a = new_a;
+    *b = new_b;
+    if (is_same) return;
+  }
+}
+
+// Tests (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if it
+// is one line.
+bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
+  if (b.starts_at_change) return false;
+  const NormalEquations& m = a.information;
+  const NormalEquations& n = b.information;
+  const double scale_m = 1.0 / m.Determinant();
+  const double scale_n = 1.0 / n.Determinant();
+  const double xx = scale_m * m.yy + scale_n * n.yy;
+  const double xy = -scale_m * m.xy - scale_n * n.xy;
+  const double yy = scale_m * m.xx + scale_n * n.xx;
+  const Eigen::Vector2d d = a.q - b.q;
+  const double chi2 =
+      (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) / (xx * yy - xy * xy);
+  if (chi2 > limits_.run) return false;
+  *merged = a.last - a.first > b.last - b.first ? a : b;
+  merged->first = a.first;
+  merged->last = b.last;
+  merged->starts_at_change = a.starts_at_change;
+  return Fit(2, merged);
+}
+
+// Is the piece b between a and c needed, or do the lines a and c explain its beams?
+bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
+  double cost = 0.0;
+  for (int i = b.first; i <= b.last; ++i) {
+    cost += fan_.Deviation(i, c.q) - fan_.Deviation(i, b.q);
+  }
+  return cost + BestSplit(a.q, c.q, b.first, b.last, b.first - 1).second > limits_.run;
+}
+
+void Segmenter::OptimiseSplitsAndMerge() {
+  std::vector<Piece> done;
+  done.reserve(pieces_.size());
+  for (Piece piece : pieces_) {
+    while (!done.empty() && AreAdjacent(done.back(), piece)) {
+      OptimiseSplit(&done.back(), &piece);
+      Piece merged;
+      if (Merge(done.back(), piece, &merged)) {
+        piece = merged;
+        done.pop_back();
+        continue;
+      }
+      const size_t n = done.size();
+      if (n < 2 || !AreAdjacent(done[n - 2], done[n - 1]) ||
+          IsNeeded(done[n - 2], done[n - 1], piece)) {
+        break;
+      }
+      done.pop_back();
+      piece.first = done.back().last + 1;
+    }
+    done.push_back(piece);
+  }
+  pieces_ = std::move(done);
+}
+
+// --- Doubtful beams. All decisions follow from the fitted lines. These are independent of their
+// points' residuals, so that leaving points out does not bias what the others say.
+
+// Difference of the ranges that two lines predict in standard deviations of a range.
+double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
+  BeamFan::Prediction in_a, in_b;
+  if (!fan_.Predict(i, a.q, &in_a) || !fan_.Predict(i, b.q, &in_b)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return (in_a.range - in_b.range) / std::sqrt(0.5 * (in_a.variance + in_b.variance));
+}
+
+// First beam from i on that belongs to one of the lines without doubt. Either it does so alone,
+// or the beams passed over, all taken together, would: a run with the sum S of squared
+// separations goes to the wrong line with the probability of a normal variable > sqrt(S) / 2.
+int Segmenter::PassDoubtful(int i, int end, int step, const Piece& a, const Piece& b) const {
+  const double limit = options_.ambiguity_sigmas;
+  double sum = 0.0;
+  for (; i != end && sum < 4.0 * limit * limit; i += step) {
+    const double separation = Separation(i, a, b);
+    if (std::abs(separation) >= limit) break;
+    sum += separation * separation;
+  }
+  return i;
+}
+
+void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
+  int last_of_a = a->last;
+  int first_of_b = b->first;
+  // Where the lines intersect among the doubtful beams, a ends and b starts there.
+  const int low = PassDoubtful(a->last, a->first, -1, *a, *b);
+  const int high = PassDoubtful(b->first, b->last, 1, *a, *b);
+  bool is_above = Separation(low, *a, *b) > 0.0;
+  for (int i = low; i < high; ++i) {
+    const bool is_next_above = Separation(i + 1, *a, *b) > 0.0;
+    if (is_next_above != is_above) {
+      last_of_a = i;
+      first_of_b = i + 1;
+      break;
+    }
+    is_above = is_next_above;
+  }
+  a->last = PassDoubtful(last_of_a, a->first, -1, *a, *b);
+  b->first = PassDoubtful(first_of_b, b->last, 1, *a, *b);
+}
+
+// Near the limits of the scanner only noise of one sign gives a valid range.
+bool Segmenter::IsNearLimit(int i, const Piece& piece) const {
+  BeamFan::Prediction prediction;
+  if (!fan_.Predict(i, piece.q, &prediction)) return true;
+  const double margin = options_.ambiguity_sigmas * std::sqrt(prediction.variance);
+  return prediction.range > scanner_.max_range_m - margin ||
+         prediction.range < scanner_.min_range_m + margin;
+}
+
+void Segmenter::LeaveOutDoubtfulBeams() {
+  constexpr int kMaxIterations = 5;
+  const std::vector<Piece> whole = pieces_;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Piece> shorter = pieces_;
+    for (size_t k = 0; k < whole.size(); ++k) {
+      shorter[k].first = whole[k].first;
+      shorter[k].last = whole[k].last;
+    }
+    for (size_t k = 0; k + 1 < whole.size(); ++k) {
+      if (AreAdjacent(whole[k], whole[k + 1])) LeaveOutBetween(&shorter[k], &shorter[k + 1]);
+    }
+    bool is_changed = false;
+    for (size_t k = 0; k < whole.size(); ++k) {
+      Piece& piece = shorter[k];
+      while (piece.first < piece.last && IsNearLimit(piece.first, piece)) ++piece.first;
+      while (piece.first < piece.last && IsNearLimit(piece.last, piece)) --piece.last;
+      const bool has_moved = piece.first != pieces_[k].first || piece.last != pieces_[k].last;
+      if (round > 0 && !has_moved) continue;
+      is_changed = is_changed || has_moved;
+      Piece fitted = piece;
+      pieces_[k] = Fit(kMaxIterations, &fitted) ? fitted : piece;
+    }
+    if (!is_changed) return;
+  }
+}
+
+// --- Result
+
+// The line's statistics follow from the information of q, since n . p = d for the points it is
+// made of: |q|^2 information = sum w p p^T, w = 1 / variance of a point along the normal.
+Segment Segmenter::MakeSegment(const Piece& piece) const {
+  Segment segment;
+  segment.first_beam = piece.first;
+  segment.last_beam = piece.last;
+  for (int i = piece.first; i <= piece.last; ++i) {
+    const double deviation = fan_.Deviation(i, piece.q);
+    if (fan_.beam(i).is_valid && deviation < limits_.outlier) {
+      ++segment.num_points;
+      segment.chi2 += deviation;
+    } else {
+      segment.excluded_beams.push_back(i);
+    }
+  }
+  const double norm = piece.q.norm();
+  segment.normal = -piece.q / norm;
+  segment.distance = -1.0 / norm;
+  const Eigen::Vector2d& normal = segment.normal;
+  const Eigen::Vector2d tangent(-normal.y(), normal.x());
+  Eigen::Matrix2d moments;
+  moments << piece.information.xx, piece.information.xy, piece.information.xy,
+      piece.information.yy;
+  moments *= norm * norm;
+  const double weight = normal.dot(moments * normal) * norm * norm;
+  const double along = tangent.dot(moments * normal) / (segment.distance * weight);
+  const double square = tangent.dot(moments * tangent) / weight - along * along;
+  segment.centroid = segment.distance * normal + along * tangent;
+  segment.spread_m = std::sqrt(square);
+  segment.sigma_offset_m = 1.0 / std::sqrt(weight);
+  segment.sigma_direction_rad = segment.sigma_offset_m / segment.spread_m;
+  segment.start = fan_.PointOnLine(piece.first, piece.q);
+  segment.end = fan_.PointOnLine(piece.last, piece.q);
+  return segment;
+}
+
+// Leaves out what is too short or not straight. A variance factor above one that the segments of
+// the scan line share (median over the points) says that range_noise_m is understated, not that
+// all lines are bent.
+std::vector<Segment> Segmenter::MakeSegments() const {
+  std::vector<Segment> segments;
+  segments.reserve(pieces_.size());
+  std::vector<std::pair<double, int>> factors;
+  factors.reserve(pieces_.size());
+  int num_points = 0;
+  for (const Piece& piece : pieces_) {
+    Segment segment = MakeSegment(piece);
+    if (segment.num_points < options_.min_points) continue;
+    factors.emplace_back(segment.chi2 / (segment.num_points - 2), segment.num_points);
+    num_points += segment.num_points;
+    segments.push_back(std::move(segment));
+  }
+  std::sort(factors.begin(), factors.end());
+  double factor = 1.0;
+  int num_below = 0;
+  for (const auto& [value, count] : factors) {
+    if (2 * num_below < num_points) factor = std::max(1.0, value);
+    num_below += count;
+  }
+  const auto is_bent = [&](const Segment& segment) {
+    return segment.chi2 >
+           factor * Chi2Quantile(segment.num_points - 2, limits_.sum_quantile);
+  };
+  segments.erase(std::remove_if(segments.begin(), segments.end(), is_bent), segments.end());
+  return segments;
+}
+
+}  // namespace
+
+std::vector<Segment> SegmentScanLine(const ScanLine& scan_line,
+                                     const Scanner& scanner,
+                                     const ScannerMotion& motion,
+                                     const SegmentationOptions& options) {
+  return Segmenter(scan_line, scanner, motion, options).Run();
+}
+
+}  // namespace plumbline

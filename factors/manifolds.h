@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+namespace ceres {
+class Manifold;
+}
+
+namespace plumbline {
+
+// Manifolds of the parameter blocks. Quaternions are stored (x, y, z, w).
+
+// Rotation, 4 -> 3:  q [+] delta = Exp(delta) q,  q [-] q0 = Log(q q0^-1). Delta in rad, in
+// the frame that q maps to (the world for control points).
+std::unique_ptr<ceres::Manifold> CreateRotationManifold();
+
+// Rotation about the world's z axis only, 4 -> 1:  q [+] delta = Exp(delta e_z) q. For rigs
+// that move in the plane: roll and pitch keep the values they start with.
+std::unique_ptr<ceres::Manifold> CreateYawManifold();
+
+// General plane (nx, ny, nz, d), 4 -> 3: unit sphere x R, see GeneralPlane. The normal turns
+// by
+// |(delta_0, delta_1)| rad towards TangentBasis(n) (delta_0, delta_1); d [+] delta = d +
+// delta_2.
+std::unique_ptr<ceres::Manifold> CreateGeneralPlaneManifold();
+
+// d q / d delta of q [+] delta at delta = 0, 4 x 3.
+Eigen::Matrix<double, 4, 3> RotationPlusJacobian(const double* q);
+
+// d delta / d q of (q [-] q0) at q = q0, 3 x 4. RotationMinusJacobian * RotationPlusJacobian =
+// I.
+Eigen::Matrix<double, 3, 4> RotationMinusJacobian(const double* q);
+
+// Two orthonormal directions perpendicular to the unit vector normal; a function of it alone.
+Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& normal);
+
+// Angle in (-pi, pi] of the part of q q0^-1 that turns about the world's z axis.
+double YawDifference(const double* q, const double* q0);
+
+// The tangent that takes the general plane from reference to plane, and its derivative with
+// respect to plane's four parameters where jacobian is not null (differentiated
+// automatically).
+Eigen::Vector3d GeneralPlaneDifference(const double* plane,
+                                       const double* reference,
+                                       Eigen::Matrix<double, 3, 4>* jacobian);
+
+}  // namespace plumbline

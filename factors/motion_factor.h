@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+
+namespace ceres {
+class CostFunction;
+}
+
+namespace plumbline {
+
+// Weak priors on the motion: differences of neighbouring spline control points, differentiated
+// automatically. For a cubic B-spline with knot interval h the second difference of the
+// control points over h^2 is the acceleration at the knot, the first difference over h about
+// the velocity. Three residuals each.
+
+// Acceleration of the position:  r = (p0 - 2 p1 + p2) / (stddev h^2),   stddev in m/s^2.
+// Blocks: [ p0 | p1 | p2 ]
+std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(double stddev,
+                                                                      double knot_interval_s);
+
+// Angular acceleration:  r = (Log(q1^-1 q2) - Log(q0^-1 q1)) / (stddev h^2),  stddev in
+// rad/s^2. Blocks: [ q0 | q1 | q2 ]
+std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(double stddev,
+                                                                      double knot_interval_s);
+
+// Velocity:  r = (p1 - p0) / (stddev h),   stddev in m/s.
+// Blocks: [ p0 | p1 ]
+std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,
+                                                                  double knot_interval_s);
+
+// Angular velocity:  r = Log(q0^-1 q1) / (stddev h),   stddev in rad/s.
+// Blocks: [ q0 | q1 ]
+std::unique_ptr<ceres::CostFunction> CreateRotationVelocityFactor(double stddev,
+                                                                  double knot_interval_s);
+
+}  // namespace plumbline

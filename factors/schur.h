@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace plumbline {
+
+// The kept variables' part of a least squares problem as a square root:
+//   |offset + root x|^2 = min over the marginalised y of |r + J (y, x)|^2  - constant.
+struct MarginalisedSystem {
+  Eigen::MatrixXd root;    // S, rank x kept, S^T S = Schur complement
+  Eigen::VectorXd offset;  // r0, rank, S^T r0 = reduced gradient
+  int rank = 0;            // of the kept part: directions the measurements say something about
+  int marginalised_rank = 0;  // of the marginalised part; less than its size: a free direction
+                              // of it was left out, which is exact when it was free before
+};
+
+// Schur complement of the normal matrix H = J^T J and gradient g = J^T r, ordered
+// [ marginalised | kept ], onto the kept variables. H must be symmetric and positive
+// semi-definite; CHECKs when it is clearly indefinite. A direction counts as free when, with
+// all variables scaled to unit information (unit diagonal of H), less than relative_tolerance
+// of it remains.
+MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,
+                               const Eigen::VectorXd& gradient,
+                               int num_marginalised,
+                               double relative_tolerance = 1e-11);
+
+}  // namespace plumbline
