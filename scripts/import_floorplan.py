@@ -7,6 +7,7 @@ floor's slab as a polygon. Heights are not in it.
 
 import argparse
 import json
+import math
 import os
 import sys
 
@@ -114,10 +115,31 @@ def is_simple(polygon):
     return True
 
 
+def inset(polygon, distance):
+    """The polygon with all edges moved inwards."""
+    area = sum(cross((0, 0), polygon[i - 1], corner) for i, corner in enumerate(polygon))
+    side = distance if area > 0 else -distance
+    corners = []
+    for i, corner in enumerate(polygon):
+        before, after = polygon[i - 1], polygon[(i + 1) % len(polygon)]
+        a, b = math.dist(before, corner), math.dist(corner, after)
+        u = (corner[0] - before[0]) / a, (corner[1] - before[1]) / a
+        v = (after[0] - corner[0]) / b, (after[1] - corner[1]) / b
+        # Both moved edges pass through the corner plus this multiple of (v - u).
+        scale = side / (u[0] * v[1] - u[1] * v[0])
+        corners.append((corner[0] + scale * (v[0] - u[0]), corner[1] + scale * (v[1] - u[1])))
+    return corners
+
+
 def bounding_rectangle(polygons):
     x = [corner[0] for polygon in polygons for corner in polygon]
     y = [corner[1] for polygon in polygons for corner in polygon]
     return [(min(x), min(y)), (max(x), min(y)), (max(x), max(y)), (min(x), max(y))]
+
+
+def is_upright(rectangle):
+    """Whether the sides run along the axes."""
+    return len({x for x, _ in rectangle}) == 2 and len({y for _, y in rectangle}) == 2
 
 
 def centre_line(rectangle):
@@ -125,13 +147,22 @@ def centre_line(rectangle):
     def middle(p, q):
         return (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
 
-    def length(p, q):
-        return ((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2) ** 0.5
-
     a, b, c, d = rectangle
-    if length(a, b) < length(b, c):
-        return middle(a, b), middle(c, d), (length(a, b) + length(c, d)) / 2
-    return middle(b, c), middle(d, a), (length(b, c) + length(d, a)) / 2
+    if math.dist(a, b) < math.dist(b, c):
+        return middle(a, b), middle(c, d), (math.dist(a, b) + math.dist(c, d)) / 2
+    return middle(b, c), middle(d, a), (math.dist(b, c) + math.dist(d, a)) / 2
+
+
+def shorten(begin, end):
+    """Cuts a slanted wall's ends by 3 cm.
+
+    They were drawn up to the far side of the wall that they meet, but for fractions of a
+    millimetre; now they end inside it. The simulator refuses faces below a millimetre.
+    """
+    length = math.dist(begin, end)
+    cut = min(0.03, length / 10) / length
+    return ((begin[0] + cut * (end[0] - begin[0]), begin[1] + cut * (end[1] - begin[1])),
+            (end[0] + cut * (begin[0] - end[0]), end[1] + cut * (begin[1] - end[1])))
 
 
 def point(corner):
@@ -162,6 +193,9 @@ def make_building(path, floor_id, floor, ceiling_height):
     if not outlines or not all(is_simple(outline) for outline in outlines):
         outlines = [bounding_rectangle(walls)]
         comment = "The slab crosses itself or is missing; the outline is the walls' rectangle."
+    if not all(is_upright(wall) for wall in walls):
+        # Into the outer walls, which coincide with it but for fractions of a millimetre.
+        outlines = [inset(outline, 0.02) for outline in outlines]
     lines = [f"# Floor {floor_id} of MLSTRUCT-FP (MIT licence), walls as drawn, metres.",
              f"# {comment} The ceiling's height is assumed.",
              "floor_height_m: 0.0",
@@ -171,6 +205,8 @@ def make_building(path, floor_id, floor, ceiling_height):
     lines.append("walls:")
     for wall in walls:
         begin, end, thickness = centre_line(wall)
+        if not is_upright(wall):
+            begin, end = shorten(begin, end)
         lines += [f"  - from: {point(begin)}",
                   f"    to: {point(end)}",
                   f"    thickness_m: {round(thickness, 4):g}"]

@@ -71,6 +71,20 @@ class ImportFloorplanTest(unittest.TestCase):
         building = self.import_floor(data, "7")
         self.assertEqual(building["outlines"][0]["corners"][0], [1.0, 1.0])
 
+    def test_slanted_walls_end_inside_others(self):
+        data = floor_plan()
+        data["rect"]["1"].update({"x": [1.0, 4.0, 3.88, 0.88], "y": [1.0, 5.0, 5.09, 1.09]})
+        building = self.import_floor(data, "7")
+        wall = building["walls"][0]
+        self.assertAlmostEqual(wall["thickness_m"], 0.15, places=6)
+        ends = sorted([wall["from"], wall["to"]])
+        # 3 cm from either end of the line from (0.94, 1.045) to (3.94, 5.045).
+        for end, expected in zip(ends, ([0.958, 1.069], [3.922, 5.021])):
+            self.assertAlmostEqual(end[0], expected[0], places=3)
+            self.assertAlmostEqual(end[1], expected[1], places=3)
+        self.assertEqual(building["outlines"][0]["corners"],
+                         [[0.02, 0.02], [5.98, 0.02], [5.98, 4.98], [0.02, 4.98]])
+
     def test_ceiling_height(self):
         result = self.run_script(floor_plan(), "--floor", "7", "--output", self.output,
                                  "--ceiling-height", "3.1")
