@@ -134,7 +134,8 @@ TEST(Rig, UnwritablePathIsNamed) {
     WriteRig(rig, "no/such/rig.yaml");
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "no/such/rig.yaml: can not write the file");
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind("no/such/rig.yaml: can not be written", 0), 0u) << message;
   }
 }
 

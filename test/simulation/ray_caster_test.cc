@@ -33,7 +33,7 @@ TEST(RayCaster, RangesComputedByHand) {
   EXPECT_NEAR(range(0, -1, 0), 1.5, 1e-12);
   EXPECT_NEAR(range(0, 0, -1), 1.2, 1e-12);
   EXPECT_NEAR(range(0, 0, 1), 1.8, 1e-12);
-  EXPECT_NEAR(range(5, 2, 0), std::hypot(5, 2), 1e-12);      // past the pillar, x = 6
+  EXPECT_NEAR(range(1, 1, 0), 2.5 * std::sqrt(2.0), 1e-12);  // past the pillar
   EXPECT_NEAR(range(1, 0, 2), std::sqrt(5.0) * 0.9, 1e-12);  // ceiling before the pillar
 }
 
