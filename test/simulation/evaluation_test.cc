@@ -8,7 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/result_text.h"
+#include "core/result_writer.h"
 #include "core/time.h"
 
 namespace plumbline {
@@ -356,6 +359,43 @@ TEST(EvaluationTest, WritesJsonAndTable) {
   EXPECT_NE(EvaluationTable(evaluation).find("6 matched, 0 wrong"), std::string::npos);
   std::filesystem::remove(path);
   EXPECT_THROW(WriteEvaluation(evaluation, "/no/such/directory/evaluation.json"), Error);
+}
+
+TEST(EvaluationTest, ReadsTheFilesOfMapperAndSimulator) {
+  namespace fs = std::filesystem;
+  const EvaluationInput input = PerfectInput();
+  const fs::path directory = fs::path(::testing::TempDir()) / "plumbline_evaluation_input";
+  fs::remove_all(directory);
+  {
+    ResultWriter writer(directory.string());
+    writer.WriteTrajectory(input.trajectory);
+    writer.WritePlanes(input.planes);
+    Summary summary;
+    summary.motion = "spatial";
+    summary.reference_plane_id = 13;
+    summary.variance_factor = 1.02;
+    writer.WriteSummary(summary);
+    writer.Commit();
+  }
+  WriteFileAtomically((directory / "truth_trajectory.tum").string(),
+                      FormatTrajectory(input.truth_trajectory));
+  WriteFileAtomically((directory / "truth_planes.json").string(),
+                      FormatPlanes(input.truth_planes));
+  const EvaluationInput read = ReadEvaluationInput(directory.string(), directory.string());
+  EXPECT_EQ(read.figures.variance_factor, 1.02);
+  const Evaluation evaluation = Evaluate(read, {});
+  EXPECT_EQ(evaluation.frame.reference_face_id, 13);
+  EXPECT_EQ(evaluation.planes.num_matched, 6);
+  EXPECT_LT(evaluation.trajectory.unaligned.position_m.max, 1e-8);  // files hold 1e-9 m
+
+  for (const char* summary : {"{", "{}", R"({"motion": "sideways"})", R"({"motion": 1})"}) {
+    WriteFileAtomically((directory / "summary.json").string(), summary);
+    EXPECT_THROW(ReadEvaluationInput(directory.string(), directory.string()), Error)
+        << summary;
+  }
+  fs::remove(directory / "summary.json");
+  EXPECT_THROW(ReadEvaluationInput(directory.string(), directory.string()), Error);
+  fs::remove_all(directory);
 }
 
 }  // namespace
