@@ -55,7 +55,7 @@ class Batch {
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
     for (Landmark& landmark : state_->landmarks) {
-      landmark.extent = PatchExtent(landmark.extent.u_axis(), landmark.extent.v_axis());
+      landmark.extent = landmark.EmptyExtent();
       landmark.num_segments = 0;
       landmark.num_points = 0;
     }
@@ -104,6 +104,22 @@ class Batch {
     return static_cast<int>(pairs.size());
   }
 
+  // Takes the observations from landmarks that only repeat a stronger one (IsShadow).
+  int DropShadows() {
+    const double range_noise_m = MaxRangeNoise(rig_);
+    std::vector<bool> is_shadow(state_->landmarks.size(), false);
+    for (const Landmark& weak : state_->landmarks) {
+      for (const Landmark& strong : state_->landmarks) {
+        if (weak.num_points == 0 || weak.num_points >= strong.num_points) continue;
+        if (!IsWithinGap(strong, weak.first_scan, options_.loop_closure)) continue;
+        if (!IsShadow(weak, strong, range_noise_m)) continue;
+        is_shadow[static_cast<size_t>(weak.id)] = true;
+        break;
+      }
+    }
+    return Release(is_shadow);
+  }
+
   // Landmarks that fewer scans support than a new plane needs.
   int DropWeak() {
     std::vector<std::set<int>> scans(state_->landmarks.size());
@@ -112,15 +128,11 @@ class Batch {
         scans[static_cast<size_t>(observation.landmark_id)].insert(observation.scan_index);
       }
     }
-    int num_dropped = 0;
-    for (Observation& observation : state_->observations) {
-      if (observation.landmark_id < 0) continue;
-      const size_t at = static_cast<size_t>(observation.landmark_id);
-      if (static_cast<int>(scans[at].size()) >= options_.planes.min_scans) continue;
-      observation.landmark_id = -1;
-      ++num_dropped;
+    std::vector<bool> is_weak;
+    for (const std::set<int>& seen_in : scans) {
+      is_weak.push_back(static_cast<int>(seen_in.size()) < options_.planes.min_scans);
     }
-    return num_dropped;
+    return Release(is_weak);
   }
 
   void SetCovariances(EstimationProblem* problem) {
@@ -145,6 +157,18 @@ class Batch {
   }
 
  private:
+  // Leaves the observations of these landmarks without one; returns how many.
+  int Release(const std::vector<bool>& landmarks) {
+    int num_released = 0;
+    for (Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      if (!landmarks[static_cast<size_t>(observation.landmark_id)]) continue;
+      observation.landmark_id = -1;
+      ++num_released;
+    }
+    return num_released;
+  }
+
   void Count(const Observation& observation) {
     Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
     const Rigid3d& body_from_scanner =
@@ -188,8 +212,10 @@ BatchReport EstimateBatch(const Rig& rig,
     }
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();
+    int num_dropped = batch.DropShadows();
+    batch.RebuildLandmarks();
     const int num_changed = batch.Reassociate();
-    const int num_dropped = batch.DropWeak();
+    num_dropped += batch.DropWeak();
     batch.RebuildLandmarks();
     report.changed_associations = num_changed + num_dropped;
     progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +

@@ -21,7 +21,7 @@ bool AreOnePlane(const Landmark& a,
   const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
   const bool along_u = a.model == PlaneModel::kVertical || size.x() > size.y();
   const Eigen::Vector3d direction = along_u ? extent.u_axis() : extent.v_axis();
-  const Eigen::Vector3d on_axes = middle.x() * extent.u_axis() + middle.y() * extent.v_axis();
+  const Eigen::Vector3d on_axes = extent.ToWorld(middle);
   const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
   const Eigen::Vector2d difference(a.SignedDistance(point),
                                    a.Normal().dot(direction) - b.Normal().dot(direction));
@@ -43,10 +43,7 @@ std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
                                                 const MapState& state,
                                                 const MapperOptions& options,
                                                 int since_scan) {
-  double range_noise_m = 0.0;
-  for (const Scanner& scanner : rig.scanners) {
-    range_noise_m = std::max(range_noise_m, scanner.range_noise_m);
-  }
+  const double range_noise_m = MaxRangeNoise(rig);
   std::vector<std::pair<int, int>> pairs;
   for (const Landmark& newer : state.landmarks) {
     if (newer.num_segments == 0) continue;
@@ -68,6 +65,36 @@ std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
   return pairs;
 }
 
+double MaxRangeNoise(const Rig& rig) {
+  double range_noise_m = 0.0;
+  for (const Scanner& scanner : rig.scanners) {
+    range_noise_m = std::max(range_noise_m, scanner.range_noise_m);
+  }
+  return range_noise_m;
+}
+
+bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m) {
+  constexpr double kMinOverlap = 0.5;
+  constexpr double kRangeSigmas = 3.0;
+  if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < 0.8) return false;
+  const PatchExtent& extent = weak.extent;
+  double sum_squares = 0.0;
+  int count = 0;
+  // Mean square distance over the patch, from a few points across it.
+  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const Eigen::Vector2d low = extent.min_corner();
+    const Eigen::Vector2d size = extent.max_corner() - low;
+    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
+    const Eigen::Vector3d point = on_axes - weak.SignedDistance(on_axes) * weak.Normal();
+    const double distance = strong.SignedDistance(point);
+    sum_squares += distance * distance;
+    ++count;
+  }
+  const double limit = kRangeSigmas * range_noise_m;
+  return sum_squares < count * limit * limit &&
+         extent.OverlapWith(strong.extent) > kMinOverlap;
+}
+
 void MergeInto(int into_id, int from_id, MapState* state) {
   Landmark& into = state->landmarks[static_cast<size_t>(into_id)];
   Landmark& from = state->landmarks[static_cast<size_t>(from_id)];
@@ -83,7 +110,7 @@ void MergeInto(int into_id, int from_id, MapState* state) {
   into.num_points += from.num_points;
   from.num_segments = 0;
   from.num_points = 0;
-  from.extent = PatchExtent(from.extent.u_axis(), from.extent.v_axis());
+  from.extent = from.EmptyExtent();
 }
 
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kCellSize = 0.5;  // m
+constexpr double kCellSize = 0.25;  // m
 
 std::pair<int, int> CellOf(const Eigen::Vector2d& p) {
   return {static_cast<int>(std::floor(p.x() / kCellSize)),
@@ -95,26 +95,34 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
   return AnyAlong(a, b, [&](const Eigen::Vector2d& p) { return IsNear(CellOf(p), reach); });
 }
 
+PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
+  const Eigen::Vector2d middle((cell.first + 0.5) * kCellSize, (cell.second + 0.5) * kCellSize);
+  return CellOf(Project(other.ToWorld(middle)));
+}
+
 bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
   return std::any_of(other.cells_.begin(), other.cells_.end(), [&](const Cell& cell) {
-    return IsNear(cell, reach);
+    return IsNear(CellFrom(other, cell), reach);
   });
 }
 
 double PatchExtent::OverlapWith(const PatchExtent& other) const {
   if (cells_.empty()) return 0.0;
   const auto num_shared = std::count_if(cells_.begin(), cells_.end(), [&](const Cell& cell) {
-    return other.cells_.count(cell) > 0;
+    return other.cells_.count(other.CellFrom(*this, cell)) > 0;
   });
   return static_cast<double>(num_shared) / static_cast<double>(cells_.size());
 }
 
 void PatchExtent::Merge(const PatchExtent& other) {
-  cells_.insert(other.cells_.begin(), other.cells_.end());
-  hull_points_.insert(hull_points_.end(), other.hull_points_.begin(), other.hull_points_.end());
-  min_ = min_.cwiseMin(other.min_);
-  max_ = max_.cwiseMax(other.max_);
+  for (const Cell& cell : other.cells_) cells_.insert(CellFrom(other, cell));
+  for (const Eigen::Vector2d& uv : other.hull_points_) {
+    const Eigen::Vector2d p = Project(other.ToWorld(uv));
+    min_ = min_.cwiseMin(p);
+    max_ = max_.cwiseMax(p);
+    hull_points_.push_back(p);
+  }
 }
 
 double PatchExtent::area_m2() const {
@@ -134,6 +142,16 @@ Eigen::Vector3d Landmark::Normal() const {
   }
   LOG(FATAL) << "unknown plane model";
   return Eigen::Vector3d::Zero();
+}
+
+PatchExtent Landmark::EmptyExtent() const {
+  const Eigen::Vector3d normal = Normal();
+  const Eigen::Vector3d anchor = extent.anchor() - SignedDistance(extent.anchor()) * normal;
+  const bool vertical = model == PlaneModel::kVertical;
+  return PatchExtent(anchor,
+                     vertical ? Eigen::Vector3d(Eigen::Vector3d::UnitZ().cross(normal))
+                              : extent.u_axis(),
+                     extent.v_axis());
 }
 
 double Landmark::Distance() const {
@@ -162,7 +180,8 @@ Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {
   landmark.model = PlaneModel::kHorizontal;
   landmark.sign = sign;
   landmark.parameters[0] = sign * p_world.z();
-  landmark.extent = PatchExtent(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  landmark.extent =
+      PatchExtent(p_world, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
   return landmark;
 }
 
@@ -175,7 +194,7 @@ Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world,
   landmark.parameters[0] = angle;
   landmark.parameters[1] = normal.dot(p_world);
   landmark.extent =
-      PatchExtent(Eigen::Vector3d::UnitZ().cross(normal), Eigen::Vector3d::UnitZ());
+      PatchExtent(p_world, Eigen::Vector3d::UnitZ().cross(normal), Eigen::Vector3d::UnitZ());
   return landmark;
 }
 

@@ -13,12 +13,15 @@
 namespace plumbline {
 
 // Where on its plane a landmark has been seen: occupied cells of a grid and the bounding
-// rectangle, in fixed axes on the plane.
+// rectangle, in fixed axes through an anchor on the plane. The anchor lies where the landmark was
+// first seen, so that the coordinates stay put while the estimate of its direction improves.
 class PatchExtent {
  public:
   PatchExtent() = default;
-  PatchExtent(const Eigen::Vector3d& u_axis, const Eigen::Vector3d& v_axis)
-      : u_axis_(u_axis), v_axis_(v_axis) {}
+  PatchExtent(const Eigen::Vector3d& anchor_world,
+              const Eigen::Vector3d& u_axis,
+              const Eigen::Vector3d& v_axis)
+      : anchor_(anchor_world), u_axis_(u_axis), v_axis_(v_axis) {}
 
   // The straight piece from a to b (world) has been seen.
   void AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world);
@@ -27,7 +30,7 @@ class PatchExtent {
               const Eigen::Vector3d& b_world,
               double max_gap_m) const;
   bool IsNear(const PatchExtent& other, double max_gap_m) const;
-  // Share of this extent's cells that the other one occupies too (or touches).
+  // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
   void Merge(const PatchExtent& other);
 
@@ -35,6 +38,10 @@ class PatchExtent {
   double area_m2() const;
   Eigen::Vector2d min_corner() const { return min_; }
   Eigen::Vector2d max_corner() const { return max_; }
+  Eigen::Vector3d ToWorld(const Eigen::Vector2d& uv) const {
+    return anchor_ + uv.x() * u_axis_ + uv.y() * v_axis_;
+  }
+  const Eigen::Vector3d& anchor() const { return anchor_; }
   const Eigen::Vector3d& u_axis() const { return u_axis_; }
   const Eigen::Vector3d& v_axis() const { return v_axis_; }
   // Convex hull of the end points seen, in (u, v), counter-clockwise.
@@ -44,10 +51,14 @@ class PatchExtent {
   using Cell = std::pair<int, int>;
 
   Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
-    return {u_axis_.dot(p_world), v_axis_.dot(p_world)};
+    const Eigen::Vector3d from_anchor = p_world - anchor_;
+    return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
   }
   bool IsNear(const Cell& cell, int reach) const;
+  // The cell of this extent that holds the middle of another extent's cell.
+  Cell CellFrom(const PatchExtent& other, const Cell& cell) const;
 
+  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
   std::set<Cell> cells_;
@@ -73,6 +84,8 @@ struct Landmark {
   int num_segments = 0;
   int64_t num_points = 0;
 
+  // An empty extent with its axes on the plane as it is estimated now.
+  PatchExtent EmptyExtent() const;
   int num_parameters() const { return PlaneModelSize(model); }
   Eigen::Vector3d Normal() const;
   double Distance() const;

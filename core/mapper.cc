@@ -64,6 +64,7 @@ class Follower {
   std::vector<int> CandidateIds(int scan_index) const;
   void Accept(int observation_index);
   void StartPlanes(int min_scans);
+  bool ShadowsLandmark(const PlaneCandidate& candidate) const;
   void AddLandmark(PlaneCandidate candidate);
   void SolveWindow(int64_t now_ns);
   void CheckNotLost(int64_t now_ns) const;
@@ -220,6 +221,15 @@ void Follower::AddLandmark(PlaneCandidate candidate) {
   }
 }
 
+bool Follower::ShadowsLandmark(const PlaneCandidate& candidate) const {
+  const int scan_index = static_cast<int>(scan_times_ns_.size()) - 1;
+  const std::vector<int> ids = CandidateIds(scan_index);
+  return std::any_of(ids.begin(), ids.end(), [&](int id) {
+    return IsShadow(
+        candidate.landmark, state_->landmarks[static_cast<size_t>(id)], MaxRangeNoise(rig_));
+  });
+}
+
 void Follower::StartPlanes(int min_scans) {
   for (PlaneCandidate& candidate : candidates_.TakeReady(min_scans)) {
     // An observation that served two candidates belongs to the one that came first.
@@ -231,7 +241,7 @@ void Follower::StartPlanes(int min_scans) {
                                               .landmark_id >= 0;
                                  }),
                   indices.end());
-    if (static_cast<int>(indices.size()) < min_scans) continue;
+    if (static_cast<int>(indices.size()) < min_scans || ShadowsLandmark(candidate)) continue;
     AddLandmark(std::move(candidate));
   }
 }
@@ -397,7 +407,7 @@ std::vector<PlanePatch> PlanePatches(const MapState& state) {
     patch.distance = landmark.Distance();
     const PatchExtent& extent = landmark.extent;
     const auto on_plane = [&](const Eigen::Vector2d& uv) -> Eigen::Vector3d {
-      const Eigen::Vector3d p = uv.x() * extent.u_axis() + uv.y() * extent.v_axis();
+      const Eigen::Vector3d p = extent.ToWorld(uv);
       return p - patch.SignedDistance(p) * patch.normal;
     };
     const Eigen::Vector2d low = extent.min_corner();
