@@ -117,10 +117,12 @@ class NoiseTest : public testing::TestWithParam<Setting> {};
 
 INSTANTIATE_TEST_SUITE_P(Densities,
                          NoiseTest,
-                         testing::Values(Setting{270, 0.01},
+                         testing::Values(Setting{90, 0.03},
+                                         Setting{270, 0.01},
                                          Setting{270, 0.03},
                                          Setting{1080, 0.01},
-                                         Setting{1080, 0.03}));
+                                         Setting{1080, 0.03},
+                                         Setting{1440, 0.01}));
 
 // Doubtful beams at a corner of two walls that meet at the angle `bend` at range r: those
 // within 3 sigma / bend of it; the factor 3 covers beams that see the corner at a grazing
@@ -175,7 +177,7 @@ TEST_P(NoiseTest, CorridorSeenAtGrazingIncidence) {
   const Flatland world = Flatland().AddWalls({{-15, -1}, {14, -1}, {14, 1.2}, {-15, 1.2}});
   const FlatlandScan scan =
       TakeFlatlandScan(world, {0, 0}, 0.0, GetParam().num_beams, kFieldOfView);
-  ASSERT_EQ(TrueRuns(scan).size(), 3u);
+  ASSERT_GE(TrueRuns(scan).size(), 2u);  // the far end has four of 90 beams
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, 6), kMaxWrongDraws);
 }
 
@@ -237,6 +239,8 @@ TEST_P(NoiseTest, LinesOfARoomAreUnbiasedAndConsistent) {
   const double heading = 0.2;
   const FlatlandScan scan =
       TakeFlatlandScan(world, {0, 0}, heading, GetParam().num_beams, kFieldOfView);
+  const size_t num_walls = TrueRuns(scan).size();  // the last has four of 90 beams
+  ASSERT_GE(num_walls, 3u);
   constexpr int kDraws = 2500;
   Eigen::Array<double, 4, 1> offset = Eigen::Array4d::Zero(), direction = offset;
   Eigen::Array<double, 4, 1> squares = offset;
@@ -250,9 +254,9 @@ TEST_P(NoiseTest, LinesOfARoomAreUnbiasedAndConsistent) {
                         MakeScanner(GetParam().sigma),
                         {},
                         {});
-    if (segments.size() != 4) continue;
+    if (segments.size() != num_walls) continue;
     ++num_draws;
-    for (int wall = 0; wall < 4; ++wall) {
+    for (int wall = 0; wall < static_cast<int>(num_walls); ++wall) {
       const Segment& segment = segments[static_cast<size_t>(wall)];
       const WhitenedError error(segment, LineOfWall(world, wall, {0, 0}, heading));
       offset(wall) += error.offset;
@@ -264,7 +268,7 @@ TEST_P(NoiseTest, LinesOfARoomAreUnbiasedAndConsistent) {
   }
   ASSERT_GE(num_draws, kDraws - 5 * kMaxWrongDraws);
   const double four_standard_errors = 4.0 / std::sqrt(num_draws);
-  for (int wall = 0; wall < 4; ++wall) {
+  for (int wall = 0; wall < static_cast<int>(num_walls); ++wall) {
     EXPECT_NEAR(offset(wall) / num_draws, 0.0, four_standard_errors) << wall;
     EXPECT_NEAR(direction(wall) / num_draws, 0.0, four_standard_errors) << wall;
     // Normalised estimation error squared: chi square with two degrees, variance 4.
