@@ -10,11 +10,16 @@
 #include "core/association.h"
 #include "core/duplicates.h"
 #include "core/estimation_problem.h"
+#include "core/visibility.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kHuberWidth = 5.0;
+// Share of the cost by which the last iteration may still lower it. The cost is half the number
+// of points: the final tolerance leaves far less than one standard deviation of any unknown.
+constexpr double kRoundTolerance = 1e-6;
+constexpr double kFinalTolerance = 1e-9;
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
@@ -39,12 +44,12 @@ class Batch {
     return problem;
   }
 
-  ceres::Solver::Summary Solve(EstimationProblem* problem) {
+  ceres::Solver::Summary Solve(double function_tolerance, EstimationProblem* problem) {
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 30;
-    options.function_tolerance = 1e-9;
+    options.function_tolerance = function_tolerance;
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
@@ -119,6 +124,9 @@ class Batch {
     }
     return Release(is_shadow);
   }
+
+  // Takes the observations from landmarks that other beams pass through.
+  int DropPassedThrough() { return Release(FindPassedThrough(rig_, *state_)); }
 
   // Landmarks that fewer scans support than a new plane needs.
   int DropWeak() {
@@ -207,26 +215,27 @@ BatchReport EstimateBatch(const Rig& rig,
     report.rounds = round;
     {
       const auto problem = batch.BuildProblem(FactorKind::kSegment, kHuberWidth);
-      batch.Solve(problem.get());
+      batch.Solve(kRoundTolerance, problem.get());
       batch.SetCovariances(problem.get());
     }
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();
-    int num_dropped = batch.DropShadows();
+    int num_dropped = batch.DropShadows() + batch.DropPassedThrough();
     batch.RebuildLandmarks();
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
     batch.RebuildLandmarks();
     report.changed_associations = num_changed + num_dropped;
     progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +
-             " associations changed, " + std::to_string(num_merged) + " planes merged");
+             " associations changed, " + std::to_string(num_merged) + " planes merged, " +
+             std::to_string(num_dropped) + " segments taken from planes that are none");
     // What still changes sides then is worth less than its own noise.
     const double share = static_cast<double>(report.changed_associations) /
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
     if (num_merged == 0 && num_dropped == 0 && share < 1e-4) break;
   }
   const auto problem = batch.BuildProblem(options.batch.factor, 0.0);
-  const ceres::Solver::Summary summary = batch.Solve(problem.get());
+  const ceres::Solver::Summary summary = batch.Solve(kFinalTolerance, problem.get());
   report.variance_factor = batch.VarianceFactor(summary);
   batch.SetCovariances(problem.get());
   batch.RebuildLandmarks();

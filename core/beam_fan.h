@@ -116,8 +116,17 @@ class BeamFan {
     return deviation < outlier_threshold_ ? deviation : outlier_threshold_;
   }
 
+  // True for a beam on the line; `residual` is measured minus predicted range.
+  bool Match(int i, const Eigen::Vector2d& q, Prediction* prediction, double* residual) const {
+    if (!beam(i).is_valid || !Predict(i, q, prediction)) return false;
+    *residual = beam(i).range - prediction->range;
+    return *residual * *residual < outlier_threshold_ * prediction->variance;
+  }
+
   bool IsOnLine(int i, const Eigen::Vector2d& q) const {
-    return beam(i).is_valid && Deviation(i, q) < outlier_threshold_;
+    Prediction prediction;
+    double residual;
+    return Match(i, q, &prediction, &residual);
   }
 
   // Where the beam meets the line.

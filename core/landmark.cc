@@ -58,8 +58,11 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
   const Eigen::Vector2d a = Project(a_world);
   const Eigen::Vector2d b = Project(b_world);
+  std::optional<Cell> previous;
   AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
-    cells_.insert(CellOf(p));
+    const Cell cell = CellOf(p);
+    if (cell != previous) ++cells_[cell];
+    previous = cell;
     return false;
   });
   for (const Eigen::Vector2d& p : {a, b}) {
@@ -74,7 +77,8 @@ void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector
 bool PatchExtent::IsNear(const Cell& cell, int reach) const {
   for (int i = -reach; i <= reach; ++i) {
     const auto at = cells_.lower_bound({cell.first + i, cell.second - reach});
-    if (at != cells_.end() && at->first == cell.first + i && at->second <= cell.second + reach) {
+    if (at != cells_.end() && at->first.first == cell.first + i &&
+        at->first.second <= cell.second + reach) {
       return true;
     }
   }
@@ -102,21 +106,32 @@ PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& ce
 
 bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
-  return std::any_of(other.cells_.begin(), other.cells_.end(), [&](const Cell& cell) {
-    return IsNear(CellFrom(other, cell), reach);
+  return std::any_of(other.cells_.begin(), other.cells_.end(), [&](const auto& cell) {
+    return IsNear(CellFrom(other, cell.first), reach);
   });
 }
 
 double PatchExtent::OverlapWith(const PatchExtent& other) const {
   if (cells_.empty()) return 0.0;
-  const auto num_shared = std::count_if(cells_.begin(), cells_.end(), [&](const Cell& cell) {
-    return other.cells_.count(other.CellFrom(*this, cell)) > 0;
+  const auto num_shared = std::count_if(cells_.begin(), cells_.end(), [&](const auto& cell) {
+    return other.cells_.count(other.CellFrom(*this, cell.first)) > 0;
   });
   return static_cast<double>(num_shared) / static_cast<double>(cells_.size());
 }
 
+std::optional<PatchExtent::Cell> PatchExtent::MiddleCell(const Eigen::Vector3d& p_world,
+                                                         double middle_share) const {
+  const Eigen::Vector2d p = Project(p_world);
+  const double middle = 0.5 * (min_.x() + max_.x());
+  if (std::abs(p.x() - middle) > 0.5 * middle_share * (max_.x() - min_.x())) {
+    return std::nullopt;
+  }
+  const Cell cell = CellOf(p);
+  return cells_.count(cell) > 0 ? std::optional<Cell>(cell) : std::nullopt;
+}
+
 void PatchExtent::Merge(const PatchExtent& other) {
-  for (const Cell& cell : other.cells_) cells_.insert(CellFrom(other, cell));
+  for (const auto& [cell, count] : other.cells_) cells_[CellFrom(other, cell)] += count;
   for (const Eigen::Vector2d& uv : other.hull_points_) {
     const Eigen::Vector2d p = Project(other.ToWorld(uv));
     min_ = min_.cwiseMin(p);

@@ -4,7 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <set>
+#include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,8 @@ namespace plumbline {
 // first seen, so that the coordinates stay put while the estimate of its direction improves.
 class PatchExtent {
  public:
+  using Cell = std::pair<int, int>;
+
   PatchExtent() = default;
   PatchExtent(const Eigen::Vector3d& anchor_world,
               const Eigen::Vector3d& u_axis,
@@ -32,6 +35,11 @@ class PatchExtent {
   bool IsNear(const PatchExtent& other, double max_gap_m) const;
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
+  // The occupied cell that the point lies on, within the given middle share of the bounding
+  // rectangle's width (along u); nothing elsewhere.
+  std::optional<Cell> MiddleCell(const Eigen::Vector3d& p_world, double middle_share) const;
+  // Number of segments seen on each occupied cell.
+  const std::map<Cell, int>& cells() const { return cells_; }
   void Merge(const PatchExtent& other);
 
   bool empty() const { return cells_.empty(); }
@@ -48,8 +56,6 @@ class PatchExtent {
   std::vector<Eigen::Vector2d> ConvexHull() const;
 
  private:
-  using Cell = std::pair<int, int>;
-
   Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
     const Eigen::Vector3d from_anchor = p_world - anchor_;
     return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
@@ -61,7 +67,7 @@ class PatchExtent {
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
-  std::set<Cell> cells_;
+  std::map<Cell, int> cells_;
   std::vector<Eigen::Vector2d> hull_points_;  // reduced to their hull now and then
   Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e300);

@@ -76,13 +76,18 @@ bool LineGrower::Seed(int first) {
 }
 
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
+  const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
     BeamFan::Prediction prediction;
     if (!fan_.beam(i).is_valid || !fan_.Predict(i, q_, &prediction)) continue;
     const double residual = fan_.beam(i).range - prediction.range;
-    const double variance = prediction.variance + sums_.back().VarianceOf(prediction.row);
-    if (residual * residual > fan_.outlier_threshold() * variance) continue;
+    // The variance of the line so far matters only to beams that it can let in.
+    const double square = residual * residual * inverse_outlier_threshold;
+    if (square > prediction.variance &&
+        square > prediction.variance + sums_.back().VarianceOf(prediction.row)) {
+      continue;
+    }
     TakeUp(i, prediction);
     const NormalEquations& sum = sums_.back();
     q_ = sum.Solve();

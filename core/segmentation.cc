@@ -1,7 +1,10 @@
 #include "core/segmentation.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -117,7 +120,7 @@ class Segmenter {
   void LeaveOutBetween(Piece* a, Piece* b) const;
   bool IsNearLimit(int i, const Piece& piece) const;
   void LeaveOutDoubtfulBeams();
-  Segment MakeSegment(const Piece& piece) const;
+  bool MakeSegment(const Piece& piece, Segment* segment) const;
   std::vector<Segment> MakeSegments() const;
 
   const Scanner& scanner_;
@@ -194,11 +197,9 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     int num_points = 0;
     for (int i = piece->first; i <= piece->last; ++i) {
       BeamFan::Prediction prediction;
-      if (!fan_.beam(i).is_valid || !fan_.Predict(i, piece->q, &prediction)) continue;
-      const double residual = fan_.beam(i).range - prediction.range;
-      const double weight = 1.0 / prediction.variance;
-      if (residual * residual * weight >= limits_.outlier) continue;
-      sum.Add(prediction.row, -residual, weight);
+      double residual;
+      if (!fan_.Match(i, piece->q, &prediction, &residual)) continue;
+      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
       ++num_points;
     }
     if (num_points < options_.min_points || !sum.IsSolvable()) return false;
@@ -420,37 +421,74 @@ void Segmenter::LeaveOutDoubtfulBeams() {
 
 // --- Result
 
+// A change of the rules above must not let a segment contradict itself: who uses it counts
+// its beams again.
+void CheckConsistent(const Segment& segment, int min_points) {
+  const std::vector<int>& excluded = segment.excluded_beams;
+  CHECK_GE(segment.num_points, min_points);
+  CHECK_EQ(segment.num_points,
+           segment.last_beam - segment.first_beam + 1 - static_cast<int>(excluded.size()));
+  CHECK(std::is_sorted(excluded.begin(), excluded.end(), std::less_equal<int>()));
+  if (!excluded.empty()) {
+    CHECK_GT(excluded.front(), segment.first_beam);
+    CHECK_LT(excluded.back(), segment.last_beam);
+  }
+  CHECK(std::isfinite(segment.chi2) && std::isfinite(segment.sigma_offset_m) &&
+        std::isfinite(segment.sigma_direction_rad) && segment.start.allFinite() &&
+        segment.end.allFinite() && segment.centroid.allFinite())
+      << "beams " << segment.first_beam << " to " << segment.last_beam;
+}
+
+// Decides, once, which of the piece's beams count; the last step of the fit takes these, and
+// all numbers follow from them. False if fewer than min_points do or they do not determine a
+// line.
+//
 // The line's statistics follow from the information of q, since n . p = d for the points it is
 // made of: |q|^2 information = sum w p p^T, w = 1 / variance of a point along the normal.
-Segment Segmenter::MakeSegment(const Piece& piece) const {
-  Segment segment;
-  segment.first_beam = piece.first;
-  segment.last_beam = piece.last;
-  segment.num_points = piece.num_points;
-  segment.chi2 = piece.chi2;
-  for (int i = piece.first; piece.num_points <= piece.last - piece.first && i <= piece.last;
-       ++i) {
-    if (!fan_.IsOnLine(i, piece.q)) segment.excluded_beams.push_back(i);
+bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
+  NormalEquations sum;
+  for (int i = piece.first; i <= piece.last; ++i) {
+    BeamFan::Prediction prediction;
+    double residual;
+    if (fan_.Match(i, piece.q, &prediction, &residual)) {
+      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
+      if (segment->num_points == 0) segment->first_beam = i;
+      segment->last_beam = i;
+      ++segment->num_points;
+    } else if (segment->num_points > 0) {
+      segment->excluded_beams.push_back(i);
+    }
   }
-  const double norm = piece.q.norm();
-  segment.normal = -piece.q / norm;
-  segment.distance = -1.0 / norm;
-  const Eigen::Vector2d& normal = segment.normal;
+  if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
+  while (!segment->excluded_beams.empty() &&
+         segment->excluded_beams.back() > segment->last_beam) {
+    segment->excluded_beams.pop_back();
+  }
+  const Eigen::Vector2d change = sum.Solve();
+  const Eigen::Vector2d q = piece.q + change;
+  BeamFan::Prediction at_end;
+  if (!fan_.Predict(segment->first_beam, q, &at_end)) return false;
+  if (!fan_.Predict(segment->last_beam, q, &at_end)) return false;
+  segment->start = fan_.PointOnLine(segment->first_beam, q);
+  segment->end = fan_.PointOnLine(segment->last_beam, q);
+  segment->chi2 = sum.square - change.dot(Eigen::Vector2d(sum.x, sum.y));
+  const double norm = q.norm();
+  const Eigen::Vector2d normal = -q / norm;
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
+  segment->normal = normal;
+  segment->distance = -1.0 / norm;
   Eigen::Matrix2d moments;
-  moments << piece.information.xx, piece.information.xy, piece.information.xy,
-      piece.information.yy;
+  moments << sum.xx, sum.xy, sum.xy, sum.yy;
   moments *= norm * norm;
   const double weight = normal.dot(moments * normal) * norm * norm;
-  const double along = tangent.dot(moments * normal) / (segment.distance * weight);
-  const double square = tangent.dot(moments * tangent) / weight - along * along;
-  segment.centroid = segment.distance * normal + along * tangent;
-  segment.spread_m = std::sqrt(square);
-  segment.sigma_offset_m = 1.0 / std::sqrt(weight);
-  segment.sigma_direction_rad = segment.sigma_offset_m / segment.spread_m;
-  segment.start = fan_.PointOnLine(piece.first, piece.q);
-  segment.end = fan_.PointOnLine(piece.last, piece.q);
-  return segment;
+  const double along = tangent.dot(moments * normal) / (segment->distance * weight);
+  segment->centroid = segment->distance * normal + along * tangent;
+  // det(moments) = (weight distance spread)^2
+  segment->spread_m = norm * norm * norm * std::sqrt(sum.Determinant()) / weight;
+  segment->sigma_offset_m = 1.0 / std::sqrt(weight);
+  segment->sigma_direction_rad = segment->sigma_offset_m / segment->spread_m;
+  CheckConsistent(*segment, options_.min_points);
+  return true;
 }
 
 // Leaves out what is too short or not straight. A variance factor above one that the segments
@@ -464,7 +502,8 @@ std::vector<Segment> Segmenter::MakeSegments() const {
   int num_points = 0;
   for (const Piece& piece : pieces_) {
     if (piece.num_points < options_.min_points) continue;
-    Segment segment = MakeSegment(piece);
+    Segment segment;
+    if (!MakeSegment(piece, &segment)) continue;
     factors.emplace_back(segment.chi2 / (segment.num_points - 2), segment.num_points);
     num_points += segment.num_points;
     segments.push_back(std::move(segment));

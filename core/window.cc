@@ -17,13 +17,17 @@ constexpr int kMaxTrackingRounds = 4;
 // Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
 constexpr double kHuberWidth = 5.0;
 
+// The window only has to be good enough for the next associations and as the batch's start: an
+// iteration that lowers the cost by less than this share of it is the last one.
+constexpr double kFunctionTolerance = 1e-4;
+
 ceres::Solver::Options SolverOptions(ceres::LinearSolverType linear_solver, int max_iterations) {
   ceres::Solver::Options options;
   options.linear_solver_type = linear_solver;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;  // Ceres sums costs by thread: more of them would change the result
   options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-7;
+  options.function_tolerance = kFunctionTolerance;
   return options;
 }
 
@@ -169,7 +173,7 @@ void Window::Track(int first_observation,
     }
     if (!changed) break;
     const auto problem = TrackingProblem(first_observation, last_observation);
-    problem->Solve(SolverOptions(ceres::DENSE_QR, 6));
+    problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));
     UpdateUncertainty(problem.get());
   }
 }
@@ -193,7 +197,7 @@ void Window::Solve(int64_t now_ns, double window_s) {
                            FactorKind::kSegment,
                            kHuberWidth);
   }
-  problem.Solve(SolverOptions(ceres::SPARSE_NORMAL_CHOLESKY, 8));
+  problem.Solve(SolverOptions(ceres::SPARSE_NORMAL_CHOLESKY, 5));
 
   const NormalEquations equations = problem.Linearise();
   const int newest = state_->trajectory.Locate(now_ns).first;

@@ -1,0 +1,66 @@
+#include "core/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/duplicates.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMarginSigmas = 6.0;  // of range noise, on both sides of the plane
+constexpr double kMiddleShare = 0.6;   // of a wall's width: its rim may border an opening
+constexpr double kPassedShare = 0.5;   // of a landmark's cells
+
+// Where a beam crosses a landmark's patch, well away from the plane at both of its ends.
+std::optional<PatchExtent::Cell> CrossedCell(const Landmark& landmark,
+                                             const Eigen::Vector3d& start_world,
+                                             const Eigen::Vector3d& end_world,
+                                             double margin_m) {
+  const double start = landmark.SignedDistance(start_world);
+  const double end = landmark.SignedDistance(end_world);
+  if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
+  return landmark.extent.MiddleCell(at, kMiddleShare);
+}
+
+}  // namespace
+
+std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
+  const double margin_m = kMarginSigmas * MaxRangeNoise(rig);
+  std::vector<std::map<PatchExtent::Cell, int>> passages(state.landmarks.size());
+  for (const Observation& observation : state.observations) {
+    if (observation.landmark_id < 0) continue;
+    const Rigid3d world_from_scanner =
+        state.trajectory.WorldFromBody(observation.middle_time_ns()) *
+        rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    for (const Eigen::Vector2d& p :
+         {observation.start, observation.centroid, observation.end}) {
+      const Eigen::Vector3d end_world =
+          world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      for (const Landmark& landmark : state.landmarks) {
+        if (landmark.num_segments == 0 || landmark.id == observation.landmark_id) continue;
+        const auto cell =
+            CrossedCell(landmark, world_from_scanner.translation, end_world, margin_m);
+        if (cell) ++passages[static_cast<size_t>(landmark.id)][*cell];
+      }
+    }
+  }
+  std::vector<bool> passed_through;
+  for (const Landmark& landmark : state.landmarks) {
+    const std::map<PatchExtent::Cell, int>& seen_on = landmark.extent.cells();
+    const auto& passed = passages[static_cast<size_t>(landmark.id)];
+    const auto num_passed = std::count_if(passed.begin(), passed.end(), [&](const auto& cell) {
+      return cell.second > seen_on.at(cell.first);
+    });
+    passed_through.push_back(static_cast<double>(num_passed) >
+                             kPassedShare * kMiddleShare * static_cast<double>(seen_on.size()));
+  }
+  return passed_through;
+}
+
+}  // namespace plumbline
