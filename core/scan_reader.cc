@@ -29,7 +29,8 @@ bool ScanReader::Next(Scan* scan) {
   const int64_t first_stamp_ns = pending_.stamp_ns;
   std::vector<bool> seen(rig_.scanners.size(), false);
   while (has_pending_ && !seen[static_cast<size_t>(pending_.scanner_index)] &&
-         SecondsBetween(first_stamp_ns, pending_.stamp_ns) < recording_->scan_period_s()) {
+         (pending_.stamp_ns == first_stamp_ns ||  // a recording may be too short for a period
+          SecondsBetween(first_stamp_ns, pending_.stamp_ns) < recording_->scan_period_s())) {
     seen[static_cast<size_t>(pending_.scanner_index)] = true;
     const int64_t start_ns = BeamInstant(pending_, 0, rig_);
     const int64_t end_ns = BeamInstant(pending_, pending_.num_beams() - 1, rig_);

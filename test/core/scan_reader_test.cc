@@ -141,6 +141,13 @@ TEST_F(ScanReaderTest, InstantsHaveTheTimeOffset) {
   EXPECT_EQ(BeamInstant(scans[1].scan_lines[1], 1, rig_), kStart + 26'953'125);
 }
 
+// No scanner has two scan lines: there is no period.
+TEST_F(ScanReaderTest, OneScanLineOfEachScannerIsAScan) {
+  const std::vector<Scan> scans = Read({{0, 0}, {1, 0}, {2, 0}});
+  ASSERT_EQ(scans.size(), 1u);
+  EXPECT_EQ(Scanners(scans[0]), (Scanners3{0, 1, 2}));
+}
+
 TEST_F(ScanReaderTest, SingleScanLineIsAScan) {
   rig_.scanners.resize(1);
   const std::vector<Scan> scans = Read({{0, 0}});
