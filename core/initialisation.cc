@@ -12,6 +12,8 @@ namespace {
 constexpr int kMinPoints = 8;               // of a segment that counts here
 constexpr double kMaxSigma = 0.05;          // rad, of a direction that counts here
 const double kMinCrossing = std::sin(15.0 * M_PI / 180.0);  // between two scanners' traces
+const double kMinHypothesis = std::sin(5.0 * M_PI / 180.0);  // between two levels to try a z axis
+constexpr int kMinWitnesses = 3;            // of the z axis, which two always agree on
 const double kMinUpright = std::cos(35.0 * M_PI / 180.0);   // z axis against the body's
 constexpr double kMaxZSigma = 0.03;         // rad, of the z axis found
 constexpr double kSigmas = 3.5;
@@ -29,6 +31,7 @@ struct Line {
 
 // A direction that is perpendicular to z if it comes from what it seems to come from.
 struct Level {
+  int scanner = -1;  // -1: two scanners gave it
   Eigen::Vector3d direction_body;
   Eigen::Vector3d scan_normal_body;  // zero where two scanners gave it
   double sigma_rad = 0.0;
@@ -68,8 +71,11 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
   for (const Line& line : lines) {
     const double tilt_sine = line.scan_normal_body.head<2>().norm();
     if (tilt_sine < kMinCrossing) continue;
-    levels.push_back(
-        {line.direction_body, line.scan_normal_body, line.sigma_rad, line.length_m});
+    levels.push_back({line.scanner,
+                      line.direction_body,
+                      line.scan_normal_body,
+                      line.sigma_rad,
+                      line.length_m});
   }
   for (size_t i = 0; i < lines.size(); ++i) {
     for (size_t j = i + 1; j < lines.size(); ++j) {
@@ -81,7 +87,8 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
       const double sigma = std::hypot(lines[i].sigma_rad, lines[j].sigma_rad) / cross.norm();
       if (std::abs(normal.dot(apart)) > kSigmas * sigma * std::max(1.0, apart.norm())) continue;
       if (std::abs(normal.z()) > kMinUpright) continue;  // seems a floor: its traces count
-      levels.push_back({normal,
+      levels.push_back({-1,
+                        normal,
                         Eigen::Vector3d::Zero(),
                         sigma,
                         std::min(lines[i].length_m, lines[j].length_m)});
@@ -99,6 +106,23 @@ bool Agrees(const Level& level, const Eigen::Vector3d& z) {
   return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
 }
 
+// Number of independent levels that agree with z: the traces of a scanner that run parallel count
+// once, and so do the normals of parallel walls. A single wall that two scanners see and its trace
+// in one of them agree on a z axis too, a wrong one.
+int CountWitnesses(const std::vector<Level>& levels, const Eigen::Vector3d& z) {
+  std::vector<const Level*> witnesses;
+  for (const Level& level : levels) {
+    if (!Agrees(level, z)) continue;
+    const bool is_known = std::any_of(
+        witnesses.begin(), witnesses.end(), [&level](const Level* witness) {
+          return witness->scanner == level.scanner &&
+                 witness->direction_body.cross(level.direction_body).norm() < kMinCrossing;
+        });
+    if (!is_known) witnesses.push_back(&level);
+  }
+  return static_cast<int>(witnesses.size());
+}
+
 // The z axis with the largest consensus, refined over those that agree; zero when there is none
 // or it is not well determined.
 Eigen::Vector3d FindZ(std::vector<Level> levels) {
@@ -112,7 +136,7 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
   for (size_t i = 0; i < levels.size(); ++i) {
     for (size_t j = i + 1; j < levels.size(); ++j) {
       Eigen::Vector3d z = levels[i].direction_body.cross(levels[j].direction_body);
-      if (z.norm() < kMinCrossing) continue;
+      if (z.norm() < kMinHypothesis) continue;
       z.normalize();
       if (z.z() < 0.0) z = -z;
       if (z.z() < kMinUpright) continue;
@@ -137,6 +161,7 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
     const Eigen::Vector3d z = solver.eigenvectors().col(0);
     best = z.z() < 0.0 ? Eigen::Vector3d(-z) : z;
   }
+  if (CountWitnesses(levels, best) < kMinWitnesses) return Eigen::Vector3d::Zero();
   return best;
 }
 
