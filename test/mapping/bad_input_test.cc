@@ -114,6 +114,14 @@ TEST_F(BadInputTest, ScansWithoutReturnsAreAnError) {
   }
 }
 
+TEST_F(BadInputTest, SingleScanIsEnoughForAnAnswer) {
+  SimulatedRecording recording = Record(1.0);
+  recording.scan_lines.resize(3);
+  WriteRecording(recording);
+  const std::string message = ErrorOf([this] { Map(); });
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
 TEST_F(BadInputTest, ScanLinesWithoutBeamsAreAnError) {
   SimulatedRecording recording = Record(1.0);
   for (ScanLine& scan_line : recording.scan_lines) scan_line.ranges.clear();

@@ -1,0 +1,85 @@
+// Runs the programs themselves: exit codes and what they say.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "test/core/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string err;
+};
+
+class ProgramsTest : public TemporaryDirectoryTest {
+ protected:
+  Outcome Run(const std::string& command) {
+    const std::string err = Path("stderr");
+    const int status =
+        std::system((std::string(PLUMBLINE_PROGRAMS_DIR) + "/" + command + " > " +
+                     Path("stdout") + " 2> " + err)
+                        .c_str());
+    Outcome outcome;
+    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    outcome.err = ReadBytes(err);
+    return outcome;
+  }
+  // Exit code 1, one line that names what is at fault, and no output.
+  void ExpectFailure(const std::string& command, const std::string& fault) {
+    const Outcome outcome = Run(command);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(fault));
+    EXPECT_FALSE(std::filesystem::exists(Path("out/summary.json")));
+  }
+  std::string Path(const std::string& name) const { return (directory_ / name).string(); }
+  std::string RigFile() const { return std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper.yaml"; }
+};
+
+TEST_F(ProgramsTest, MapperNamesMissingFiles) {
+  ExpectFailure("plumbline_map --recording=" + Path("no.bag") + " --rig=" + RigFile() +
+                    " --output=" + Path("out"),
+                Path("no.bag"));
+  ExpectFailure("plumbline_map --recording=" + Path("no.bag") + " --rig=" + Path("no.yaml") +
+                    " --output=" + Path("out"),
+                Path("no.yaml"));
+}
+
+TEST_F(ProgramsTest, MapperNamesBrokenFiles) {
+  WriteBytes(Path("broken.bag"), "#ROSBAG V2.0\nand then nothing of the kind");
+  ExpectFailure("plumbline_map --recording=" + Path("broken.bag") + " --rig=" + RigFile() +
+                    " --output=" + Path("out"),
+                Path("broken.bag"));
+  WriteBytes(Path("config.yaml"), "window:\n  scans: 3\n");
+  ExpectFailure("plumbline_map --recording=" + Path("broken.bag") + " --rig=" + RigFile() +
+                    " --config=" + Path("config.yaml") + " --output=" + Path("out"),
+                Path("config.yaml") + ":2");
+  ExpectFailure("plumbline_map --recording=" + Path("broken.bag") + " --rig=" + RigFile() +
+                    " --threads=0 --output=" + Path("out"),
+                "--threads");
+}
+
+TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
+  ExpectFailure("plumbline_simulate --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
+                Path("no.yaml"));
+  ExpectFailure("plumbline_evaluate --result=" + Path("no") + " --truth=" + Path("no"), Path("no"));
+}
+
+TEST_F(ProgramsTest, WrongUsageIsTwo) {
+  for (const char* program : {"plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
+    EXPECT_EQ(Run(program).exit_code, 2) << program;
+    EXPECT_EQ(Run(std::string(program) + " --no_such_flag").exit_code, 2) << program;
+    EXPECT_EQ(Run(std::string(program) + " --help").exit_code, 0) << program;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
