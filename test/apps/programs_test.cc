@@ -23,10 +23,9 @@ class ProgramsTest : public TemporaryDirectoryTest {
  protected:
   Outcome Run(const std::string& command) {
     const std::string err = Path("stderr");
-    const int status =
-        std::system((std::string(PLUMBLINE_PROGRAMS_DIR) + "/" + command + " > " +
-                     Path("stdout") + " 2> " + err)
-                        .c_str());
+    const int status = std::system((std::string(PLUMBLINE_PROGRAMS_DIR) + "/" + command +
+                                    " > " + Path("stdout") + " 2> " + err)
+                                       .c_str());
     Outcome outcome;
     outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     outcome.err = ReadBytes(err);
@@ -41,7 +40,9 @@ class ProgramsTest : public TemporaryDirectoryTest {
     EXPECT_FALSE(std::filesystem::exists(Path("out/summary.json")));
   }
   std::string Path(const std::string& name) const { return (directory_ / name).string(); }
-  std::string RigFile() const { return std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper.yaml"; }
+  std::string RigFile() const {
+    return std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper.yaml";
+  }
 };
 
 TEST_F(ProgramsTest, MapperNamesMissingFiles) {
@@ -68,9 +69,11 @@ TEST_F(ProgramsTest, MapperNamesBrokenFiles) {
 }
 
 TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
-  ExpectFailure("plumbline_simulate --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
-                Path("no.yaml"));
-  ExpectFailure("plumbline_evaluate --result=" + Path("no") + " --truth=" + Path("no"), Path("no"));
+  ExpectFailure(
+      "plumbline_simulate --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
+      Path("no.yaml"));
+  ExpectFailure("plumbline_evaluate --result=" + Path("no") + " --truth=" + Path("no"),
+                Path("no"));
 }
 
 TEST_F(ProgramsTest, WrongUsageIsTwo) {

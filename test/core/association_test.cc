@@ -106,12 +106,12 @@ TEST_F(AssociationTest, GateIsThatOfTheSignificance) {
 }
 
 TEST_F(AssociationTest, DirectionCountsToo) {
-  const double sigma_direction = std::sqrt(
-      DeviationFromPlane(observation_,
-                         scanner_.body_from_scanner,
-                         ObservationPoses(trajectory_, observation_),
-                         MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0}))
-          .covariance(1, 1));
+  const double sigma_direction =
+      std::sqrt(DeviationFromPlane(observation_,
+                                   scanner_.body_from_scanner,
+                                   ObservationPoses(trajectory_, observation_),
+                                   MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0}))
+                    .covariance(1, 1));
   EXPECT_NEAR(sigma_direction, SigmaOffset() * std::sqrt(12.0) / 2.0, 0.2 * sigma_direction);
   AddWall(0.0, 4.1 * sigma_direction, -1.0, 1.0);
   EXPECT_EQ(Find(), 0);

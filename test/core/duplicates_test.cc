@@ -22,8 +22,8 @@ class DuplicatesTest : public testing::Test {
   Landmark& AddWall(double first_x, double last_x, double shift = 0.0, double turn = 0.0) {
     const double middle_x = 0.5 * (first_x + last_x);
     const double heading = -M_PI / 2.0 + turn;
-    Landmark landmark =
-        MakeVerticalLandmark({std::cos(heading), std::sin(heading), 0.0}, {middle_x, 2.0 + shift, 0.0});
+    Landmark landmark = MakeVerticalLandmark({std::cos(heading), std::sin(heading), 0.0},
+                                             {middle_x, 2.0 + shift, 0.0});
     landmark.extent.AddSegment({first_x, 2.0, 0.2}, {last_x, 2.0, 1.7});
     // Known at its middle: distance and angle there do not correlate.
     Eigen::Matrix2d by_middle;
@@ -32,7 +32,8 @@ class DuplicatesTest : public testing::Test {
     const Eigen::Matrix2d inverse = by_middle.inverse();
     landmark.covariance =
         inverse *
-        Eigen::Vector2d(kSigmaDistance * kSigmaDistance, kSigmaAngle * kSigmaAngle).asDiagonal() *
+        Eigen::Vector2d(kSigmaDistance * kSigmaDistance, kSigmaAngle * kSigmaAngle)
+            .asDiagonal() *
         inverse.transpose();
     return Add(landmark);
   }

@@ -13,11 +13,8 @@ namespace {
 constexpr int64_t kStart = 1'400'000'000'000'000'000;
 const double kDegree = M_PI / 180.0;
 // Wall normals' headings, no two parallel or perpendicular, and distances.
-const std::vector<std::pair<double, double>> kWalls = {{0.1, 3.0},
-                                                       {1.4, 2.2},
-                                                       {2.5, 3.5},
-                                                       {3.6, 2.5},
-                                                       {4.9, 3.1}};
+const std::vector<std::pair<double, double>> kWalls = {
+    {0.1, 3.0}, {1.4, 2.2}, {2.5, 3.5}, {3.6, 2.5}, {4.9, 3.1}};
 
 std::vector<Observation> TakeScan(const Rig& rig,
                                   const PlaneScene& scene,
@@ -55,7 +52,8 @@ FrameErrors ErrorsOf(const ModelFrame& frame, const Rigid3d& world_from_body) {
   const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   };
-  errors.vertical = angle(model_from_world * Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitZ());
+  errors.vertical =
+      angle(model_from_world * Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitZ());
   errors.heading = M_PI;
   for (const auto& wall : kWalls) {
     const Eigen::Vector3d normal(std::cos(wall.first), std::sin(wall.first), 0.0);
@@ -66,9 +64,9 @@ FrameErrors ErrorsOf(const ModelFrame& frame, const Rigid3d& world_from_body) {
 }
 
 Rigid3d Pose(int roll_deg, int pitch_deg, int heading_deg) {
-  return {RotationFromRollPitchYaw(
-              roll_deg * kDegree, pitch_deg * kDegree, heading_deg * kDegree),
-          Eigen::Vector3d(0.3, -0.2, 1.3)};
+  return {
+      RotationFromRollPitchYaw(roll_deg * kDegree, pitch_deg * kDegree, heading_deg * kDegree),
+      Eigen::Vector3d(0.3, -0.2, 1.3)};
 }
 
 class InitialisationTest : public testing::TestWithParam<int> {};
@@ -95,7 +93,9 @@ TEST_P(InitialisationTest, FindsTheFrameOfATiltedRig) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Headings, InitialisationTest, testing::Values(0, 50, 100, 170, 230, 300));
+INSTANTIATE_TEST_SUITE_P(Headings,
+                         InitialisationTest,
+                         testing::Values(0, 50, 100, 170, 230, 300));
 
 TEST(InitialisationDetailsTest, PerfectRangesGiveAPerfectFrame) {
   Rig rig = MakePaperRig();
@@ -125,7 +125,8 @@ TEST(InitialisationDetailsTest, ReferenceIsTheWallOfTheXAxis) {
   EXPECT_NEAR(direction.x(), 0.0, 1e-9);
   // The normal points from the wall to the scanner.
   const Eigen::Vector3d to_wall =
-      model_from_scanner * Eigen::Vector3d(reference.centroid.x(), reference.centroid.y(), 0.0);
+      model_from_scanner *
+      Eigen::Vector3d(reference.centroid.x(), reference.centroid.y(), 0.0);
   EXPECT_LT(to_wall.x(), 0.0);
 }
 

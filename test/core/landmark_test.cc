@@ -67,7 +67,8 @@ TEST(PatchExtentTest, OverlapIsTheSharedPart) {
 }
 
 TEST(PatchExtentTest, MergedExtentIsBoth) {
-  const Eigen::Vector3d a0(0.1, 0.0, 1.1), a1(3.9, 0.0, 1.1), b0(2.1, 0.0, 2.1), b1(9.9, 0.0, 2.9);
+  const Eigen::Vector3d a0(0.1, 0.0, 1.1), a1(3.9, 0.0, 1.1), b0(2.1, 0.0, 2.1),
+      b1(9.9, 0.0, 2.9);
   PatchExtent merged = ExtentOf(a0, a1);
   const PatchExtent b = ExtentOf(b0, b1);
   const double area = merged.area_m2() + b.area_m2();

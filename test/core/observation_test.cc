@@ -43,13 +43,7 @@ class ObservationTest : public testing::Test {
  protected:
   Observation Observe(double sigma_m) {
     const ScanLine line = TakeScanLine(
-        {wall_},
-        scanner_,
-        0,
-        kStart,
-        [](int64_t) { return BodyPose(); },
-        sigma_m,
-        &random_);
+        {wall_}, scanner_, 0, kStart, [](int64_t) { return BodyPose(); }, sigma_m, &random_);
     return ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
   }
   Landmark WallLandmark() const {
@@ -125,11 +119,10 @@ TEST_F(ObservationTest, TakesTheMotionIntoAccount) {
       &random_);
   const Observation observation =
       ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
-  const LineDeviation deviation =
-      DeviationFromPlane(observation,
-                         scanner_.body_from_scanner,
-                         ObservationPoses(trajectory, observation),
-                         WallLandmark());
+  const LineDeviation deviation = DeviationFromPlane(observation,
+                                                     scanner_.body_from_scanner,
+                                                     ObservationPoses(trajectory, observation),
+                                                     WallLandmark());
   // The quadratic through the nodes follows the motion far below the noise.
   EXPECT_LT(std::abs(deviation.value[0]), 1e-5);
   EXPECT_LT(std::abs(deviation.value[1]), 1e-5);
@@ -177,16 +170,15 @@ TEST_F(ObservationTest, JacobianByPlaneAgreesWithFiniteDifferences) {
 TEST_F(ObservationTest, ValueAndCovarianceAreThoseOfALineFit) {
   const Observation observation = Observe(0.02);
   const Rigid3d world_from_scanner = BodyPose() * scanner_.body_from_scanner;
-  const double scale =
-      WhiteningScale(observation, world_from_scanner.rotation, wall_.normal);
+  const double scale = WhiteningScale(observation, world_from_scanner.rotation, wall_.normal);
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right_side = Eigen::Vector2d::Zero();
   double chi2 = 0.0;
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Eigen::Vector2d& s = observation.points[i];
-    const double distance = wall_.normal.dot(world_from_scanner *
-                                             Eigen::Vector3d(s.x(), s.y(), 0.0)) -
-                            wall_.distance;
+    const double distance =
+        wall_.normal.dot(world_from_scanner * Eigen::Vector3d(s.x(), s.y(), 0.0)) -
+        wall_.distance;
     const Eigen::Vector2d row(1.0, observation.tangent.dot(s - observation.centroid));
     const double weight = std::pow(scale * observation.point_whitening[i], 2);
     information += weight * row * row.transpose();

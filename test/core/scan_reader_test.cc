@@ -67,8 +67,8 @@ class ScanReaderTest : public TemporaryDirectoryTest {
 using Scanners3 = std::vector<int>;
 
 TEST_F(ScanReaderTest, GroupsSynchronisedScanners) {
-  const std::vector<Scan> scans = Read(
-      {{0, 0}, {1, 0}, {2, 0}, {0, 25}, {1, 25}, {2, 25}, {0, 50}, {1, 50}, {2, 50}});
+  const std::vector<Scan> scans =
+      Read({{0, 0}, {1, 0}, {2, 0}, {0, 25}, {1, 25}, {2, 25}, {0, 50}, {1, 50}, {2, 50}});
   ASSERT_EQ(scans.size(), 3u);
   for (size_t i = 0; i < 3; ++i) {
     const int first = 3 * static_cast<int>(i);
@@ -80,8 +80,8 @@ TEST_F(ScanReaderTest, GroupsSynchronisedScanners) {
 }
 
 TEST_F(ScanReaderTest, GroupsUnsynchronisedScanners) {
-  const std::vector<Scan> scans = Read(
-      {{0, 0}, {1, 9}, {2, 17}, {0, 25}, {1, 34}, {2, 42}, {0, 50}, {1, 59}, {2, 67}});
+  const std::vector<Scan> scans =
+      Read({{0, 0}, {1, 9}, {2, 17}, {0, 25}, {1, 34}, {2, 42}, {0, 50}, {1, 59}, {2, 67}});
   ASSERT_EQ(scans.size(), 3u);
   for (const Scan& scan : scans) EXPECT_EQ(Scanners(scan), (Scanners3{0, 1, 2}));
   EXPECT_DOUBLE_EQ(Milliseconds(scans[1].start_ns), 25.0);
@@ -124,7 +124,8 @@ TEST_F(ScanReaderTest, ScannersOfDifferentRates) {
 }
 
 TEST_F(ScanReaderTest, ScanEndsAtGap) {
-  const std::vector<Scan> scans = Read({{0, 0}, {0, 25}, {0, 50}, {1, 500}, {2, 505}, {0, 510}});
+  const std::vector<Scan> scans =
+      Read({{0, 0}, {0, 25}, {0, 50}, {1, 500}, {2, 505}, {0, 510}});
   ASSERT_EQ(scans.size(), 4u);
   EXPECT_EQ(Scanners(scans[2]), (Scanners3{0}));
   EXPECT_EQ(Scanners(scans[3]), (Scanners3{1, 2, 0}));

@@ -228,8 +228,9 @@ TEST_F(BadInputTest, MapEndsAtGapOfSeconds) {
   EXPECT_THAT(summary_.warnings, Contains(HasSubstr("the map ends")));
   // No true plane is required that only the rest would have shown: all of them are in view.
   ExpectTruePlanes(EvaluateResult(recording));
-  EXPECT_LT(SecondsBetween(start_ns, ReadTrajectory(Path("result/trajectory.tum")).back().time_ns),
-            2.6);
+  EXPECT_LT(
+      SecondsBetween(start_ns, ReadTrajectory(Path("result/trajectory.tum")).back().time_ns),
+      2.6);
 }
 
 TEST_F(BadInputTest, BridgesGapsOfTenthsOfASecond) {

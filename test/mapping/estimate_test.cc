@@ -14,11 +14,12 @@ Scenario Base() {
   Scenario scenario;
   scenario.building = PillarRoom();
   scenario.scanners = TiltedRig();
-  scenario.path = PillarWalk(4.0, 1.0);
+  scenario.path = PillarWalk(3.0, 1.0);
   return scenario;
 }
 
-const char* const kFiles[] = {"trajectory.tum", "planes.json", "planes.ply", "map.ply", "map.pcd"};
+const char* const kFiles[] = {
+    "trajectory.tum", "planes.json", "planes.ply", "map.ply", "map.pcd"};
 
 TEST_F(MappingEstimateTest, ThreadsDoNotChangeAByte) {
   WriteRecording(Simulate(Base()));
@@ -54,17 +55,19 @@ TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
     const double sigma_m = planes[i].sigma_distance_m;
     ASSERT_GT(sigma_m, 0.0);
     smallest_sigma_m = std::min(smallest_sigma_m, sigma_m);
-    EXPECT_NEAR(
-        point_planes[i].SignedDistance(planes[i].centre), 0.0, 0.05 * planes[i].sigma_distance_m);
+    EXPECT_NEAR(point_planes[i].SignedDistance(planes[i].centre),
+                0.0,
+                0.05 * planes[i].sigma_distance_m);
     EXPECT_NEAR(point_planes[i].sigma_distance_m, sigma_m, 0.02 * sigma_m);
     EXPECT_LE(std::asin(point_planes[i].normal.cross(planes[i].normal).norm()),
               0.05 * planes[i].sigma_angle_rad + 1e-12);
   }
   ASSERT_EQ(point_poses.size(), poses.size());
   for (size_t i = 0; i < poses.size(); ++i) {
-    EXPECT_LT((point_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
-                  .norm(),
-              0.1 * smallest_sigma_m);
+    EXPECT_LT(
+        (point_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
+            .norm(),
+        0.1 * smallest_sigma_m);
   }
 }
 

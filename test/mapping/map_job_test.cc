@@ -29,8 +29,10 @@ TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {
   const Summary summary = Map();
   int64_t num_points = 0;
   for (const ScanLine& scan_line : recording.scan_lines) {
-    const Scanner& scanner = recording.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
-    for (const float range : scan_line.ranges) num_points += scanner.IsValidRange(range) ? 1 : 0;
+    const Scanner& scanner =
+        recording.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    for (const float range : scan_line.ranges)
+      num_points += scanner.IsValidRange(range) ? 1 : 0;
   }
   EXPECT_EQ(summary.points, num_points);
   EXPECT_LE(summary.points_used, summary.points);
@@ -61,7 +63,8 @@ TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {
   // The range noise, times the cosine of the incidence angles.
   EXPECT_LT(summary.residual_rms_m, 0.02);
   EXPECT_GT(summary.residual_rms_m, 0.5 * 0.02);
-  const nlohmann::json json = nlohmann::json::parse(std::ifstream(Path("result/summary.json")));
+  const nlohmann::json json =
+      nlohmann::json::parse(std::ifstream(Path("result/summary.json")));
   EXPECT_EQ(json.at("points").get<int64_t>(), num_points);
   EXPECT_EQ(json.at("motion"), "spatial");
 }

@@ -20,22 +20,6 @@ Scenario Base() {
   return scenario;
 }
 
-// The paths are no splines: what is left without noise is what a cubic spline can not follow,
-// which falls with the fourth power of the knot interval against the duration of a turn. These
-// corners take 0.9 s at 1 m/s, where the largest error is 2 mm; at 0.5 m/s it has to be a
-// sixteenth of that, and single precision of the ranges.
-TEST_F(MappingMotionTest, FollowsPerfectRanges) {
-  Scenario scenario = Base();
-  scenario.path = PillarWalk(5.0, 0.5);
-  scenario.more = "noise: {scale: 0.0}\n";
-  const Evaluation evaluation = Run(scenario);
-  SCOPED_TRACE(EvaluationTable(evaluation));
-  EXPECT_EQ(evaluation.planes.num_wrong + evaluation.planes.num_doubled, 0);
-  EXPECT_EQ(evaluation.planes.num_missed, 0);
-  EXPECT_LT(evaluation.trajectory.unaligned.position_m.max, 0.5e-3);
-  EXPECT_LT(evaluation.planes.distance_max_m, 0.5e-3);
-}
-
 TEST_F(MappingMotionTest, FollowsWobble) {
   Scenario scenario = Base();
   scenario.more =

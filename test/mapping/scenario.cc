@@ -18,14 +18,14 @@ namespace {
 
 // The largest deviation of a normal variable that is not to be exceeded once in 100,000.
 constexpr double kMaxSigmas = 4.5;
-// What a cubic spline of the default knot interval can not follow of these paths; measured in
-// MappingMotionTest.FollowsPerfectRanges.
-constexpr double kRepresentation = 1e-3;                       // m
-constexpr double kRepresentationDeg = 0.02;                    // of planes' normals
+// Errors that remain of these paths without any noise: the spline can not follow them exactly.
+constexpr double kRepresentation = 1e-3;     // m
+constexpr double kRepresentationDeg = 0.02;  // of rotations and of planes' normals
 
 std::string WalkText(const std::string& way_points, double length_m, double speed_m_s) {
   std::ostringstream text;
-  text << "path:\n  way_points: [" << way_points << "]\n  closed: true\n  length_m: " << length_m
+  text << "path:\n  way_points: [" << way_points
+       << "]\n  closed: true\n  length_m: " << length_m
        << "\n  corner_radius_m: 0.5\n  body_height_m: 1.2\nspeed_m_s: " << speed_m_s << "\n";
   return text.str();
 }
@@ -55,10 +55,9 @@ std::string HexagonalRoom() {
 }
 
 std::string HexagonWalk(double length_m, double speed_m_s) {
-  return WalkText(
-      "[1.5, 1.3], [4.2, 0.6], [6.2, 1.7], [6.1, 3.6], [4.0, 4.5], [1.6, 3.5]",
-      length_m,
-      speed_m_s);
+  return WalkText("[1.5, 1.3], [4.2, 0.6], [6.2, 1.7], [6.1, 3.6], [4.0, 4.5], [1.6, 3.5]",
+                  length_m,
+                  speed_m_s);
 }
 
 std::string TrapezoidRoom() {
@@ -95,8 +94,9 @@ void MappingTest::SetUp() {
 SimulatedRecording MappingTest::Simulate(const Scenario& scenario, uint64_t seed) {
   WriteBytes(Path("building.yaml"), scenario.building);
   WriteBytes(Path("scenario_rig.yaml"), RigText(scenario));
-  WriteBytes(Path("experiment.yaml"),
-             "building: building.yaml\nrig: scenario_rig.yaml\n" + scenario.path + scenario.more);
+  WriteBytes(
+      Path("experiment.yaml"),
+      "building: building.yaml\nrig: scenario_rig.yaml\n" + scenario.path + scenario.more);
   const Experiment experiment = ReadExperiment(Path("experiment.yaml"));
   const Simulator simulator(experiment);
   SimulatedRecording recording;
@@ -177,7 +177,8 @@ void ExpectTruePlanes(const Evaluation& evaluation) {
   EXPECT_EQ(planes.num_missed, 0);
   EXPECT_GT(planes.num_matched, 0);
   for (const PlaneMatch& match : planes.list) {
-    EXPECT_LT(std::abs(match.distance_m), kMaxSigmas * match.sigma_distance_m + kRepresentation)
+    EXPECT_LT(std::abs(match.distance_m),
+              kMaxSigmas * match.sigma_distance_m + kRepresentation)
         << "plane " << match.plane_id;
     EXPECT_LT(match.angle_deg, kMaxSigmas * match.sigma_angle_deg + kRepresentationDeg)
         << "plane " << match.plane_id;
@@ -202,7 +203,8 @@ void ExpectPreciseTrajectory(const Evaluation& evaluation,
   // Of six unknowns per interval three are the position; ranges see each direction at a third
   // of their number. Twice that for a geometry that is not ideal.
   const double sigma_position = std::sqrt(3.0 * 3.0 * variance / points_per_interval);
-  EXPECT_LT(evaluation.trajectory.aligned.position_m.rmse, 2.0 * sigma_position + kRepresentation);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.rmse,
+            2.0 * sigma_position + kRepresentation);
   // Walls are 2 m away in these rooms: the same precision, seen as an angle.
   const double sigma_rotation_deg = sigma_position / 2.0 * 180.0 / M_PI;
   EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.rmse,

@@ -83,8 +83,8 @@ class MappingTest : public TemporaryDirectoryTest {
 // standard deviations allow.
 void ExpectTruePlanes(const Evaluation& evaluation);
 
-// Trajectory errors as the ranges' noise lets expect: points_per_s ranges per second measure six
-// unknowns per knot interval.
+// Trajectory errors as the ranges' noise lets expect: points_per_s ranges per second measure
+// six unknowns per knot interval.
 void ExpectPreciseTrajectory(const Evaluation& evaluation,
                              const Scenario& scenario,
                              const Summary& summary);
