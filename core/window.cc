@@ -139,51 +139,69 @@ std::unique_ptr<EstimationProblem> Window::TrackingProblem(int first_observation
   for (const int index : recent_) add(index);
   for (int index = first_observation; index <= last_observation; ++index) add(index);
   for (const Landmark& landmark : state_->landmarks) problem->Hold(LandmarkBlock(landmark.id));
-  for (int i = 0; i < tracking_known_ - kOrder; ++i) {
+  const int first_free = tracking_known_ == 0 ? 0 : tracking_prior_.blocks.front().index;
+  for (int i = 0; i < first_free; ++i) {
     problem->Hold(RotationBlock(i));
     problem->Hold(PositionBlock(i));
   }
   return problem;
 }
 
-void Window::UpdateUncertainty(EstimationProblem* problem) {
-  pose_uncertainty_ = PoseUncertainty(problem->Linearise());
+void Window::UpdateUncertainty(const NormalEquations& equations) {
+  pose_uncertainty_ = PoseUncertainty(equations);
 }
 
 void Window::Track(int first_observation,
                    int last_observation,
                    const std::vector<int>& candidate_ids) {
-  UpdateUncertainty(TrackingProblem(0, -1).get());
+  const bool has_new_control_points =
+      tracking_known_ != state_->trajectory.num_control_points();
+  if (has_new_control_points) UpdateUncertainty(TrackingProblem(0, -1)->Linearise());
+  std::unique_ptr<EstimationProblem> problem;
+  NormalEquations equations;
   for (int round = 0; round < kMaxTrackingRounds; ++round) {
-    bool changed = false;
-    for (int index = first_observation; index <= last_observation; ++index) {
-      Observation& observation = state_->observations[static_cast<size_t>(index)];
-      const Rigid3d& body_from_scanner =
-          rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-      const int id = FindLandmark(
-          observation,
-          body_from_scanner,
-          ObservationPoses(state_->trajectory, observation),
-          pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
-          state_->landmarks,
-          candidate_ids,
-          options_.association);
-      changed |= id != observation.landmark_id;
-      observation.landmark_id = id;
-    }
-    if (!changed) break;
-    const auto problem = TrackingProblem(first_observation, last_observation);
-    problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));
-    UpdateUncertainty(problem.get());
+    const bool changed = Associate(first_observation, last_observation, candidate_ids);
+    if (!changed && problem) break;
+    problem = TrackingProblem(first_observation, last_observation);
+    if (changed) problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));
+    equations = problem->Linearise();
+    UpdateUncertainty(equations);
   }
+  // The scan becomes part of the prior, so that the next scan's problem is as small.
+  equations.gradient.setZero();  // an optimum up to the solver's tolerance
+  tracking_prior_ = problem->MarginaliseOnto(equations, equations.blocks);
+  tracking_known_ = state_->trajectory.num_control_points();
+  recent_.clear();
 }
 
-void Window::Add(int observation_index) {
+bool Window::Associate(int first_observation,
+                       int last_observation,
+                       const std::vector<int>& candidate_ids) {
+  bool changed = false;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    Observation& observation = state_->observations[static_cast<size_t>(index)];
+    const Rigid3d& body_from_scanner =
+        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const int id =
+        FindLandmark(observation,
+                     body_from_scanner,
+                     ObservationPoses(state_->trajectory, observation),
+                     pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
+                     state_->landmarks,
+                     candidate_ids,
+                     options_.association);
+    changed |= id != observation.landmark_id;
+    observation.landmark_id = id;
+  }
+  return changed;
+}
+
+void Window::Add(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
   if (state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first < start_) return;
   window_.push_back(observation_index);
-  recent_.push_back(observation_index);
+  if (!tracked) recent_.push_back(observation_index);
 }
 
 void Window::Solve(int64_t now_ns, double window_s) {
@@ -215,6 +233,7 @@ void Window::Solve(int64_t now_ns, double window_s) {
   tracking_prior_ = problem.MarginaliseOnto(poses, newest_blocks);
   tracking_known_ = num_control_points;
   recent_.clear();
+  UpdateUncertainty(TrackingProblem(0, -1)->Linearise());
 
   // What the planes' uncertainty is to somebody who stands at the newest pose.
   const NormalEquations given_pose =

@@ -52,8 +52,8 @@ class Window {
   void Track(int first_observation, int last_observation, const std::vector<int>& candidate_ids);
 
   // An observation that has been given a landmark: takes part from now on, unless it is older
-  // than the window.
-  void Add(int observation_index);
+  // than the window. tracked: by Track(), which knows of it already.
+  void Add(int observation_index, bool tracked);
 
   void Solve(int64_t now_ns, double window_s);
 
@@ -68,7 +68,11 @@ class Window {
   void AddStart(EstimationProblem* problem) const;
   std::unique_ptr<EstimationProblem> TrackingProblem(int first_observation,
                                                      int last_observation) const;
-  void UpdateUncertainty(EstimationProblem* problem);
+  // Finds the observations' landmarks; true when any is another one than before.
+  bool Associate(int first_observation,
+                 int last_observation,
+                 const std::vector<int>& candidate_ids);
+  void UpdateUncertainty(const NormalEquations& equations);
   void Marginalise(int new_start);
 
   const Rig& rig_;
@@ -78,9 +82,9 @@ class Window {
   int start_ = 0;                // first control point of the window
   Prior history_;                // marginalised, on control points from start_ and landmarks
   std::vector<int> window_;      // observations not yet marginalised
-  Prior tracking_prior_;         // on the newest control points at the last Solve()
+  Prior tracking_prior_;         // on the newest control points, from all scans so far, planes held
   int tracking_known_ = 0;       // control points that tracking_prior_ knows of
-  std::vector<int> recent_;      // observations since the last Solve()
+  std::vector<int> recent_;      // observations that tracking_prior_ does not know of
   PoseUncertainty pose_uncertainty_;
 };
 
