@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/joint_association.h"
 #include "core/time.h"
 #include "factors/spline.h"
 
@@ -78,6 +79,12 @@ PoseUncertainty::PoseUncertainty(const NormalEquations& equations)
       covariance_(Inverse(equations)) {}
 
 Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
+  const Eigen::MatrixXd jacobian = JacobianAt(trajectory, time_ns);
+  return jacobian * covariance_ * jacobian.transpose();
+}
+
+Eigen::MatrixXd PoseUncertainty::JacobianAt(const Trajectory& trajectory,
+                                            int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);
   const double* rotations[kOrder];
   const double* positions[kOrder];
@@ -104,7 +111,7 @@ Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) cons
       jacobian.block<3, 3>(0, offset) = spline.rotation_wrt_control[static_cast<size_t>(j)];
     }
   }
-  return jacobian * covariance_ * jacobian.transpose();
+  return jacobian;
 }
 
 Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
@@ -151,6 +158,50 @@ void Window::UpdateUncertainty(const NormalEquations& equations) {
   pose_uncertainty_ = PoseUncertainty(equations);
 }
 
+bool Window::AssociateJointly(int first_observation,
+                              int last_observation,
+                              const std::vector<int>& candidate_ids) {
+  std::vector<int> order;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    order.push_back(index);
+  }
+  const auto at = [&](int index) -> Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return at(a).length_m() > at(b).length_m();
+  });
+  std::vector<Pairing> pairings;
+  for (const int index : order) {
+    const Observation& observation = at(index);
+    const int64_t time_ns = observation.middle_time_ns();
+    const Eigen::MatrixXd pose_by_control =
+        pose_uncertainty_.JacobianAt(state_->trajectory, time_ns);
+    const Matrix6d pose_covariance =
+        pose_by_control * pose_uncertainty_.covariance() * pose_by_control.transpose();
+    for (const PossibleLandmark& possible : PossibleLandmarks(
+             observation,
+             rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
+             ObservationPoses(state_->trajectory, observation),
+             pose_covariance,
+             state_->landmarks,
+             candidate_ids,
+             options_.association)) {
+      pairings.push_back({index,
+                          possible.id,
+                          possible.deviation.value,
+                          possible.noise,
+                          possible.deviation.by_pose * pose_by_control});
+    }
+  }
+  const std::vector<size_t> chosen =
+      ChooseJointly(pairings, pose_uncertainty_.covariance(), options_.association);
+  for (const size_t i : chosen) {
+    at(pairings[i].observation_index).landmark_id = pairings[i].landmark_id;
+  }
+  return !chosen.empty();
+}
+
 void Window::Track(int first_observation,
                    int last_observation,
                    const std::vector<int>& candidate_ids) {
@@ -160,7 +211,10 @@ void Window::Track(int first_observation,
   std::unique_ptr<EstimationProblem> problem;
   NormalEquations equations;
   for (int round = 0; round < kMaxTrackingRounds; ++round) {
-    const bool changed = Associate(first_observation, last_observation, candidate_ids);
+    // By the prediction first, all segments together; once the poses are known, one by one.
+    const bool changed =
+        round == 0 ? AssociateJointly(first_observation, last_observation, candidate_ids)
+                   : Associate(first_observation, last_observation, candidate_ids);
     if (!changed && problem) break;
     problem = TrackingProblem(first_observation, last_observation);
     if (changed) problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));

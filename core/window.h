@@ -31,6 +31,9 @@ class PoseUncertainty {
 
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
+  // Derivative of the pose by the control points, in the columns of covariance().
+  Eigen::MatrixXd JacobianAt(const Trajectory& trajectory, int64_t time_ns) const;
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
 
  private:
   std::vector<BlockId> blocks_;
@@ -73,6 +76,10 @@ class Window {
                  int last_observation,
                  const std::vector<int>& candidate_ids);
   void UpdateUncertainty(const NormalEquations& equations);
+  // Associates by the prediction: see ChooseJointly. Returns whether any was found.
+  bool AssociateJointly(int first_observation,
+                        int last_observation,
+                        const std::vector<int>& candidate_ids);
   void Marginalise(int new_start);
 
   const Rig& rig_;
