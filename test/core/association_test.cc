@@ -1,0 +1,165 @@
+#include "core/association.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "test/core/plane_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kStart = 1'400'000'000'000'000'000;
+
+TEST(GapRuleTest, HoldsOnlyWithoutLoopClosure) {
+  Landmark landmark;
+  landmark.first_scan = 50;
+  landmark.last_scan = 60;
+  LoopClosureOptions options;
+  options.max_gap_scans = 100;
+  options.enabled = false;
+  EXPECT_TRUE(IsWithinGap(landmark, 160, options));
+  EXPECT_FALSE(IsWithinGap(landmark, 161, options));
+  options.enabled = true;
+  EXPECT_TRUE(IsWithinGap(landmark, 100'000, options));
+}
+
+TEST(FlatnessTest, ShortSegmentsSayLittleOfTheDirection) {
+  const Eigen::Matrix2d longer = FlatnessCovariance(2.0, 0.004);
+  EXPECT_NEAR(std::sqrt(longer(0, 0)), 0.004, 1e-12);
+  EXPECT_NEAR(std::sqrt(longer(1, 1)), 0.004, 1e-12);  // rad
+  EXPECT_NEAR(FlatnessCovariance(1.0, 0.004)(1, 1), 4.0 * longer(1, 1), 1e-12);
+  EXPECT_TRUE(FlatnessCovariance(0.0, 0.004).allFinite());
+  EXPECT_TRUE(FlatnessCovariance(1.0, 0.0).isZero());
+}
+
+TEST(QuantileTest, IsThatOfChiSquareOfTwoDegrees) {
+  // P(chi^2 > x) = exp(-x / 2)
+  EXPECT_NEAR(std::exp(-0.5 * TwoDegreesQuantile(1e-4)), 1e-4, 1e-15);
+}
+
+// A level scanner 2 m in front of the wall y = 2, which it sees from x = -1 to 1.
+class AssociationTest : public testing::Test {
+ protected:
+  AssociationTest() {
+    scanner_.body_from_scanner.rotation = RotationFromRollPitchYaw(0.0, 0.0, M_PI / 2.0);
+    scanner_.beams = 91;
+    scanner_.field_of_view_deg = 53.0;
+    scanner_.range_noise_m = 0.01;
+    std::mt19937_64 random(1);
+    const ScanLine line = TakeScanLine(
+        {wall_}, scanner_, 0, kStart, [](int64_t) { return Rigid3d(); }, 0.0, &random);
+    observation_ = ObservePlane(line, scanner_, Rigid3d(), wall_, 0, 90);
+    options_.surface_flatness_m = 0.0;
+  }
+
+  // A wall seen before, moved against the true one.
+  int AddWall(double shift, double turn, double first_x, double last_x) {
+    Landmark landmark = MakeVerticalLandmark(wall_.normal, {0.0, 2.0 + shift, 0.0});
+    landmark.id = static_cast<int>(landmarks_.size());
+    landmark.parameters[0] += turn;
+    landmark.parameters[1] = landmark.Normal().dot(Eigen::Vector3d(0.0, 2.0 + shift, 0.0));
+    landmark.extent.AddSegment({first_x, 2.0, 0.0}, {last_x, 2.0, 0.0});
+    landmarks_.push_back(landmark);
+    return landmark.id;
+  }
+
+  int Find(const Matrix6d& pose_covariance = Matrix6d::Zero()) const {
+    std::vector<int> ids(landmarks_.size());
+    for (size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<int>(i);
+    return FindLandmark(observation_,
+                        scanner_.body_from_scanner,
+                        ObservationPoses(trajectory_, observation_),
+                        pose_covariance,
+                        landmarks_,
+                        ids,
+                        options_);
+  }
+
+  // Standard deviations of offset and direction of the observed line.
+  double SigmaOffset() const { return 0.01 / std::sqrt(91.0); }
+
+  ScenePlane wall_ = {-Eigen::Vector3d::UnitY(), -2.0};
+  Scanner scanner_;
+  Trajectory trajectory_{kStart, 1'000'000'000, Rigid3d()};
+  Observation observation_;
+  std::deque<Landmark> landmarks_;
+  AssociationOptions options_;
+};
+
+TEST_F(AssociationTest, FindsTheWall) {
+  EXPECT_EQ(Find(), -1);
+  const int id = AddWall(0.0, 0.0, -1.0, 1.0);
+  EXPECT_EQ(Find(), id);
+}
+
+// chi^2 of two degrees: 18.4 at 1e-4, so 4.29 standard deviations of the offset alone.
+TEST_F(AssociationTest, GateIsThatOfTheSignificance) {
+  const int id = AddWall(4.1 * SigmaOffset(), 0.0, -1.0, 1.0);
+  EXPECT_EQ(Find(), id);
+  landmarks_.clear();
+  AddWall(4.5 * SigmaOffset(), 0.0, -1.0, 1.0);
+  EXPECT_EQ(Find(), -1);
+  options_.significance = 1e-6;
+  EXPECT_EQ(Find(), 0);
+}
+
+TEST_F(AssociationTest, DirectionCountsToo) {
+  const double sigma_direction = std::sqrt(
+      DeviationFromPlane(observation_,
+                         scanner_.body_from_scanner,
+                         ObservationPoses(trajectory_, observation_),
+                         MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0}))
+          .covariance(1, 1));
+  EXPECT_NEAR(sigma_direction, SigmaOffset() * std::sqrt(12.0) / 2.0, 0.2 * sigma_direction);
+  AddWall(0.0, 4.1 * sigma_direction, -1.0, 1.0);
+  EXPECT_EQ(Find(), 0);
+  landmarks_.clear();
+  AddWall(0.0, 4.5 * sigma_direction, -1.0, 1.0);
+  EXPECT_EQ(Find(), -1);
+}
+
+TEST_F(AssociationTest, EveryUncertaintyWidensTheGate) {
+  AddWall(10.0 * SigmaOffset(), 0.0, -1.0, 1.0);
+  EXPECT_EQ(Find(), -1);
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  pose_covariance(4, 4) = std::pow(5.0 * SigmaOffset(), 2);
+  EXPECT_EQ(Find(pose_covariance), 0);
+  Matrix6d along_the_wall = Matrix6d::Zero();
+  along_the_wall(3, 3) = 1.0;
+  EXPECT_EQ(Find(along_the_wall), -1);
+  options_.surface_flatness_m = 5.0 * SigmaOffset();
+  EXPECT_EQ(Find(), 0);
+  options_.surface_flatness_m = 0.0;
+  landmarks_[0].covariance(1, 1) = std::pow(5.0 * SigmaOffset(), 2);
+  EXPECT_EQ(Find(), 0);
+}
+
+TEST_F(AssociationTest, WallIsSeenFromItsFrontOnly) {
+  Landmark back = MakeVerticalLandmark(-wall_.normal, {0.0, 2.0, 0.0});
+  back.extent.AddSegment({-1.0, 2.0, 0.0}, {1.0, 2.0, 0.0});
+  landmarks_.push_back(back);
+  EXPECT_EQ(Find(), -1);
+}
+
+TEST_F(AssociationTest, WallEndsWhereItWasSeen) {
+  options_.max_gap_m = 1.0;
+  AddWall(0.0, 0.0, 3.0, 6.0);
+  EXPECT_EQ(Find(), -1);
+  options_.max_gap_m = 3.0;
+  EXPECT_EQ(Find(), 0);
+  options_.max_gap_m = 1.0;
+  AddWall(0.0, 0.0, 1.5, 6.0);
+  EXPECT_EQ(Find(), 1);
+}
+
+TEST_F(AssociationTest, TakesTheMostProbable) {
+  AddWall(3.0 * SigmaOffset(), 0.0, -1.0, 1.0);
+  AddWall(1.0 * SigmaOffset(), 0.0, -1.0, 1.0);
+  AddWall(-2.0 * SigmaOffset(), 0.0, -1.0, 1.0);
+  EXPECT_EQ(Find(), 1);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/result_writer.h"
+#include "test/mapping/scenario.h"
+
+namespace plumbline {
+namespace {
+
+using MappingEstimateTest = MappingTest;
+
+Scenario Base() {
+  Scenario scenario;
+  scenario.building = PillarRoom();
+  scenario.scanners = TiltedRig();
+  scenario.path = PillarWalk(4.0, 1.0);
+  return scenario;
+}
+
+const char* const kFiles[] = {"trajectory.tum", "planes.json", "planes.ply", "map.ply", "map.pcd"};
+
+TEST_F(MappingEstimateTest, ThreadsDoNotChangeAByte) {
+  WriteRecording(Simulate(Base()));
+  Map("", 1);
+  std::filesystem::rename(Path("result"), Path("one_thread"));
+  Map("", 2);
+  std::filesystem::rename(Path("result"), Path("two_threads"));
+  Map("", 2);
+  for (const char* file : kFiles) {
+    const std::string bytes = ReadBytes(directory_ / "one_thread" / file);
+    EXPECT_FALSE(bytes.empty()) << file;
+    EXPECT_TRUE(bytes == ReadBytes(directory_ / "two_threads" / file)) << file;
+    EXPECT_TRUE(bytes == ReadBytes(directory_ / "result" / file)) << file;
+  }
+}
+
+// A segment's matrix keeps all that its beams say: a hundredth of a standard deviation is what
+// it may leave out in each of a few thousand segments (CompressSegment), and where the two
+// estimations stop.
+TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
+  WriteRecording(Simulate(Base()));
+  Map("batch: {factor: segment}\n");
+  const std::vector<StampedPose> poses = ReadTrajectory(Path("result/trajectory.tum"));
+  const std::vector<PlanePatch> planes = ReadPlanes(Path("result/planes.json"));
+  const double variance_factor = summary_.variance_factor;
+  Map("batch: {factor: point}\n");
+  const std::vector<StampedPose> point_poses = ReadTrajectory(Path("result/trajectory.tum"));
+  const std::vector<PlanePatch> point_planes = ReadPlanes(Path("result/planes.json"));
+  EXPECT_NEAR(summary_.variance_factor, variance_factor, 1e-3);
+  ASSERT_EQ(point_planes.size(), planes.size());
+  double smallest_sigma_m = 1.0;
+  for (size_t i = 0; i < planes.size(); ++i) {
+    const double sigma_m = planes[i].sigma_distance_m;
+    ASSERT_GT(sigma_m, 0.0);
+    smallest_sigma_m = std::min(smallest_sigma_m, sigma_m);
+    EXPECT_NEAR(
+        point_planes[i].SignedDistance(planes[i].centre), 0.0, 0.05 * planes[i].sigma_distance_m);
+    EXPECT_NEAR(point_planes[i].sigma_distance_m, sigma_m, 0.02 * sigma_m);
+    EXPECT_LE(std::asin(point_planes[i].normal.cross(planes[i].normal).norm()),
+              0.05 * planes[i].sigma_angle_rad + 1e-12);
+  }
+  ASSERT_EQ(point_poses.size(), poses.size());
+  for (size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_LT((point_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
+                  .norm(),
+              0.1 * smallest_sigma_m);
+  }
+}
+
+// Errors over stated standard deviations, of all planes of several seeds: mean square 1. The
+// planes of one map are correlated, so that the n of the statistics is the number of maps,
+// each with a few independent planes; 5 sigma of a mean square with 5 degrees per map.
+TEST_F(MappingEstimateTest, StatesItsPrecision) {
+  constexpr int kNumMaps = 5;
+  double sum_squares = 0.0;
+  int num_planes = 0;
+  double sum_variance_factors = 0.0;
+  for (uint64_t seed = 1; seed <= kNumMaps; ++seed) {
+    const Evaluation evaluation = Run(Base(), seed);
+    ASSERT_EQ(evaluation.planes.num_wrong + evaluation.planes.num_missed, 0);
+    for (const PlaneMatch& match : evaluation.planes.list) {
+      sum_squares += std::pow(match.distance_m / match.sigma_distance_m, 2);
+      ++num_planes;
+    }
+    sum_variance_factors += summary_.variance_factor;
+  }
+  const double mean_square = sum_squares / num_planes;
+  const double stddev = std::sqrt(2.0 / (5.0 * kNumMaps));
+  EXPECT_LT(mean_square, 1.0 + 5.0 * stddev);
+  EXPECT_GT(mean_square, std::max(0.1, 1.0 - 5.0 * stddev));
+  // 20,000 ranges each: the sum of squares has a standard deviation of 1 %; the beams that
+  // are left out at doubtful ends take another 1 % from it.
+  EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 0.05);
+}
+
+}  // namespace
+}  // namespace plumbline
