@@ -27,6 +27,16 @@ void ArrowMatrix::Add(int row, int column, double value) {
   }
 }
 
+void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block) {
+  for (size_t j = 0; j < columns.size(); ++j) {
+    for (size_t i = j; i < columns.size(); ++i) {
+      Add(columns[i],
+          columns[j],
+          block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+    }
+  }
+}
+
 Eigen::MatrixXd ArrowMatrix::MarginaliseBand() {
   const Eigen::Index bandwidth = band_.rows() - 1;
   // Column by column: A = L L^T, and at the same time B <- L^-1 B.

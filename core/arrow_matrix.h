@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace plumbline {
 
@@ -15,6 +16,8 @@ class ArrowMatrix {
 
   // H(row, column) += value for row >= column. CHECKs that it lies in the band or border.
   void Add(int row, int column, double value);
+  // H(columns, columns) += the symmetric block; columns ascending.
+  void AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block);
 
   // C - B^T A^-1 B: the information on the border when the band is marginalised. Overwrites the
   // band with its Cholesky factor. Throws Error when A is not positive definite.

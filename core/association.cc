@@ -20,13 +20,13 @@ Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
 
 double TwoDegreesQuantile(double significance) { return -2.0 * std::log(significance); }
 
-int FindLandmark(const Observation& observation,
-                 const Rigid3d& body_from_scanner,
-                 const ObservationPoses& poses,
-                 const Matrix6d& pose_covariance,
-                 const std::deque<Landmark>& landmarks,
-                 const std::vector<int>& candidate_ids,
-                 const AssociationOptions& options) {
+std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
+                                                const Rigid3d& body_from_scanner,
+                                                const ObservationPoses& poses,
+                                                const Matrix6d& pose_covariance,
+                                                const std::deque<Landmark>& landmarks,
+                                                const std::vector<int>& candidate_ids,
+                                                const AssociationOptions& options) {
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
     return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -36,25 +36,44 @@ int FindLandmark(const Observation& observation,
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);
-  double best_score = std::numeric_limits<double>::infinity();
-  int best_id = -1;
+  std::vector<PossibleLandmark> possible;
   for (const int id : candidate_ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
     if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) continue;
     if (!landmark.extent.IsNear(start_world, end_world, options.max_gap_m)) continue;
     const LineDeviation deviation =
         DeviationFromPlane(observation, body_from_scanner, poses, landmark);
-    const Eigen::Matrix2d covariance =
+    const Eigen::Matrix2d noise =
         deviation.covariance + flatness +
-        deviation.by_pose * pose_covariance * deviation.by_pose.transpose() +
         deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
+    const Eigen::Matrix2d covariance =
+        noise + deviation.by_pose * pose_covariance * deviation.by_pose.transpose();
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    const double score = distance2 + std::log(covariance.determinant());
-    if (score < best_score) {
-      best_score = score;
-      best_id = id;
-    }
+    possible.push_back({id, deviation, noise, distance2 + std::log(covariance.determinant())});
+  }
+  return possible;
+}
+
+int FindLandmark(const Observation& observation,
+                 const Rigid3d& body_from_scanner,
+                 const ObservationPoses& poses,
+                 const Matrix6d& pose_covariance,
+                 const std::deque<Landmark>& landmarks,
+                 const std::vector<int>& candidate_ids,
+                 const AssociationOptions& options) {
+  double best_score = std::numeric_limits<double>::infinity();
+  int best_id = -1;
+  for (const PossibleLandmark& possible : PossibleLandmarks(observation,
+                                                            body_from_scanner,
+                                                            poses,
+                                                            pose_covariance,
+                                                            landmarks,
+                                                            candidate_ids,
+                                                            options)) {
+    if (possible.score >= best_score) continue;
+    best_score = possible.score;
+    best_id = possible.id;
   }
   return best_id;
 }

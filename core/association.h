@@ -22,6 +22,24 @@ Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);
 // -2 ln(significance): the quantile of a chi-square variable of two degrees of freedom.
 double TwoDegreesQuantile(double significance);
 
+// A landmark that an observation may lie on.
+struct PossibleLandmark {
+  int id = -1;
+  LineDeviation deviation;
+  Eigen::Matrix2d noise =
+      Eigen::Matrix2d::Identity();  // of the deviation, the pose's left out
+  double score = 0.0;               // -2 ln of the deviation's density, up to a constant
+};
+
+// Those of the candidates that the observation may lie on; see FindLandmark.
+std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
+                                                const Rigid3d& body_from_scanner,
+                                                const ObservationPoses& poses,
+                                                const Matrix6d& pose_covariance,
+                                                const std::deque<Landmark>& landmarks,
+                                                const std::vector<int>& candidate_ids,
+                                                const AssociationOptions& options);
+
 // The landmark whose plane an observation most probably lies on, or -1. A candidate must face the
 // scanner, have been seen near the segment, and agree with it in distance and direction: the
 // squared Mahalanobis distance of the two stays below the quantile of the significance, where the

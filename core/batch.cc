@@ -216,7 +216,7 @@ BatchReport EstimateBatch(const Rig& rig,
     {
       const auto problem = batch.BuildProblem(FactorKind::kSegment, kHuberWidth);
       batch.Solve(kRoundTolerance, problem.get());
-      batch.SetCovariances(problem.get());
+      if (round == 1) batch.SetCovariances(problem.get());
     }
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();

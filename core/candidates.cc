@@ -161,9 +161,14 @@ void CandidatePlanes::Offer(const Observation& observation,
 bool CandidatePlanes::IsReady(const PlaneCandidate& candidate, int min_scans) const {
   if (static_cast<int>(candidate.scans.size()) < min_scans) return false;
   if (candidate.landmark.model == PlaneModel::kVertical) {
+    // The surface's unevenness is the same in every scan: it does not average out.
+    const PatchExtent& extent = candidate.landmark.extent;
+    const double length_m = extent.max_corner().x() - extent.min_corner().x();
+    const double variance =
+        candidate.landmark.covariance(0, 0) +
+        FlatnessCovariance(length_m, options_.association.surface_flatness_m)(1, 1);
     const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
-    return (planar_ || candidate.has_clear_type) &&
-           candidate.landmark.covariance(0, 0) < max_sigma * max_sigma;
+    return (planar_ || candidate.has_clear_type) && variance < max_sigma * max_sigma;
   }
   return candidate.scanners.size() > 1 ||
          (candidate.last_position - candidate.first_position).norm() > kRevealingMotion;

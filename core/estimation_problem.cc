@@ -43,6 +43,35 @@ ceres::Problem::Options ProblemOptions() {
   return options;
 }
 
+// Calls visit(first row, columns of ours, dense block) for each run of rows with the same columns:
+// the rows of one residual block, and sometimes of its neighbours.
+template <typename Visit>
+void ForEachResidualBlock(const ceres::CRSMatrix& jacobian,
+                          const std::vector<int>& full_column,
+                          Visit visit) {
+  const auto num_rows = static_cast<size_t>(jacobian.num_rows);
+  const auto begin = [&](size_t row) { return jacobian.cols.begin() + jacobian.rows[row]; };
+  const auto same_columns = [&](size_t a, size_t b) {
+    return std::equal(begin(a), begin(a + 1), begin(b), begin(b + 1));
+  };
+  std::vector<int> columns;
+  Eigen::MatrixXd block;
+  for (size_t first = 0; first < num_rows;) {
+    size_t last = first + 1;
+    while (last < num_rows && same_columns(first, last)) ++last;
+    columns.clear();
+    for (auto column = begin(first); column != begin(first + 1); ++column) {
+      columns.push_back(full_column[static_cast<size_t>(*column)]);
+    }
+    block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        jacobian.values.data() + jacobian.rows[first],
+        static_cast<Eigen::Index>(last - first),
+        static_cast<Eigen::Index>(columns.size()));
+    visit(first, columns, block);
+    first = last;
+  }
+}
+
 }  // namespace
 
 EstimationProblem::EstimationProblem(const Rig& rig,
@@ -273,23 +302,12 @@ NormalEquations EstimationProblem::Linearise() {
   Evaluate(equations.blocks, &equations.offsets, &full_column, &residuals, &jacobian);
   equations.hessian.setZero(equations.size(), equations.size());
   equations.gradient.setZero(equations.size());
-  for (size_t row = 0; row < residuals.size(); ++row) {
-    const int begin = jacobian.rows[row];
-    const int end = jacobian.rows[row + 1];
-    for (int a = begin; a < end; ++a) {
-      const auto at_a = static_cast<size_t>(a);
-      const double value = jacobian.values[at_a];
-      const int column = full_column[static_cast<size_t>(jacobian.cols[at_a])];
-      equations.gradient[column] += value * residuals[row];
-      for (int b = begin; b <= a; ++b) {
-        const auto at_b = static_cast<size_t>(b);
-        const int other = full_column[static_cast<size_t>(jacobian.cols[at_b])];
-        equations.hessian(std::max(column, other), std::min(column, other)) +=
-            value * jacobian.values[at_b];
-      }
-    }
-  }
-  equations.hessian = Eigen::MatrixXd(equations.hessian.selfadjointView<Eigen::Lower>());
+  ForEachResidualBlock(jacobian, full_column, [&](size_t first_row, const auto& columns,
+                                                  const Eigen::MatrixXd& block) {
+    const Eigen::Map<const Eigen::VectorXd> r(residuals.data() + first_row, block.rows());
+    equations.gradient(columns) += block.transpose() * r;
+    equations.hessian(columns, columns) += block.transpose() * block;
+  });
   return equations;
 }
 
@@ -321,21 +339,10 @@ Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* land
   for (int i = 0; i < offsets.back(); ++i) {
     if (!is_free[static_cast<size_t>(i)]) matrix.Add(i, i, 1.0);
   }
-  for (size_t row = 0; row < residuals.size(); ++row) {
-    const int begin = jacobian.rows[row];
-    const int end = jacobian.rows[row + 1];
-    for (int a = begin; a < end; ++a) {
-      const auto at_a = static_cast<size_t>(a);
-      const int column = full_column[static_cast<size_t>(jacobian.cols[at_a])];
-      for (int b = begin; b <= a; ++b) {
-        const auto at_b = static_cast<size_t>(b);
-        const int other = full_column[static_cast<size_t>(jacobian.cols[at_b])];
-        matrix.Add(std::max(column, other),
-                   std::min(column, other),
-                   jacobian.values[at_a] * jacobian.values[at_b]);
-      }
-    }
-  }
+  ForEachResidualBlock(jacobian, full_column, [&](size_t, const auto& columns,
+                                                  const Eigen::MatrixXd& block) {
+    matrix.AddBlock(columns, block.transpose() * block);
+  });
   const Eigen::MatrixXd information = matrix.MarginaliseBand();
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * information *

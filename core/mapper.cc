@@ -62,7 +62,7 @@ class Follower {
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
   std::vector<int> CandidateIds(int scan_index) const;
-  void Accept(int observation_index);
+  void Accept(int observation_index, bool tracked);
   void StartPlanes(int min_scans);
   bool ShadowsLandmark(const PlaneCandidate& candidate) const;
   void AddLandmark(PlaneCandidate candidate);
@@ -192,7 +192,7 @@ std::vector<int> Follower::CandidateIds(int scan_index) const {
   return ids;
 }
 
-void Follower::Accept(int observation_index) {
+void Follower::Accept(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
   Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
@@ -209,7 +209,7 @@ void Follower::Accept(int observation_index) {
   landmark.last_time_ns = std::max(landmark.last_time_ns, observation.end_time_ns);
   ++landmark.num_segments;
   landmark.num_points += observation.num_points;
-  window_->Add(observation_index);
+  window_->Add(observation_index, tracked);
 }
 
 void Follower::AddLandmark(PlaneCandidate candidate) {
@@ -217,7 +217,7 @@ void Follower::AddLandmark(PlaneCandidate candidate) {
   state_->landmarks.push_back(std::move(candidate.landmark));
   for (const int index : candidate.observations) {
     state_->observations[static_cast<size_t>(index)].landmark_id = state_->landmarks.back().id;
-    Accept(index);
+    Accept(index, false);
   }
 }
 
@@ -298,7 +298,7 @@ void Follower::Follow(const Scan& scan) {
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {
-      Accept(index);
+      Accept(index, true);
     } else {
       candidates_.Offer(observation,
                         index,

@@ -40,7 +40,7 @@ struct PlaneOptions {
 };
 
 struct WindowOptions {
-  int num_scans = 20;            // estimated together; what is older is marginalised
+  int num_scans = 10;            // estimated together; what is older is marginalised
 };
 
 struct LoopClosureOptions {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/joint_association.h"
 #include "core/time.h"
 #include "factors/spline.h"
 
@@ -78,6 +79,12 @@ PoseUncertainty::PoseUncertainty(const NormalEquations& equations)
       covariance_(Inverse(equations)) {}
 
 Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
+  const Eigen::MatrixXd jacobian = JacobianAt(trajectory, time_ns);
+  return jacobian * covariance_ * jacobian.transpose();
+}
+
+Eigen::MatrixXd PoseUncertainty::JacobianAt(const Trajectory& trajectory,
+                                            int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);
   const double* rotations[kOrder];
   const double* positions[kOrder];
@@ -104,7 +111,7 @@ Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) cons
       jacobian.block<3, 3>(0, offset) = spline.rotation_wrt_control[static_cast<size_t>(j)];
     }
   }
-  return jacobian * covariance_ * jacobian.transpose();
+  return jacobian;
 }
 
 Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
@@ -139,51 +146,116 @@ std::unique_ptr<EstimationProblem> Window::TrackingProblem(int first_observation
   for (const int index : recent_) add(index);
   for (int index = first_observation; index <= last_observation; ++index) add(index);
   for (const Landmark& landmark : state_->landmarks) problem->Hold(LandmarkBlock(landmark.id));
-  for (int i = 0; i < tracking_known_ - kOrder; ++i) {
+  const int first_free = tracking_known_ == 0 ? 0 : tracking_prior_.blocks.front().index;
+  for (int i = 0; i < first_free; ++i) {
     problem->Hold(RotationBlock(i));
     problem->Hold(PositionBlock(i));
   }
   return problem;
 }
 
-void Window::UpdateUncertainty(EstimationProblem* problem) {
-  pose_uncertainty_ = PoseUncertainty(problem->Linearise());
+void Window::UpdateUncertainty(const NormalEquations& equations) {
+  pose_uncertainty_ = PoseUncertainty(equations);
+}
+
+bool Window::AssociateJointly(int first_observation,
+                              int last_observation,
+                              const std::vector<int>& candidate_ids) {
+  std::vector<int> order;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    order.push_back(index);
+  }
+  const auto at = [&](int index) -> Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return at(a).length_m() > at(b).length_m();
+  });
+  std::vector<Pairing> pairings;
+  for (const int index : order) {
+    const Observation& observation = at(index);
+    const int64_t time_ns = observation.middle_time_ns();
+    const Eigen::MatrixXd pose_by_control =
+        pose_uncertainty_.JacobianAt(state_->trajectory, time_ns);
+    const Matrix6d pose_covariance =
+        pose_by_control * pose_uncertainty_.covariance() * pose_by_control.transpose();
+    for (const PossibleLandmark& possible : PossibleLandmarks(
+             observation,
+             rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
+             ObservationPoses(state_->trajectory, observation),
+             pose_covariance,
+             state_->landmarks,
+             candidate_ids,
+             options_.association)) {
+      pairings.push_back({index,
+                          possible.id,
+                          possible.deviation.value,
+                          possible.noise,
+                          possible.deviation.by_pose * pose_by_control});
+    }
+  }
+  const std::vector<size_t> chosen =
+      ChooseJointly(pairings, pose_uncertainty_.covariance(), options_.association);
+  for (const size_t i : chosen) {
+    at(pairings[i].observation_index).landmark_id = pairings[i].landmark_id;
+  }
+  return !chosen.empty();
 }
 
 void Window::Track(int first_observation,
                    int last_observation,
                    const std::vector<int>& candidate_ids) {
-  UpdateUncertainty(TrackingProblem(0, -1).get());
+  const bool has_new_control_points =
+      tracking_known_ != state_->trajectory.num_control_points();
+  if (has_new_control_points) UpdateUncertainty(TrackingProblem(0, -1)->Linearise());
+  std::unique_ptr<EstimationProblem> problem;
+  NormalEquations equations;
   for (int round = 0; round < kMaxTrackingRounds; ++round) {
-    bool changed = false;
-    for (int index = first_observation; index <= last_observation; ++index) {
-      Observation& observation = state_->observations[static_cast<size_t>(index)];
-      const Rigid3d& body_from_scanner =
-          rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-      const int id = FindLandmark(
-          observation,
-          body_from_scanner,
-          ObservationPoses(state_->trajectory, observation),
-          pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
-          state_->landmarks,
-          candidate_ids,
-          options_.association);
-      changed |= id != observation.landmark_id;
-      observation.landmark_id = id;
-    }
-    if (!changed) break;
-    const auto problem = TrackingProblem(first_observation, last_observation);
-    problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));
-    UpdateUncertainty(problem.get());
+    // By the prediction first, all segments together; once the poses are known, one by one.
+    const bool changed =
+        round == 0 ? AssociateJointly(first_observation, last_observation, candidate_ids)
+                   : Associate(first_observation, last_observation, candidate_ids);
+    if (!changed && problem) break;
+    problem = TrackingProblem(first_observation, last_observation);
+    if (changed) problem->Solve(SolverOptions(ceres::DENSE_NORMAL_CHOLESKY, 4));
+    equations = problem->Linearise();
+    UpdateUncertainty(equations);
   }
+  // The scan becomes part of the prior, so that the next scan's problem is as small.
+  equations.gradient.setZero();  // an optimum up to the solver's tolerance
+  tracking_prior_ = problem->MarginaliseOnto(equations, equations.blocks);
+  tracking_known_ = state_->trajectory.num_control_points();
+  recent_.clear();
 }
 
-void Window::Add(int observation_index) {
+bool Window::Associate(int first_observation,
+                       int last_observation,
+                       const std::vector<int>& candidate_ids) {
+  bool changed = false;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    Observation& observation = state_->observations[static_cast<size_t>(index)];
+    const Rigid3d& body_from_scanner =
+        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const int id =
+        FindLandmark(observation,
+                     body_from_scanner,
+                     ObservationPoses(state_->trajectory, observation),
+                     pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
+                     state_->landmarks,
+                     candidate_ids,
+                     options_.association);
+    changed |= id != observation.landmark_id;
+    observation.landmark_id = id;
+  }
+  return changed;
+}
+
+void Window::Add(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
   if (state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first < start_) return;
   window_.push_back(observation_index);
-  recent_.push_back(observation_index);
+  if (!tracked) recent_.push_back(observation_index);
 }
 
 void Window::Solve(int64_t now_ns, double window_s) {
@@ -215,6 +287,7 @@ void Window::Solve(int64_t now_ns, double window_s) {
   tracking_prior_ = problem.MarginaliseOnto(poses, newest_blocks);
   tracking_known_ = num_control_points;
   recent_.clear();
+  UpdateUncertainty(TrackingProblem(0, -1)->Linearise());
 
   // What the planes' uncertainty is to somebody who stands at the newest pose.
   const NormalEquations given_pose =

@@ -31,6 +31,9 @@ class PoseUncertainty {
 
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
+  // Derivative of the pose by the control points, in the columns of covariance().
+  Eigen::MatrixXd JacobianAt(const Trajectory& trajectory, int64_t time_ns) const;
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
 
  private:
   std::vector<BlockId> blocks_;
@@ -52,8 +55,8 @@ class Window {
   void Track(int first_observation, int last_observation, const std::vector<int>& candidate_ids);
 
   // An observation that has been given a landmark: takes part from now on, unless it is older
-  // than the window.
-  void Add(int observation_index);
+  // than the window. tracked: by Track(), which knows of it already.
+  void Add(int observation_index, bool tracked);
 
   void Solve(int64_t now_ns, double window_s);
 
@@ -68,7 +71,15 @@ class Window {
   void AddStart(EstimationProblem* problem) const;
   std::unique_ptr<EstimationProblem> TrackingProblem(int first_observation,
                                                      int last_observation) const;
-  void UpdateUncertainty(EstimationProblem* problem);
+  // Finds the observations' landmarks; true when any is another one than before.
+  bool Associate(int first_observation,
+                 int last_observation,
+                 const std::vector<int>& candidate_ids);
+  void UpdateUncertainty(const NormalEquations& equations);
+  // Associates by the prediction: see ChooseJointly. Returns whether any was found.
+  bool AssociateJointly(int first_observation,
+                        int last_observation,
+                        const std::vector<int>& candidate_ids);
   void Marginalise(int new_start);
 
   const Rig& rig_;
@@ -78,9 +89,9 @@ class Window {
   int start_ = 0;                // first control point of the window
   Prior history_;                // marginalised, on control points from start_ and landmarks
   std::vector<int> window_;      // observations not yet marginalised
-  Prior tracking_prior_;         // on the newest control points at the last Solve()
+  Prior tracking_prior_;         // on the newest control points, from all scans so far, planes held
   int tracking_known_ = 0;       // control points that tracking_prior_ knows of
-  std::vector<int> recent_;      // observations since the last Solve()
+  std::vector<int> recent_;      // observations that tracking_prior_ does not know of
   PoseUncertainty pose_uncertainty_;
 };
 

@@ -1,0 +1,105 @@
+#include "core/joint_association.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/association.h"
+
+namespace plumbline {
+namespace {
+
+// Observations whose pairings are tried as starts: that all of these are clutter is unlikely.
+constexpr size_t kMaxStartObservations = 6;
+
+// Estimated error of the prediction after some pairings, and how likely these are.
+class Chain {
+ public:
+  explicit Chain(const Eigen::MatrixXd& covariance)
+      : error_(Eigen::VectorXd::Zero(covariance.rows())), covariance_(covariance) {}
+
+  // -2 ln of the pairing's density, infinite beyond the gate.
+  double Cost(const Pairing& pairing, double gate) const {
+    const Eigen::Vector2d value = pairing.value + pairing.by_motion * error_;
+    const Eigen::Matrix2d total = Total(pairing);
+    const double distance2 = value.dot(total.inverse() * value);
+    if (!(distance2 < gate)) return std::numeric_limits<double>::infinity();
+    return distance2 + std::log(total.determinant()) + 2.0 * std::log(2.0 * M_PI);
+  }
+
+  void Add(const Pairing& pairing, size_t index, double cost) {
+    const Eigen::MatrixX2d cross = covariance_ * pairing.by_motion.transpose();
+    const Eigen::MatrixX2d gain = cross * Total(pairing).inverse();
+    error_ -= gain * (pairing.value + pairing.by_motion * error_);
+    covariance_ -= gain * cross.transpose();
+    chosen_.push_back(index);
+    cost_ += cost;
+  }
+
+  void AddCost(double cost) { cost_ += cost; }
+  double cost() const { return cost_; }
+  const std::vector<size_t>& chosen() const { return chosen_; }
+
+ private:
+  Eigen::Matrix2d Total(const Pairing& pairing) const {
+    return pairing.noise + pairing.by_motion * covariance_ * pairing.by_motion.transpose();
+  }
+
+  Eigen::VectorXd error_;
+  Eigen::MatrixXd covariance_;
+  std::vector<size_t> chosen_;
+  double cost_ = 0.0;
+};
+
+}  // namespace
+
+std::vector<size_t> ChooseJointly(const std::vector<Pairing>& pairings,
+                                  const Eigen::MatrixXd& covariance,
+                                  const AssociationOptions& options) {
+  const double gate = TwoDegreesQuantile(options.significance);
+  const double clutter_cost = 2.0 * std::log(2.0 * options.max_gap_m * M_PI);
+  std::vector<std::pair<size_t, size_t>> groups;  // begin, end; one for each observation
+  for (size_t i = 0; i < pairings.size(); ++i) {
+    if (i == 0 || pairings[i].observation_index != pairings[i - 1].observation_index) {
+      groups.emplace_back(i, i);
+    }
+    ++groups.back().second;
+  }
+  const auto continue_chain = [&](size_t start_group, Chain* chain) {
+    for (size_t g = 0; g < groups.size(); ++g) {
+      if (g == start_group) continue;
+      double best_cost = clutter_cost;
+      size_t best = groups[g].second;
+      for (size_t i = groups[g].first; i < groups[g].second; ++i) {
+        const double cost = chain->Cost(pairings[i], gate);
+        if (cost >= best_cost) continue;
+        best_cost = cost;
+        best = i;
+      }
+      if (best < groups[g].second) {
+        chain->Add(pairings[best], best, best_cost);
+      } else {
+        chain->AddCost(clutter_cost);
+      }
+    }
+  };
+  Chain best(covariance);
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (size_t g = 0; g < std::min(groups.size(), kMaxStartObservations); ++g) {
+    for (size_t i = groups[g].first; i < groups[g].second; ++i) {
+      Chain chain(covariance);
+      const double cost = chain.Cost(pairings[i], gate);
+      if (cost >= clutter_cost) continue;
+      chain.Add(pairings[i], i, cost);
+      continue_chain(g, &chain);
+      if (chain.cost() >= best_cost) continue;
+      best_cost = chain.cost();
+      best = std::move(chain);
+    }
+  }
+  return best.chosen();
+}
+
+}  // namespace plumbline
