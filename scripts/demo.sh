@@ -33,6 +33,7 @@ if $real; then
   "$bin/plumbline_map" \
     --recording="$root/test/data/robot_three_scanners.bag" \
     --rig="$root/configs/rigs/robot_three_scanners.yaml" \
+    --config="$root/configs/mapper/robot_three_scanners.yaml" \
     --output="$out"
   "$root/scripts/floor_plan.py" "$out" --output "$out/floor_plan.png"
   echo

@@ -14,6 +14,9 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 MAX_POINTS = 60000
+CELL = 0.1            # m along a wall
+MIN_CELL_POINTS = 3   # fewer are strays
+MAX_GAP_CELLS = 4     # a longer gap in a wall is drawn as one
 PLY_TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
     "short": "<i2", "int16": "<i2", "ushort": "<u2", "uint16": "<u2",
@@ -108,6 +111,26 @@ def wall_traces(planes):
     return np.array(traces).reshape(-1, 2, 2)
 
 
+def seen_parts(planes, vertices):
+    """The vertical planes from above, only where points lie on them: doors and gaps stay open."""
+    parts = []
+    for plane in planes:
+        for start, end in wall_traces([plane]):
+            on_plane = vertices[vertices["plane_id"] == plane["id"]]
+            length = np.hypot(*(end - start))
+            if len(on_plane) == 0 or length == 0.0:
+                continue
+            along = (end - start) / length
+            steps = (on_plane["x"] - start[0]) * along[0] + (on_plane["y"] - start[1]) * along[1]
+            counts = np.bincount(np.clip(steps / CELL, 0, None).astype(int))
+            cells = np.flatnonzero(counts >= MIN_CELL_POINTS)
+            for run in np.split(cells, np.flatnonzero(np.diff(cells) > MAX_GAP_CELLS) + 1):
+                if len(run) > 0:
+                    ends = [CELL * run[0], min(CELL * (run[-1] + 1), length)]
+                    parts.append([start + step * along for step in ends])
+    return np.array(parts).reshape(-1, 2, 2)
+
+
 def heights(planes):
     """Between which heights points count as lying on walls: floor + 0.3 m, ceiling - 0.3 m."""
     levels = {1: [], -1: []}
@@ -183,6 +206,7 @@ def draw(arguments):
     path = read_trajectory(os.path.join(arguments.result, "trajectory.tum"))
     vertices = read_ply_vertices(os.path.join(arguments.result, "map.ply"))
     traces = wall_traces(planes)
+    walls = seen_parts(planes, vertices) if "plane_id" in vertices.dtype.names else traces
 
     extent = np.vstack([traces.reshape(-1, 2), path[:, :2]])
     # A plan that is taller than wide lies better on its side: x upwards, y to the left.
@@ -197,7 +221,8 @@ def draw(arguments):
     if arguments.truth:
         draw_truth(axes, arguments.truth, evaluation, columns)
     axes.add_collection(LineCollection(
-        traces[:, :, columns], colors="#1c3d5a", linewidths=1.4, capstyle="round", zorder=4, label="walls"))
+        walls[:, :, columns], colors="#1c3d5a", linewidths=1.4, capstyle="round", zorder=4,
+        label="walls"))
     axes.plot(*path[:, columns].T, color="#c0392b", linewidth=0.9, zorder=5, label="path")
     axes.plot(*path[0, columns], "o", color="#c0392b", markersize=4, zorder=6, label="start")
     axes.set_aspect("equal")
