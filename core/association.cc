@@ -6,6 +6,13 @@
 #include <limits>
 
 namespace plumbline {
+namespace {
+
+// The coarse test compares one distance with bounds on its variance; motion during the scan line,
+// which it neglects, may add to the distance.
+constexpr double kCoarseMargin = 4.0;
+
+}  // namespace
 
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
   return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&
@@ -33,13 +40,30 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
   };
   const Eigen::Vector3d start_world = to_world(observation.start);
   const Eigen::Vector3d end_world = to_world(observation.end);
+  const Eigen::Vector3d centroid_world = to_world(observation.centroid);
+  // At most this much of a deviation's variance comes from the pose.
+  const double pose_variance =
+      pose_covariance.bottomRightCorner<3, 3>().trace() +
+      pose_covariance.topLeftCorner<3, 3>().trace() *
+          (centroid_world - poses.middle().translation).squaredNorm();
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);
   std::vector<PossibleLandmark> possible;
   for (const int id : candidate_ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
-    if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) continue;
+    const Eigen::Vector3d normal = landmark.Normal();
+    const double distance = landmark.Distance();
+    if (normal.dot(world_from_scanner.translation) <= distance) continue;
+    // Cheap first: a distance that no covariance can explain.
+    const Eigen::RowVector2d by_plane =
+        landmark.DeviationJacobian(centroid_world, Eigen::Vector3d::Zero()).row(0);
+    const double max_variance = 2.0 * (pose_variance + observation.sigma_offset_m *
+                                                           observation.sigma_offset_m) +
+                                flatness(0, 0) +
+                                by_plane.dot(landmark.covariance * by_plane.transpose());
+    const double offset = normal.dot(centroid_world) - distance;
+    if (offset * offset > kCoarseMargin * gate * max_variance) continue;
     if (!landmark.extent.IsNear(start_world, end_world, options.max_gap_m)) continue;
     const LineDeviation deviation =
         DeviationFromPlane(observation, body_from_scanner, poses, landmark);

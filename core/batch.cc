@@ -18,7 +18,7 @@ namespace {
 constexpr double kHuberWidth = 5.0;
 // Share of the cost by which the last iteration may still lower it. The cost is half the number
 // of points: the final tolerance leaves far less than one standard deviation of any unknown.
-constexpr double kRoundTolerance = 1e-6;
+constexpr double kRoundTolerance = 1e-5;
 constexpr double kFinalTolerance = 1e-9;
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
@@ -221,10 +221,10 @@ BatchReport EstimateBatch(const Rig& rig,
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();
     int num_dropped = batch.DropShadows() + batch.DropPassedThrough();
-    batch.RebuildLandmarks();
+    if (num_merged + num_dropped > 0) batch.RebuildLandmarks();
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
-    batch.RebuildLandmarks();
+    if (num_changed + num_dropped > 0) batch.RebuildLandmarks();
     report.changed_associations = num_changed + num_dropped;
     progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +
              " associations changed, " + std::to_string(num_merged) + " planes merged, " +

@@ -131,11 +131,24 @@ void EstimationProblem::Register(const BlockId& block) {
       if (planar_) problem_.SetManifold(data, planar_position_manifold_.get());
       break;
     case BlockId::Kind::kLandmark:
-      if ((*landmarks_)[static_cast<size_t>(block.index)].heading_fixed) {
-        problem_.SetManifold(data, fixed_heading_manifold_.get());
-      }
+      SetLandmarkManifold((*landmarks_)[static_cast<size_t>(block.index)]);
       break;
   }
+}
+
+void EstimationProblem::SetLandmarkManifold(const Landmark& landmark) {
+  if (landmark.model != PlaneModel::kVertical) return;
+  double* data = Data(LandmarkBlock(landmark.id));
+  if (landmark.heading_fixed) {
+    problem_.SetManifold(data, fixed_heading_manifold_.get());
+    return;
+  }
+  const PatchExtent& extent = landmark.extent;
+  const Eigen::Vector3d centre =
+      extent.empty() ? extent.anchor()
+                     : extent.ToWorld(0.5 * (extent.min_corner() + extent.max_corner()));
+  plane_manifolds_.push_back(CreateVerticalPlaneManifold(centre.head<2>()));
+  problem_.SetManifold(data, plane_manifolds_.back().get());
 }
 
 std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count) {

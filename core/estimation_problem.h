@@ -117,6 +117,7 @@ class EstimationProblem {
                 std::vector<double>* residuals,
                 ceres::CRSMatrix* jacobian);
   void Register(const BlockId& block);
+  void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);
 
   const Rig& rig_;
@@ -130,6 +131,7 @@ class EstimationProblem {
   std::unique_ptr<ceres::Manifold> rotation_manifold_;
   std::unique_ptr<ceres::Manifold> planar_position_manifold_;
   std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
+  std::vector<std::unique_ptr<ceres::Manifold>> plane_manifolds_;
   std::map<BlockId, double*> blocks_;
   std::map<double, std::unique_ptr<ceres::LossFunction>> losses_;
   ceres::Problem problem_;

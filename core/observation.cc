@@ -20,6 +20,7 @@ Observation MakeObservation(const ScanLine& scan_line,
   observation.last_beam = segment.last_beam;
   observation.excluded_beams = segment.excluded_beams;
   observation.num_points = segment.num_points;
+  observation.sigma_offset_m = segment.sigma_offset_m;
   observation.sigma_direction_rad = segment.sigma_direction_rad;
 
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
@@ -93,14 +94,15 @@ LineDeviation DeviationFromPlane(const Observation& observation,
                                  const ObservationPoses& poses,
                                  const Landmark& landmark) {
   const Eigen::Vector3d normal = landmark.Normal();
-  const Eigen::MatrixXd& root = observation.measurement.root;
+  const double distance = landmark.Distance();
+  const auto& root = observation.measurement.root;
   Eigen::Matrix<double, 9, 1> g;
   for (int k = 0; k < 3; ++k) {
     const Rigid3d world_from_scanner =
         poses.world_from_body[static_cast<size_t>(k)] * body_from_scanner;
     const Eigen::Vector3d normal_scanner = world_from_scanner.rotation.conjugate() * normal;
     g.segment<3>(3 * k) << normal_scanner.x(), normal_scanner.y(),
-        landmark.SignedDistance(world_from_scanner.translation);
+        normal.dot(world_from_scanner.translation) - distance;
   }
   // A line that deviates by offset + slope * (tangent . (s - centroid)) adds shift * (offset,
   // slope) to g, the same at every node.

@@ -31,6 +31,7 @@ struct Observation {
   Eigen::Vector2d end = Eigen::Vector2d::Zero();
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
+  double sigma_offset_m = 0.0;       // of the line, along its normal at the centroid
   double sigma_direction_rad = 0.0;
   double out_of_plane_ratio = 0.0;   // see WhiteningScale
   int landmark_id = -1;

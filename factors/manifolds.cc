@@ -90,6 +90,46 @@ Eigen::Matrix<T, 3, 1> PlaneDifference(const T* plane, const double* reference) 
   return {factor * along[0], factor * along[1], plane[3] - reference[3]};
 }
 
+class VerticalPlaneManifold final : public ceres::Manifold {
+ public:
+  explicit VerticalPlaneManifold(const Eigen::Vector2d& centre) : centre_(centre) {}
+
+  int AmbientSize() const override { return 2; }
+  int TangentSize() const override { return 2; }
+
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
+    const double bend = Bend(x[0], delta[0]);
+    x_plus_delta[1] = x[1] + delta[1] + bend;
+    x_plus_delta[0] = x[0] + delta[0];
+    return true;
+  }
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
+    RowMajorMap<2, 2>(jacobian).setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    const double turn = y[0] - x[0];
+    y_minus_x[1] = y[1] - x[1] - Bend(x[0], turn);
+    y_minus_x[0] = turn;
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
+    RowMajorMap<2, 2>(jacobian).setIdentity();
+    return true;
+  }
+
+ private:
+  // (n(a + turn) - n(a) - n'(a) turn) . centre
+  double Bend(double a, double turn) const {
+    const Eigen::Vector2d normal(std::cos(a), std::sin(a));
+    const Eigen::Vector2d turned(std::cos(a + turn), std::sin(a + turn));
+    const Eigen::Vector2d derivative(-normal.y(), normal.x());
+    return (turned - normal - turn * derivative).dot(centre_);
+  }
+
+  Eigen::Vector2d centre_;
+};
+
 class GeneralPlaneManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 4; }
@@ -138,6 +178,10 @@ std::unique_ptr<ceres::Manifold> CreateYawManifold() {
 
 std::unique_ptr<ceres::Manifold> CreateGeneralPlaneManifold() {
   return std::make_unique<GeneralPlaneManifold>();
+}
+
+std::unique_ptr<ceres::Manifold> CreateVerticalPlaneManifold(const Eigen::Vector2d& centre) {
+  return std::make_unique<VerticalPlaneManifold>(centre);
 }
 
 Eigen::Matrix<double, 4, 3> RotationPlusJacobian(const double* q) {

@@ -3,6 +3,8 @@
 #include <ceres/manifold_test_utils.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "factors/so3.h"
 #include "test/factors/factor_testing.h"
 
@@ -69,6 +71,37 @@ TEST(Manifolds, YawTurnsAboutTheWorldsVertical) {
   // The body's z axis keeps its inclination.
   EXPECT_NEAR((result * Eigen::Vector3d::UnitZ()).z(), std::cos(0.4), 1e-15);
   EXPECT_NEAR(YawDifference(result.coeffs().data(), q.coeffs().data()), 0.7, 1e-15);
+}
+
+TEST(Manifolds, VerticalPlaneKeepsTheInvariants) {
+  const auto owner = CreateVerticalPlaneManifold(Eigen::Vector2d(12.0, -7.0));
+  const Manifold& manifold = *owner;
+  TestRandom random(7);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::VectorXd x =
+        Eigen::Vector2d(random.Uniform(-3.0, 3.0), random.Uniform(-20.0, 20.0));
+    const Eigen::VectorXd y =
+        Eigen::Vector2d(random.Uniform(-3.0, 3.0), random.Uniform(-20.0, 20.0));
+    const Eigen::VectorXd delta =
+        Eigen::Vector2d(random.Uniform(-1.0, 1.0), random.Uniform(-1.0, 1.0));
+    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, x, delta, y, kTolerance);
+  }
+}
+
+TEST(Manifolds, VerticalPlaneTurnsAboutItsCentre) {
+  const Eigen::Vector2d centre(12.0, -7.0);
+  const auto manifold = CreateVerticalPlaneManifold(centre);
+  const double a = 0.4;
+  const double turn = 0.3;
+  const Eigen::Vector2d normal(std::cos(a), std::sin(a));
+  const Eigen::Vector2d derivative(-std::sin(a), std::cos(a));
+  const double x[] = {a, normal.dot(centre)};
+  // The tangent of a turn about the centre.
+  const double delta[] = {turn, turn * derivative.dot(centre)};
+  double turned[2];
+  manifold->Plus(x, delta, turned);
+  const Eigen::Vector2d turned_normal(std::cos(turned[0]), std::sin(turned[0]));
+  EXPECT_NEAR(turned_normal.dot(centre) - turned[1], 0.0, 1e-14);
 }
 
 TEST(Manifolds, GeneralPlaneKeepsTheInvariants) {
