@@ -47,6 +47,8 @@ std::vector<RoomCase> RoomCases() {
        {TrapezoidRoom(), Rig(180, 75.0, 0.03), automatic, TrapezoidWalk(5.0, 1.0), "", ""}},
       {"TrapezoidWith1080Beams",
        {TrapezoidRoom(), Rig(1080, 20.0, 0.01), automatic, TrapezoidWalk(5.0, 1.0), "", ""}},
+      {"PillarAt20Hz",
+       {PillarRoom(), Rig(270, 20.0, 0.03), automatic, PillarWalk(8.0, 1.0), "", ""}},
       {"PillarWithTimeOffsets",
        {PillarRoom(),
         WithOffsets(Rig(180, 20.0, 0.02)),
