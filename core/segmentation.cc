@@ -426,12 +426,14 @@ Segment Segmenter::MakeSegment(const Piece& piece) const {
   Segment segment;
   segment.first_beam = piece.first;
   segment.last_beam = piece.last;
-  segment.num_points = piece.num_points;
   segment.chi2 = piece.chi2;
   for (int i = piece.first; piece.num_points <= piece.last - piece.first && i <= piece.last;
        ++i) {
     if (!fan_.IsOnLine(i, piece.q)) segment.excluded_beams.push_back(i);
   }
+  // The last fit may have taken one beam more or less than now lie on its outcome.
+  segment.num_points =
+      piece.last - piece.first + 1 - static_cast<int>(segment.excluded_beams.size());
   const double norm = piece.q.norm();
   segment.normal = -piece.q / norm;
   segment.distance = -1.0 / norm;
@@ -465,6 +467,7 @@ std::vector<Segment> Segmenter::MakeSegments() const {
   for (const Piece& piece : pieces_) {
     if (piece.num_points < options_.min_points) continue;
     Segment segment = MakeSegment(piece);
+    if (segment.num_points < options_.min_points) continue;
     factors.emplace_back(segment.chi2 / (segment.num_points - 2), segment.num_points);
     num_points += segment.num_points;
     segments.push_back(std::move(segment));
