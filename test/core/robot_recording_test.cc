@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/config.h"
 #include "core/recording.h"
 
 namespace plumbline {
@@ -35,6 +36,15 @@ TEST(RobotRecordingTest, IsReadWholeAndInOrder) {
   }
   EXPECT_THAT(num_scan_lines, testing::ElementsAre(435, 434, 435));
   EXPECT_EQ(last_ns, reader.end_ns());
+}
+
+TEST(RobotRecordingTest, ShippedRigAndSettingsAreRead) {
+  const Rig rig = ReadRig(PLUMBLINE_CONFIGS_DIR "/rigs/robot_three_scanners.yaml");
+  EXPECT_EQ(rig.scanners.size(), 3u);
+  EXPECT_TRUE(AllScannersHorizontal(rig, 1e-9));
+  const MapperOptions options =
+      ReadMapperOptions(PLUMBLINE_CONFIGS_DIR "/mapper/robot_three_scanners.yaml");
+  EXPECT_DOUBLE_EQ(options.trajectory.min_scans_per_knot, 1.0);
 }
 
 }  // namespace
