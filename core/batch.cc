@@ -20,6 +20,9 @@ constexpr double kHuberWidth = 5.0;
 // of points: the final tolerance leaves far less than one standard deviation of any unknown.
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kFinalTolerance = 1e-9;
+// Share of the segments that may still change sides before the last estimation: what wavers then
+// lies at the limit of its test and weighs next to nothing.
+constexpr double kStandingShare = 1e-3;
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
@@ -211,33 +214,34 @@ BatchReport EstimateBatch(const Rig& rig,
                           MapState* state) {
   Batch batch(rig, planar, options, state);
   BatchReport report;
+  // A robust estimate first: associations made on the way may be wrong.
+  batch.Solve(kRoundTolerance,
+              batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
-    {
-      const auto problem = batch.BuildProblem(FactorKind::kSegment, kHuberWidth);
-      batch.Solve(kRoundTolerance, problem.get());
-      if (round == 1) batch.SetCovariances(problem.get());
-    }
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();
     int num_dropped = batch.DropShadows() + batch.DropPassedThrough();
     if (num_merged + num_dropped > 0) batch.RebuildLandmarks();
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
-    if (num_changed + num_dropped > 0) batch.RebuildLandmarks();
     report.changed_associations = num_changed + num_dropped;
     progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +
              " associations changed, " + std::to_string(num_merged) + " planes merged, " +
              std::to_string(num_dropped) + " segments taken from planes that are none");
-    // What still changes sides then is worth less than its own noise.
     const double share = static_cast<double>(report.changed_associations) /
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
-    if (num_merged == 0 && num_dropped == 0 && share < 1e-4) break;
+    const bool stands = num_merged == 0 && share < kStandingShare;
+    const bool last = stands || round == options.batch.max_rounds;
+    const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
+                                            last ? 0.0 : kHuberWidth);
+    const ceres::Solver::Summary summary =
+        batch.Solve(last ? kFinalTolerance : kRoundTolerance, problem.get());
+    if (!last) continue;
+    report.variance_factor = batch.VarianceFactor(summary);
+    batch.SetCovariances(problem.get());
+    break;
   }
-  const auto problem = batch.BuildProblem(options.batch.factor, 0.0);
-  const ceres::Solver::Summary summary = batch.Solve(kFinalTolerance, problem.get());
-  report.variance_factor = batch.VarianceFactor(summary);
-  batch.SetCovariances(problem.get());
   batch.RebuildLandmarks();
   return report;
 }
