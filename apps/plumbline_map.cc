@@ -11,7 +11,9 @@
 
 DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");
 DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well they measure");
-DEFINE_string(config, "", "mapper settings (YAML) or a whole experiment; without it, defaults");
+DEFINE_string(config,
+              "",
+              "mapper settings (YAML) or a whole experiment; without it, defaults");
 DEFINE_int32(threads, 1, "threads; the result does not depend on them");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
@@ -19,7 +21,8 @@ int main(int argc, char** argv) {
   return plumbline::RunApp(
       argc,
       argv,
-      "a recording of 2D scan lines in, the rig's trajectory, the building's planes and a map out",
+      "a recording of 2D scan lines in, the rig's trajectory, the building's planes and a map "
+      "out",
       __FILE__,
       {"recording", "rig", "output"},
       [] {

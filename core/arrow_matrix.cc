@@ -42,7 +42,8 @@ Eigen::MatrixXd ArrowMatrix::MarginaliseBand() {
   // Column by column: A = L L^T, and at the same time B <- L^-1 B.
   for (Eigen::Index j = 0; j < num_band_; ++j) {
     const double pivot = band_(0, j);
-    if (!(pivot > 0.0)) throw Error("the trajectory is not determined: singular normal matrix");
+    if (!(pivot > 0.0))
+      throw Error("the trajectory is not determined: singular normal matrix");
     const double root = std::sqrt(pivot);
     const Eigen::Index below = std::min<Eigen::Index>(bandwidth, num_band_ - 1 - j);
     band_(0, j) = root;

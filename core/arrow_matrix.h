@@ -5,8 +5,8 @@
 
 namespace plumbline {
 
-// A symmetric positive definite matrix of the batch's shape (paper, Figure 2): a band, from the
-// spline's control points in the order of time, and a full border, from the planes.
+// A symmetric positive definite matrix of the batch's shape (paper, Figure 2): a band, from
+// the spline's control points in the order of time, and a full border, from the planes.
 //
 //   H = [ A   B ]   A: num_band x num_band, non-zero only within `bandwidth` of the diagonal
 //       [ B^T C ]   C: num_border x num_border
@@ -19,8 +19,8 @@ class ArrowMatrix {
   // H(columns, columns) += the symmetric block; columns ascending.
   void AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block);
 
-  // C - B^T A^-1 B: the information on the border when the band is marginalised. Overwrites the
-  // band with its Cholesky factor. Throws Error when A is not positive definite.
+  // C - B^T A^-1 B: the information on the border when the band is marginalised. Overwrites
+  // the band with its Cholesky factor. Throws Error when A is not positive definite.
   Eigen::MatrixXd MarginaliseBand();
 
  private:

@@ -8,8 +8,8 @@
 namespace plumbline {
 namespace {
 
-// The coarse test compares one distance with bounds on its variance; motion during the scan line,
-// which it neglects, may add to the distance.
+// The coarse test compares one distance with bounds on its variance; motion during the scan
+// line, which it neglects, may add to the distance.
 constexpr double kCoarseMargin = 4.0;
 
 }  // namespace
@@ -42,10 +42,9 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
   const Eigen::Vector3d end_world = to_world(observation.end);
   const Eigen::Vector3d centroid_world = to_world(observation.centroid);
   // At most this much of a deviation's variance comes from the pose.
-  const double pose_variance =
-      pose_covariance.bottomRightCorner<3, 3>().trace() +
-      pose_covariance.topLeftCorner<3, 3>().trace() *
-          (centroid_world - poses.middle().translation).squaredNorm();
+  const double pose_variance = pose_covariance.bottomRightCorner<3, 3>().trace() +
+                               pose_covariance.topLeftCorner<3, 3>().trace() *
+                                   (centroid_world - poses.middle().translation).squaredNorm();
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);
@@ -58,10 +57,9 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
     // Cheap first: a distance that no covariance can explain.
     const Eigen::RowVector2d by_plane =
         landmark.DeviationJacobian(centroid_world, Eigen::Vector3d::Zero()).row(0);
-    const double max_variance = 2.0 * (pose_variance + observation.sigma_offset_m *
-                                                           observation.sigma_offset_m) +
-                                flatness(0, 0) +
-                                by_plane.dot(landmark.covariance * by_plane.transpose());
+    const double max_variance =
+        2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
+        flatness(0, 0) + by_plane.dot(landmark.covariance * by_plane.transpose());
     const double offset = normal.dot(centroid_world) - distance;
     if (offset * offset > kCoarseMargin * gate * max_variance) continue;
     if (!landmark.extent.IsNear(start_world, end_world, options.max_gap_m)) continue;

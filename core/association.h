@@ -12,8 +12,8 @@ namespace plumbline {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// Which landmarks an observation may belong to, by the gap rule: with loop closure switched off, a
-// landmark that was unseen for more than max_gap_scans scans is not taken up again.
+// Which landmarks an observation may belong to, by the gap rule: with loop closure switched
+// off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
@@ -40,11 +40,11 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
                                                 const std::vector<int>& candidate_ids,
                                                 const AssociationOptions& options);
 
-// The landmark whose plane an observation most probably lies on, or -1. A candidate must face the
-// scanner, have been seen near the segment, and agree with it in distance and direction: the
-// squared Mahalanobis distance of the two stays below the quantile of the significance, where the
-// covariance takes in the segment's noise, the pose's (pose_covariance: world-frame rotation and
-// position of the body), the plane's and the surface's unevenness.
+// The landmark whose plane an observation most probably lies on, or -1. A candidate must face
+// the scanner, have been seen near the segment, and agree with it in distance and direction:
+// the squared Mahalanobis distance of the two stays below the quantile of the significance,
+// where the covariance takes in the segment's noise, the pose's (pose_covariance: world-frame
+// rotation and position of the body), the plane's and the surface's unevenness.
 int FindLandmark(const Observation& observation,
                  const Rigid3d& body_from_scanner,
                  const ObservationPoses& poses,

@@ -16,12 +16,13 @@ namespace plumbline {
 namespace {
 
 constexpr double kHuberWidth = 5.0;
-// Share of the cost by which the last iteration may still lower it. The cost is half the number
-// of points: the final tolerance leaves far less than one standard deviation of any unknown.
+// Share of the cost by which the last iteration may still lower it. The cost is half the
+// number of points: the final tolerance leaves far less than one standard deviation of any
+// unknown.
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kFinalTolerance = 1e-9;
-// Share of the segments that may still change sides before the last estimation: what wavers then
-// lies at the limit of its test and weighs next to nothing.
+// Share of the segments that may still change sides before the last estimation: what wavers
+// then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
@@ -84,15 +85,14 @@ class Batch {
           ids.push_back(landmark.id);
         }
       }
-      const int id =
-          FindLandmark(observation,
-                       rig_.scanners[static_cast<size_t>(observation.scanner_index)]
-                           .body_from_scanner,
-                       ObservationPoses(state_->trajectory, observation),
-                       Matrix6d::Zero(),
-                       state_->landmarks,
-                       ids,
-                       options_.association);
+      const int id = FindLandmark(
+          observation,
+          rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
+          ObservationPoses(state_->trajectory, observation),
+          Matrix6d::Zero(),
+          state_->landmarks,
+          ids,
+          options_.association);
       num_changed += id != observation.landmark_id ? 1 : 0;
       observation.landmark_id = id;
     }
@@ -173,7 +173,9 @@ class Batch {
     int num_released = 0;
     for (Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
-      if (!landmarks[static_cast<size_t>(observation.landmark_id)]) continue;
+      const auto id = static_cast<size_t>(observation.landmark_id);
+      // The gauge's wall stays: without it the heading is nobody's.
+      if (!landmarks[id] || state_->landmarks[id].heading_fixed) continue;
       observation.landmark_id = -1;
       ++num_released;
     }
@@ -215,8 +217,7 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.Solve(kRoundTolerance,
-              batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  batch.Solve(kRoundTolerance, batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();

@@ -17,9 +17,10 @@ struct BatchReport {
 
 // The final estimation: all segments, control points and planes together, no marginalised
 // history. Estimates and associates anew until the associations stand, merges planes that turn
-// out to be one, drops those that too few scans support, and ends as plain weighted least squares
-// over the segments that agree with their planes. Leaves each landmark's covariance (absolute, in
-// the model frame), extent and counts as they follow from the final associations.
+// out to be one, drops those that too few scans support, and ends as plain weighted least
+// squares over the segments that agree with their planes. Leaves each landmark's covariance
+// (absolute, in the model frame), extent and counts as they follow from the final
+// associations.
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,

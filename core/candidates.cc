@@ -61,8 +61,9 @@ TypeEvidence JudgeType(const Observation& observation,
   const double tilt_sine = scan_normal.head<2>().norm();
   const double sigmas = std::sqrt(TwoDegreesQuantile(significance));
   TypeEvidence evidence;
-  evidence.can_be_horizontal = tilt_sine > kMinTiltSine &&
-                               std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
+  evidence.can_be_horizontal =
+      tilt_sine > kMinTiltSine &&
+      std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
   evidence.can_be_vertical = direction.head<2>().norm() > kMinHorizontalPart;
   return evidence;
 }
@@ -103,11 +104,10 @@ void CandidatePlanes::Offer(const Observation& observation,
   const ObservationPoses poses(trajectory, observation);
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const double rotation_variance = pose_covariance.topLeftCorner<3, 3>().trace();
-  const double direction_sigma =
-      std::sqrt(observation.sigma_direction_rad * observation.sigma_direction_rad +
-                rotation_variance +
-                FlatnessCovariance(observation.length_m(),
-                                   options_.association.surface_flatness_m)(1, 1));
+  const double direction_sigma = std::sqrt(
+      observation.sigma_direction_rad * observation.sigma_direction_rad + rotation_variance +
+      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m)(1,
+                                                                                          1));
   TypeEvidence evidence;
   evidence.can_be_vertical = true;
   if (!planar_) {
@@ -116,8 +116,8 @@ void CandidatePlanes::Offer(const Observation& observation,
                          direction_sigma,
                          options_.association.significance);
   }
-  const Eigen::Matrix2d flatness = FlatnessCovariance(
-      observation.length_m(), options_.association.surface_flatness_m);
+  const Eigen::Matrix2d flatness =
+      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m);
   bool taken = false;
   for (PlaneCandidate& candidate : candidates_) {
     const bool horizontal = candidate.landmark.model == PlaneModel::kHorizontal;
@@ -189,7 +189,8 @@ std::vector<PlaneCandidate> CandidatePlanes::TakeReady(int min_scans) {
 
 void CandidatePlanes::DropStale(int64_t now_ns) {
   const auto is_stale = [&](const PlaneCandidate& candidate) {
-    return SecondsBetween(candidate.last_time_ns, now_ns) > options_.planes.max_candidate_age_s;
+    return SecondsBetween(candidate.last_time_ns, now_ns) >
+           options_.planes.max_candidate_age_s;
   };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_stale),
                     candidates_.end());

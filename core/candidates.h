@@ -15,11 +15,11 @@ namespace plumbline {
 
 // A plane that segments without a landmark agree on, not yet trusted.
 struct PlaneCandidate {
-  Landmark landmark;                // covariance given the poses
-  std::vector<int> observations;    // indices
+  Landmark landmark;              // covariance given the poses
+  std::vector<int> observations;  // indices
   std::set<int> scans;
   std::set<int> scanners;
-  bool has_clear_type = false;      // some segment can only lie on a plane of this type
+  bool has_clear_type = false;  // some segment can only lie on a plane of this type
   Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
   Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
   int64_t last_time_ns = 0;

@@ -35,7 +35,7 @@ void Visit(Options& o, Visitor& v) {
   v.Section("association", [&](auto& s) {
     s.Number("significance", o.association.significance, 1e-12, 0.5);
     s.Number("max_gap_m", o.association.max_gap_m, 0.0, 100.0);
-    s.Number("surface_flatness_m", o.association.surface_flatness_m, 0.0, 1.0);
+    s.Number("surface_flatness_m", o.association.surface_flatness_m, 1e-4, 1.0);
   });
   v.Section("planes", [&](auto& s) {
     s.Integer("min_points", o.planes.min_points, 3, 10000);
@@ -43,20 +43,17 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("min_scans", o.planes.min_scans, 1, 1000);
     s.Number("max_candidate_age_s", o.planes.max_candidate_age_s, 0.0, 1e6);
   });
-  v.Section("window", [&](auto& s) {
-    s.Integer("num_scans", o.window.num_scans, 2, 10000);
-  });
+  v.Section("window", [&](auto& s) { s.Integer("num_scans", o.window.num_scans, 2, 10000); });
   v.Section("loop_closure", [&](auto& s) {
     s.Flag("enabled", o.loop_closure.enabled);
-    s.Integer("max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
+    s.Integer(
+        "max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
   });
   v.Section("batch", [&](auto& s) {
     s.Choice("factor", o.batch.factor, {"segment", "point"});
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
   });
-  v.Section("recording", [&](auto& s) {
-    s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6);
-  });
+  v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }
 
 struct FieldReader {

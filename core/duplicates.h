@@ -10,18 +10,19 @@
 namespace plumbline {
 
 // Pairs (older, newer) of landmarks that are one plane: same type and side, seen next to each
-// other, no statistically significant difference in position and direction where they meet, and
-// that difference known to better than the scanners' range noise. Only pairs with a landmark
-// seen since scan `since_scan`, and, with loop closure off, only within the allowed gap.
+// other, no statistically significant difference in position and direction where they meet,
+// and that difference known to better than the scanners' range noise. Only pairs with a
+// landmark seen since scan `since_scan`, and, with loop closure off, only within the allowed
+// gap.
 std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
                                                 const MapState& state,
                                                 const MapperOptions& options,
                                                 int since_scan);
 
-// Whether `weak` only repeats what `strong` shows: it faces the same side, lies for the most part
-// where `strong` has been seen too, and differs from it by no more than single ranges can tell.
-// Two surfaces can not both be seen there; segments that took in beams of a neighbouring surface
-// (an open door's jamb, seen along the wall) make such planes.
+// Whether `weak` only repeats what `strong` shows: it faces the same side, lies for the most
+// part where `strong` has been seen too, and differs from it by no more than single ranges can
+// tell. Two surfaces can not both be seen there; segments that took in beams of a neighbouring
+// surface (an open door's jamb, seen along the wall) make such planes.
 bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
 // The largest range noise of a rig's scanners.

@@ -43,8 +43,8 @@ ceres::Problem::Options ProblemOptions() {
   return options;
 }
 
-// Calls visit(first row, columns of ours, dense block) for each run of rows with the same columns:
-// the rows of one residual block, and sometimes of its neighbours.
+// Calls visit(first row, columns of ours, dense block) for each run of rows with the same
+// columns: the rows of one residual block, and sometimes of its neighbours.
 template <typename Visit>
 void ForEachResidualBlock(const ceres::CRSMatrix& jacobian,
                           const std::vector<int>& full_column,
@@ -63,7 +63,8 @@ void ForEachResidualBlock(const ceres::CRSMatrix& jacobian,
     for (auto column = begin(first); column != begin(first + 1); ++column) {
       columns.push_back(full_column[static_cast<size_t>(*column)]);
     }
-    block = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+    block = Eigen::Map<
+        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
         jacobian.values.data() + jacobian.rows[first],
         static_cast<Eigen::Index>(last - first),
         static_cast<Eigen::Index>(columns.size()));
@@ -91,7 +92,8 @@ EstimationProblem::EstimationProblem(const Rig& rig,
   extrinsic_translations_.resize(rig.scanners.size());
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Rigid3d& body_from_scanner = rig.scanners[i].body_from_scanner;
-    Eigen::Map<Eigen::Quaterniond>(extrinsic_rotations_[i].data()) = body_from_scanner.rotation;
+    Eigen::Map<Eigen::Quaterniond>(extrinsic_rotations_[i].data()) =
+        body_from_scanner.rotation;
     Eigen::Map<Eigen::Vector3d>(extrinsic_translations_[i].data()) =
         body_from_scanner.translation;
     problem_.AddParameterBlock(extrinsic_rotations_[i].data(), 4);
@@ -175,7 +177,9 @@ void EstimationProblem::AddObservation(const Observation& observation,
   const double scale = WhiteningScale(
       observation, world_from_body.rotation * body_from_scanner.rotation, landmark.Normal());
   Register(LandmarkBlock(landmark.id));
-  const auto add = [&](int first, int count, std::unique_ptr<ceres::CostFunction> cost,
+  const auto add = [&](int first,
+                       int count,
+                       std::unique_ptr<ceres::CostFunction> cost,
                        ceres::LossFunction* loss) {
     std::vector<double*> blocks = ControlPointBlocks(first, count);
     blocks.push_back(extrinsic_rotations_[scanner].data());
@@ -188,7 +192,9 @@ void EstimationProblem::AddObservation(const Observation& observation,
       const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
       const PointMeasurement measurement{
           observation.points[i], at.u, scale * observation.point_whitening[i]};
-      add(at.first, kOrder, CreatePointFactor(measurement, landmark.model, landmark.sign),
+      add(at.first,
+          kOrder,
+          CreatePointFactor(measurement, landmark.model, landmark.sign),
           nullptr);
     }
     return;
@@ -315,12 +321,14 @@ NormalEquations EstimationProblem::Linearise() {
   Evaluate(equations.blocks, &equations.offsets, &full_column, &residuals, &jacobian);
   equations.hessian.setZero(equations.size(), equations.size());
   equations.gradient.setZero(equations.size());
-  ForEachResidualBlock(jacobian, full_column, [&](size_t first_row, const auto& columns,
-                                                  const Eigen::MatrixXd& block) {
-    const Eigen::Map<const Eigen::VectorXd> r(residuals.data() + first_row, block.rows());
-    equations.gradient(columns) += block.transpose() * r;
-    equations.hessian(columns, columns) += block.transpose() * block;
-  });
+  ForEachResidualBlock(
+      jacobian,
+      full_column,
+      [&](size_t first_row, const auto& columns, const Eigen::MatrixXd& block) {
+        const Eigen::Map<const Eigen::VectorXd> r(residuals.data() + first_row, block.rows());
+        equations.gradient(columns) += block.transpose() * r;
+        equations.hessian(columns, columns) += block.transpose() * block;
+      });
   return equations;
 }
 
@@ -352,10 +360,10 @@ Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* land
   for (int i = 0; i < offsets.back(); ++i) {
     if (!is_free[static_cast<size_t>(i)]) matrix.Add(i, i, 1.0);
   }
-  ForEachResidualBlock(jacobian, full_column, [&](size_t, const auto& columns,
-                                                  const Eigen::MatrixXd& block) {
-    matrix.AddBlock(columns, block.transpose() * block);
-  });
+  ForEachResidualBlock(
+      jacobian, full_column, [&](size_t, const auto& columns, const Eigen::MatrixXd& block) {
+        matrix.AddBlock(columns, block.transpose() * block);
+      });
   const Eigen::MatrixXd information = matrix.MarginaliseBand();
   const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * information *
@@ -364,8 +372,8 @@ Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* land
     throw Error("the planes are not determined: singular normal matrix");
   }
   Eigen::MatrixXd covariance =
-      scale.asDiagonal() *
-      factor.solve(Eigen::MatrixXd::Identity(num_border, num_border)) * scale.asDiagonal();
+      scale.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(num_border, num_border)) *
+      scale.asDiagonal();
   for (int i = 0; i < num_border; ++i) {
     if (is_free[static_cast<size_t>(num_band + i)]) continue;
     covariance.row(i).setZero();
@@ -398,9 +406,8 @@ Prior EstimationProblem::MarginaliseOnto(const NormalEquations& equations,
   }
   const int num_marginalised = static_cast<int>(order.size());
   order.insert(order.end(), kept_rows.begin(), kept_rows.end());
-  const MarginalisedSystem result = Marginalise(equations.hessian(order, order),
-                                                   equations.gradient(order),
-                                                   num_marginalised);
+  const MarginalisedSystem result = Marginalise(
+      equations.hessian(order, order), equations.gradient(order), num_marginalised);
   prior.linear.root = result.root;
   prior.linear.offset = result.offset;
   return prior;

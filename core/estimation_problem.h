@@ -68,9 +68,9 @@ struct NormalEquations {
   int size() const { return offsets.back(); }
 };
 
-// A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold, and
-// is the one place that turns observations, motion priors, marginalised history and gauge into
-// residual blocks. Window, tracking and batch differ only in what they add and hold.
+// A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold,
+// and is the one place that turns observations, motion priors, marginalised history and gauge
+// into residual blocks. Window, tracking and batch differ only in what they add and hold.
 class EstimationProblem {
  public:
   EstimationProblem(const Rig& rig,
@@ -98,19 +98,20 @@ class EstimationProblem {
 
   // Normal equations of all the residuals.
   NormalEquations Linearise();
-  // Covariance of the landmarks' parameters from all the residuals, control points marginalised
-  // (blocks and offsets of the landmarks in the result's rows). Held directions have zero rows.
-  // Throws Error when the problem does not determine its unknowns.
+  // Covariance of the landmarks' parameters from all the residuals, control points
+  // marginalised (blocks and offsets of the landmarks in the result's rows). Held directions
+  // have zero rows. Throws Error when the problem does not determine its unknowns.
   Eigen::MatrixXd LandmarkCovariance(std::vector<BlockId>* blocks, std::vector<int>* offsets);
   int TangentSize(const BlockId& block) const;
   double* Data(const BlockId& block) const;
 
   // The outcome as a Gaussian on the kept blocks, the others marginalised.
-  Prior MarginaliseOnto(const NormalEquations& equations, const std::vector<BlockId>& kept) const;
+  Prior MarginaliseOnto(const NormalEquations& equations,
+                        const std::vector<BlockId>& kept) const;
 
  private:
-  // Jacobian of all residuals by the free blocks. Ceres' columns leave out the directions that a
-  // manifold holds; full_column maps them to ours, which have them.
+  // Jacobian of all residuals by the free blocks. Ceres' columns leave out the directions that
+  // a manifold holds; full_column maps them to ours, which have them.
   void Evaluate(const std::vector<BlockId>& blocks,
                 std::vector<int>* offsets,
                 std::vector<int>* full_column,

@@ -9,13 +9,14 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinPoints = 8;               // of a segment that counts here
-constexpr double kMaxSigma = 0.05;          // rad, of a direction that counts here
+constexpr int kMinPoints = 8;       // of a segment that counts here
+constexpr double kMaxSigma = 0.05;  // rad, of a direction that counts here
 const double kMinCrossing = std::sin(15.0 * M_PI / 180.0);  // between two scanners' traces
-const double kMinHypothesis = std::sin(5.0 * M_PI / 180.0);  // between two levels to try a z axis
-constexpr int kMinWitnesses = 3;            // of the z axis, which two always agree on
-const double kMinUpright = std::cos(35.0 * M_PI / 180.0);   // z axis against the body's
-constexpr double kMaxZSigma = 0.03;         // rad, of the z axis found
+const double kMinHypothesis =
+    std::sin(5.0 * M_PI / 180.0);  // between two levels to try a z axis
+constexpr int kMinWitnesses = 3;   // of the z axis, which two always agree on
+const double kMinUpright = std::cos(35.0 * M_PI / 180.0);  // z axis against the body's
+constexpr double kMaxZSigma = 0.03;                        // rad, of the z axis found
 constexpr double kSigmas = 3.5;
 constexpr double kSignificance = 1e-4;
 
@@ -50,9 +51,8 @@ std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& sc
     Line line;
     line.observation = static_cast<int>(i);
     line.scanner = observation.scanner_index;
-    line.point_body = body_from_scanner * Eigen::Vector3d(observation.centroid.x(),
-                                                          observation.centroid.y(),
-                                                          0.0);
+    line.point_body = body_from_scanner *
+                      Eigen::Vector3d(observation.centroid.x(), observation.centroid.y(), 0.0);
     line.direction_body =
         body_from_scanner.rotation *
         Eigen::Vector3d(observation.tangent.x(), observation.tangent.y(), 0.0);
@@ -85,7 +85,8 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
       const Eigen::Vector3d normal = cross.normalized();
       const Eigen::Vector3d apart = lines[i].point_body - lines[j].point_body;
       const double sigma = std::hypot(lines[i].sigma_rad, lines[j].sigma_rad) / cross.norm();
-      if (std::abs(normal.dot(apart)) > kSigmas * sigma * std::max(1.0, apart.norm())) continue;
+      if (std::abs(normal.dot(apart)) > kSigmas * sigma * std::max(1.0, apart.norm()))
+        continue;
       if (std::abs(normal.z()) > kMinUpright) continue;  // seems a floor: its traces count
       levels.push_back({-1,
                         normal,
@@ -106,15 +107,15 @@ bool Agrees(const Level& level, const Eigen::Vector3d& z) {
   return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
 }
 
-// Number of independent levels that agree with z: the traces of a scanner that run parallel count
-// once, and so do the normals of parallel walls. A single wall that two scanners see and its trace
-// in one of them agree on a z axis too, a wrong one.
+// Number of independent levels that agree with z: the traces of a scanner that run parallel
+// count once, and so do the normals of parallel walls. A single wall that two scanners see and
+// its trace in one of them agree on a z axis too, a wrong one.
 int CountWitnesses(const std::vector<Level>& levels, const Eigen::Vector3d& z) {
   std::vector<const Level*> witnesses;
   for (const Level& level : levels) {
     if (!Agrees(level, z)) continue;
-    const bool is_known = std::any_of(
-        witnesses.begin(), witnesses.end(), [&level](const Level* witness) {
+    const bool is_known =
+        std::any_of(witnesses.begin(), witnesses.end(), [&level](const Level* witness) {
           return witness->scanner == level.scanner &&
                  witness->direction_body.cross(level.direction_body).norm() < kMinCrossing;
         });
@@ -123,8 +124,8 @@ int CountWitnesses(const std::vector<Level>& levels, const Eigen::Vector3d& z) {
   return static_cast<int>(witnesses.size());
 }
 
-// The z axis with the largest consensus, refined over those that agree; zero when there is none
-// or it is not well determined.
+// The z axis with the largest consensus, refined over those that agree; zero when there is
+// none or it is not well determined.
 Eigen::Vector3d FindZ(std::vector<Level> levels) {
   std::stable_sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) {
     return a.weight > b.weight;
@@ -157,7 +158,8 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
                  (level.sigma_rad * level.sigma_rad);
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
-    if (solver.eigenvalues()[1] * kMaxZSigma * kMaxZSigma < 1.0) return Eigen::Vector3d::Zero();
+    if (solver.eigenvalues()[1] * kMaxZSigma * kMaxZSigma < 1.0)
+      return Eigen::Vector3d::Zero();
     const Eigen::Vector3d z = solver.eigenvectors().col(0);
     best = z.z() < 0.0 ? Eigen::Vector3d(-z) : z;
   }
@@ -185,11 +187,10 @@ std::optional<ModelFrame> FindModelFrame(const Rig& rig,
     const Rigid3d& body_from_scanner =
         rig.scanners[static_cast<size_t>(line.scanner)].body_from_scanner;
     if (!planar) {
-      const TypeEvidence evidence =
-          JudgeType(observation,
-                    level_from_body * body_from_scanner.rotation,
-                    std::hypot(line.sigma_rad, kMaxZSigma),
-                    kSignificance);
+      const TypeEvidence evidence = JudgeType(observation,
+                                              level_from_body * body_from_scanner.rotation,
+                                              std::hypot(line.sigma_rad, kMaxZSigma),
+                                              kSignificance);
       if (evidence.can_be_horizontal || !evidence.can_be_vertical) continue;
     }
     const Eigen::Vector3d direction = level_from_body * line.direction_body;

@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-// The model frame, from the segments of one scan (paper, section 4.5): z is normal to floor and
-// ceiling, x is the normal of one wall.
+// The model frame, from the segments of one scan (paper, section 4.5): z is normal to floor
+// and ceiling, x is the normal of one wall.
 struct ModelFrame {
   Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();
   int reference_observation = -1;  // whose wall's normal is the x axis

@@ -1,9 +1,8 @@
 #include "core/landmark.h"
 
-#include <Eigen/Geometry>
-
 #include <glog/logging.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -100,7 +99,8 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
 }
 
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
-  const Eigen::Vector2d middle((cell.first + 0.5) * kCellSize, (cell.second + 0.5) * kCellSize);
+  const Eigen::Vector2d middle((cell.first + 0.5) * kCellSize,
+                               (cell.second + 0.5) * kCellSize);
   return CellOf(Project(other.ToWorld(middle)));
 }
 
@@ -163,10 +163,10 @@ PatchExtent Landmark::EmptyExtent() const {
   const Eigen::Vector3d normal = Normal();
   const Eigen::Vector3d anchor = extent.anchor() - SignedDistance(extent.anchor()) * normal;
   const bool vertical = model == PlaneModel::kVertical;
-  return PatchExtent(anchor,
-                     vertical ? Eigen::Vector3d(Eigen::Vector3d::UnitZ().cross(normal))
-                              : extent.u_axis(),
-                     extent.v_axis());
+  return PatchExtent(
+      anchor,
+      vertical ? Eigen::Vector3d(Eigen::Vector3d::UnitZ().cross(normal)) : extent.u_axis(),
+      extent.v_axis());
 }
 
 double Landmark::Distance() const {
@@ -181,7 +181,8 @@ Eigen::Matrix2d Landmark::DeviationJacobian(const Eigen::Vector3d& p_world,
     return jacobian;
   }
   CHECK(model == PlaneModel::kVertical);
-  const Eigen::Vector3d normal_by_angle(-std::sin(parameters[0]), std::cos(parameters[0]), 0.0);
+  const Eigen::Vector3d normal_by_angle(
+      -std::sin(parameters[0]), std::cos(parameters[0]), 0.0);
   if (!heading_fixed) {
     jacobian(0, 0) = normal_by_angle.dot(p_world);
     jacobian(1, 0) = normal_by_angle.dot(direction_world);
@@ -195,8 +196,7 @@ Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {
   landmark.model = PlaneModel::kHorizontal;
   landmark.sign = sign;
   landmark.parameters[0] = sign * p_world.z();
-  landmark.extent =
-      PatchExtent(p_world, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  landmark.extent = PatchExtent(p_world, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
   return landmark;
 }
 

@@ -14,8 +14,9 @@
 namespace plumbline {
 
 // Where on its plane a landmark has been seen: occupied cells of a grid and the bounding
-// rectangle, in fixed axes through an anchor on the plane. The anchor lies where the landmark was
-// first seen, so that the coordinates stay put while the estimate of its direction improves.
+// rectangle, in fixed axes through an anchor on the plane. The anchor lies where the landmark
+// was first seen, so that the coordinates stay put while the estimate of its direction
+// improves.
 class PatchExtent {
  public:
   using Cell = std::pair<int, int>;
@@ -77,9 +78,9 @@ class PatchExtent {
 struct Landmark {
   int id = 0;
   PlaneModel model = PlaneModel::kVertical;
-  double sign = 1.0;                       // horizontal planes: normal = sign * e_z
-  std::array<double, 4> parameters = {};   // see factors/plane_model.h
-  bool heading_fixed = false;              // the gauge's wall: its angle is not estimated
+  double sign = 1.0;                      // horizontal planes: normal = sign * e_z
+  std::array<double, 4> parameters = {};  // see factors/plane_model.h
+  bool heading_fixed = false;             // the gauge's wall: its angle is not estimated
   PatchExtent extent;
   // Of the parameters, given the rig's current pose: what association tests need.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
@@ -107,6 +108,7 @@ struct Landmark {
 // A horizontal landmark through a point; sign +1 seen from above.
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world);
 // A vertical landmark through a point with the given horizontal normal.
-Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world, const Eigen::Vector3d& p_world);
+Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world,
+                              const Eigen::Vector3d& p_world);
 
 }  // namespace plumbline

@@ -122,7 +122,8 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   Summary summary;
   auto total = std::make_unique<Stopwatch::Running>(&total_watch);
   const Rig rig = ReadRig(job.rig);
-  const MapperOptions options = job.config.empty() ? MapperOptions() : ReadMapperOptions(job.config);
+  const MapperOptions options =
+      job.config.empty() ? MapperOptions() : ReadMapperOptions(job.config);
   auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
   RecordingReader recording(job.recording, rig);
   reading.reset();
@@ -144,10 +145,10 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   total.reset();
 
   summary.scans = static_cast<int>(result.scan_times_ns.size());
-  summary.segments = static_cast<int>(
-      std::count_if(result.state.observations.begin(),
-                    result.state.observations.end(),
-                    [](const Observation& observation) { return observation.landmark_id >= 0; }));
+  summary.segments = static_cast<int>(std::count_if(
+      result.state.observations.begin(),
+      result.state.observations.end(),
+      [](const Observation& observation) { return observation.landmark_id >= 0; }));
   summary.planes = static_cast<int>(planes.size());
   summary.control_points = result.state.trajectory.num_control_points();
   summary.variance_factor = result.batch.variance_factor;

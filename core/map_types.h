@@ -32,7 +32,8 @@ struct PlanePatch {
   double sigma_angle_rad = 0.0;   // of the normal; 0 where the type fixes it
   double sigma_distance_m = 0.0;  // along the normal, at the centre
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> outline;  // closed polygon on the plane, first corner not repeated
+  std::vector<Eigen::Vector3d>
+      outline;  // closed polygon on the plane, first corner not repeated
   int64_t num_points = 0;
   int num_segments = 0;
   int64_t first_time_ns = 0;
@@ -53,7 +54,7 @@ struct Summary {
   int control_points = 0;
   double residual_rms_m = 0.0;  // of signed point-to-plane distances
   double variance_factor = 0.0;
-  double duration_s = 0.0;      // of the recording
+  double duration_s = 0.0;                             // of the recording
   std::vector<std::pair<std::string, double>> stages;  // name, seconds; in order
   double real_time_factor = 0.0;
   double peak_memory_mb = 0.0;

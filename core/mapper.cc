@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 // Beyond these standard deviations, the planes given, the newest pose is lost.
-constexpr double kLostPosition = 0.5;                 // m
+constexpr double kLostPosition = 0.5;                  // m
 constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
 // Scan planes tilted by less than this against each other and the body see no heights.
 constexpr double kPlanarTolerance = 2.0 * M_PI / 180.0;
@@ -67,7 +67,7 @@ class Follower {
   bool ShadowsLandmark(const PlaneCandidate& candidate) const;
   void AddLandmark(PlaneCandidate candidate);
   void SolveWindow(int64_t now_ns);
-  void CheckNotLost(int64_t now_ns) const;
+  void CheckNotLost(int64_t now_ns);
 
   const Rig& rig_;
   bool planar_;
@@ -78,6 +78,7 @@ class Follower {
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   std::vector<int64_t> scan_times_ns_;
+  int64_t last_known_ns_ = 0;  // when the pose was last well determined
   int last_solved_interval_ = -1;
   int last_solved_scan_ = 0;
   Stopwatch segmentation_watch_;
@@ -141,9 +142,8 @@ bool Follower::Start(const Scan& scan) {
   std::vector<Observation> observations = Observe(scan);
   const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
   if (!frame) return false;
-  const double interval_s =
-      std::max(options_.trajectory.knot_interval_s,
-               options_.trajectory.min_scans_per_knot * scan_period_s_);
+  const double interval_s = std::max(options_.trajectory.knot_interval_s,
+                                     options_.trajectory.min_scans_per_knot * scan_period_s_);
   // Later scan lines may lie before this one by their scanners' time offsets.
   double earliest_s = 0.0;
   for (const Scanner& scanner : rig_.scanners) {
@@ -156,6 +156,7 @@ bool Follower::Start(const Scan& scan) {
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
   scan_times_ns_.push_back(scan.start_ns);
+  last_known_ns_ = scan.end_ns;
 
   for (Observation& observation : observations) {
     state_->observations.push_back(std::move(observation));
@@ -234,13 +235,14 @@ void Follower::StartPlanes(int min_scans) {
   for (PlaneCandidate& candidate : candidates_.TakeReady(min_scans)) {
     // An observation that served two candidates belongs to the one that came first.
     std::vector<int>& indices = candidate.observations;
-    indices.erase(std::remove_if(indices.begin(),
-                                 indices.end(),
-                                 [&](int index) {
-                                   return state_->observations[static_cast<size_t>(index)]
-                                              .landmark_id >= 0;
-                                 }),
-                  indices.end());
+    indices.erase(
+        std::remove_if(indices.begin(),
+                       indices.end(),
+                       [&](int index) {
+                         return state_->observations[static_cast<size_t>(index)].landmark_id >=
+                                0;
+                       }),
+        indices.end());
     if (static_cast<int>(indices.size()) < min_scans || ShadowsLandmark(candidate)) continue;
     AddLandmark(std::move(candidate));
   }
@@ -249,8 +251,7 @@ void Follower::StartPlanes(int min_scans) {
 void Follower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   window_->Solve(now_ns, window_s);
-  for (const auto& [into, from] :
-       FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
+  for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
     if (state_->landmarks[static_cast<size_t>(into)].num_segments == 0) continue;
     window_->MergeLandmarks(into, from);
     MergeInto(into, from, state_.get());
@@ -259,17 +260,22 @@ void Follower::SolveWindow(int64_t now_ns) {
   last_solved_scan_ = static_cast<int>(scan_times_ns_.size()) - 1;
 }
 
-void Follower::CheckNotLost(int64_t now_ns) const {
+void Follower::CheckNotLost(int64_t now_ns) {
   const Matrix6d covariance = window_->pose_uncertainty().At(state_->trajectory, now_ns);
   const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
-  if (position < kLostPosition && rotation < kLostRotation) return;
+  if (position < kLostPosition && rotation < kLostRotation) {
+    last_known_ns_ = now_ns;
+    return;
+  }
+  // A few blind scans may be bridged, just as missing ones.
+  if (SecondsBetween(last_known_ns_, now_ns) < options_.max_gap_s) return;
   char text[200];
   std::snprintf(text,
                 sizeof(text),
-                "lost track of the rig %.3f s into the recording: the planes in view leave its "
-                "pose open by %.2f m and %.1f deg",
-                SecondsBetween(state_->origin_time_ns, now_ns),
+                "lost track of the rig %.3f s after the start of the map: the planes in view "
+                "leave its pose open by %.2f m and %.1f deg",
+                SecondsBetween(state_->origin_time_ns, last_known_ns_),
                 position,
                 rotation * 180.0 / M_PI);
   throw Error(text);
@@ -285,26 +291,17 @@ void Follower::Follow(const Scan& scan) {
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
   window_->Track(first, last, CandidateIds(scan_index));
-  if (VLOG_IS_ON(2)) {
-    const Rigid3d pose = state_->trajectory.WorldFromBody(scan.end_ns);
-    VLOG(2) << "scan " << scan_index << " at " << pose.translation.transpose() << " q " << pose.rotation.coeffs().transpose();
-    for (int index = first; index <= last; ++index) {
-      const Observation& o = state_->observations[static_cast<size_t>(index)];
-      VLOG(2) << "  obs scanner " << o.scanner_index << " beams " << o.first_beam << "-" << o.last_beam << " n " << o.num_points << " len " << o.length_m() << " sdir " << o.sigma_direction_rad << " -> " << o.landmark_id;
-    }
-    for (const Landmark& l : state_->landmarks) VLOG(2) << "  landmark " << l.id << " n " << l.Normal().transpose() << " d " << l.Distance() << " sig " << l.covariance.diagonal().cwiseSqrt().transpose() << " seg " << l.num_segments << " ext " << l.extent.min_corner().transpose() << " / " << l.extent.max_corner().transpose();
-  }
   CheckNotLost(scan.end_ns);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {
       Accept(index, true);
     } else {
-      candidates_.Offer(observation,
-                        index,
-                        state_->trajectory,
-                        window_->pose_uncertainty().At(state_->trajectory,
-                                                       observation.middle_time_ns()));
+      candidates_.Offer(
+          observation,
+          index,
+          state_->trajectory,
+          window_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
     }
   }
   StartPlanes(options_.planes.min_scans);
@@ -321,13 +318,14 @@ MapResult MapRecording(const Rig& rig,
                        int num_threads,
                        const ProgressCallback& progress,
                        RecordingReader* recording) {
-  const bool planar = rig.motion == MotionModel::kPlanar ||
-                      (rig.motion == MotionModel::kAutomatic &&
-                       AllScannersHorizontal(rig, kPlanarTolerance));
+  const bool planar =
+      rig.motion == MotionModel::kPlanar ||
+      (rig.motion == MotionModel::kAutomatic && AllScannersHorizontal(rig, kPlanarTolerance));
   std::vector<std::string> warnings;
   if (planar) {
-    LOG(INFO) << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
-                 "be seen; estimating the planar motion";
+    LOG(INFO)
+        << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
+           "be seen; estimating the planar motion";
   }
   Stopwatch tracking_watch;
   Stopwatch batch_watch;
@@ -349,10 +347,10 @@ MapResult MapRecording(const Rig& rig,
           if (now_s > kMaxStartSearch) break;
         }
       } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
-        warnings.push_back(
-            "the map ends " + FormatSeconds(now_s) + " into the recording: no scans for " +
-            FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
-            ", a gap the motion can not be followed across");
+        warnings.push_back("the map ends " + FormatSeconds(now_s) +
+                           " into the recording: no scans for " +
+                           FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
+                           ", a gap the motion can not be followed across");
         break;
       } else {
         follower.Follow(scan);
@@ -366,9 +364,9 @@ MapResult MapRecording(const Rig& rig,
         (planar ? "a wall clearly enough" : "floor or ceiling and a wall clearly enough"));
   }
   if (num_skipped > 0) {
-    warnings.push_back("the first " + std::to_string(num_skipped) +
-                       " scans are left out: they do not show " +
-                       (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+    warnings.push_back(
+        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
+        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
   }
   MapResult result(std::move(follower.state()));
   result.planar = planar;
@@ -414,8 +412,10 @@ std::vector<PlanePatch> PlanePatches(const MapState& state) {
     const Eigen::Vector2d high = extent.max_corner();
     patch.centre = on_plane(0.5 * (low + high));
     if (landmark.model == PlaneModel::kVertical) {
-      for (const Eigen::Vector2d& corner :
-           {low, Eigen::Vector2d(high.x(), low.y()), high, Eigen::Vector2d(low.x(), high.y())}) {
+      for (const Eigen::Vector2d& corner : {low,
+                                            Eigen::Vector2d(high.x(), low.y()),
+                                            high,
+                                            Eigen::Vector2d(low.x(), high.y())}) {
         patch.outline.push_back(on_plane(corner));
       }
     } else {
@@ -425,8 +425,7 @@ std::vector<PlanePatch> PlanePatches(const MapState& state) {
     }
     const Eigen::Matrix2d by_plane =
         landmark.DeviationJacobian(patch.centre, landmark.extent.u_axis());
-    const Eigen::Matrix2d covariance =
-        by_plane * landmark.covariance * by_plane.transpose();
+    const Eigen::Matrix2d covariance = by_plane * landmark.covariance * by_plane.transpose();
     patch.sigma_distance_m = std::sqrt(covariance(0, 0));
     patch.sigma_angle_rad = std::sqrt(covariance(1, 1));
     patch.num_points = landmark.num_points;

@@ -31,8 +31,8 @@ struct MapResult {
 using ProgressCallback = std::function<void(const std::string& stage, double share)>;
 
 // From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
-// scan tracking with the window, final batch (docs/architecture.md). num_threads changes the time
-// it takes, never the result. Throws Error when the motion can not be followed.
+// scan tracking with the window, final batch (docs/architecture.md). num_threads changes the
+// time it takes, never the result. Throws Error when the motion can not be followed.
 MapResult MapRecording(const Rig& rig,
                        const MapperOptions& options,
                        int num_threads,

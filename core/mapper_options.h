@@ -6,8 +6,8 @@
 
 namespace plumbline {
 
-// Every setting of the mapper, with its default. ReadMapperOptions (core/config.h) knows the YAML
-// names and the allowed ranges.
+// Every setting of the mapper, with its default. ReadMapperOptions (core/config.h) knows the
+// YAML names and the allowed ranges.
 
 struct TrajectoryOptions {
   // Knot interval of the spline: the larger of the two, so that slow scanners still determine
@@ -33,26 +33,27 @@ struct AssociationOptions {
 };
 
 struct PlaneOptions {
-  int min_points = 8;            // of a segment that starts a plane
+  int min_points = 8;                    // of a segment that starts a plane
   double max_direction_sigma_deg = 3.0;  // of a segment that starts a plane
-  int min_scans = 4;             // that must agree before a new plane is trusted
-  double max_candidate_age_s = 1.0;  // a candidate not seen for so long is dropped
+  int min_scans = 4;                     // that must agree before a new plane is trusted
+  double max_candidate_age_s = 1.0;      // a candidate not seen for so long is dropped
 };
 
 struct WindowOptions {
-  int num_scans = 10;            // estimated together; what is older is marginalised
+  int num_scans = 10;  // estimated together; what is older is marginalised
 };
 
 struct LoopClosureOptions {
   bool enabled = true;
-  int max_gap_scans = 100;       // when disabled: a plane unseen for longer is not taken up again
+  int max_gap_scans = 100;  // when disabled: a plane unseen for longer is not taken up again
 };
 
 enum class FactorKind { kSegment, kPoint };
 
 struct BatchOptions {
-  FactorKind factor = FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
-  int max_rounds = 6;            // of estimation and renewed association
+  FactorKind factor =
+      FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
+  int max_rounds = 6;        // of estimation and renewed association
 };
 
 struct MapperOptions {

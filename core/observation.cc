@@ -1,10 +1,10 @@
 #include "core/observation.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include <glog/logging.h>
 
 #include "core/time.h"
 
@@ -74,7 +74,8 @@ Observation MakeObservation(const ScanLine& scan_line,
   return observation;
 }
 
-ObservationPoses::ObservationPoses(const Trajectory& trajectory, const Observation& observation) {
+ObservationPoses::ObservationPoses(const Trajectory& trajectory,
+                                   const Observation& observation) {
   for (size_t k = 0; k < 3; ++k) {
     world_from_body[k] = trajectory.WorldFromBody(observation.measurement.node_times_ns[k]);
   }
@@ -108,7 +109,8 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   // slope) to g, the same at every node.
   Eigen::Matrix<double, 9, 2> shift;
   for (int k = 0; k < 3; ++k) {
-    shift.middleRows<3>(3 * k) << 0.0, observation.tangent.x(), 0.0, observation.tangent.y(),  //
+    shift.middleRows<3>(3 * k) << 0.0, observation.tangent.x(), 0.0,
+        observation.tangent.y(),  //
         1.0, -observation.tangent.dot(observation.centroid);
   }
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;

@@ -14,26 +14,26 @@
 
 namespace plumbline {
 
-// What is kept of one segment of one scan line: its beams compressed to a matrix of at most nine
-// rows (factors/segment_factor.h), a line for association, and its landmark.
+// What is kept of one segment of one scan line: its beams compressed to a matrix of at most
+// nine rows (factors/segment_factor.h), a line for association, and its landmark.
 struct Observation {
   int scan_index = 0;
-  int scan_line_index = 0;           // position in the recording's sequence of scan lines
+  int scan_line_index = 0;  // position in the recording's sequence of scan lines
   int scanner_index = 0;
   int first_beam = 0;
-  int last_beam = 0;                 // inclusive
+  int last_beam = 0;  // inclusive
   std::vector<int> excluded_beams;
   int num_points = 0;
   SegmentMeasurement measurement;
-  int64_t start_time_ns = 0;         // of the first and last beam, time offset included
+  int64_t start_time_ns = 0;  // of the first and last beam, time offset included
   int64_t end_time_ns = 0;
-  Eigen::Vector2d start = Eigen::Vector2d::Zero();     // scanner frame, m
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();  // scanner frame, m
   Eigen::Vector2d end = Eigen::Vector2d::Zero();
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
-  double sigma_offset_m = 0.0;       // of the line, along its normal at the centroid
+  double sigma_offset_m = 0.0;  // of the line, along its normal at the centroid
   double sigma_direction_rad = 0.0;
-  double out_of_plane_ratio = 0.0;   // see WhiteningScale
+  double out_of_plane_ratio = 0.0;  // see WhiteningScale
   int landmark_id = -1;
   // Single beams, kept only for the per-point factor.
   std::vector<Eigen::Vector2d> points;
@@ -59,9 +59,9 @@ struct ObservationPoses {
 };
 
 // Factor from the whitening in the scan plane to that of point-to-plane distances. With c the
-// length of the plane normal's part in the scan plane, a distance's standard deviation is c times
-// the one in the scan plane (the beam meets the plane at a slant), plus what the beams' angular
-// noise across the scan plane adds.
+// length of the plane normal's part in the scan plane, a distance's standard deviation is c
+// times the one in the scan plane (the beam meets the plane at a slant), plus what the beams'
+// angular noise across the scan plane adds.
 double WhiteningScale(const Observation& observation,
                       const Eigen::Quaterniond& world_from_scanner,
                       const Eigen::Vector3d& normal_world);

@@ -10,9 +10,10 @@
 
 namespace plumbline {
 
-// Reads the scan lines of a rig's scanners from a ROS 1 bag (sensor_msgs/LaserScan, or the first
-// echo of MultiEchoLaserScan), in the order of their header stamps; scan lines of the same stamp
-// come in the order of the rig's scanners. rosbag's headers stay inside the .cc file.
+// Reads the scan lines of a rig's scanners from a ROS 1 bag (sensor_msgs/LaserScan, or the
+// first echo of MultiEchoLaserScan), in the order of their header stamps; scan lines of the
+// same stamp come in the order of the rig's scanners. rosbag's headers stay inside the .cc
+// file.
 class RecordingReader {
  public:
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or
@@ -27,9 +28,9 @@ class RecordingReader {
   // Starts again from the first scan line.
   void Rewind();
 
-  int64_t start_ns() const;        // stamp of the first scan line
-  int64_t end_ns() const;          // stamp of the last scan line
-  int num_scan_lines() const;      // that Next() will deliver in all
+  int64_t start_ns() const;    // stamp of the first scan line
+  int64_t end_ns() const;      // stamp of the last scan line
+  int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;
   // What was passed over or looks wrong, one sentence each: for the user and summary.json.

@@ -12,26 +12,26 @@ namespace plumbline {
 // One point of map.ply and map.pcd.
 struct MapPoint {
   Eigen::Vector3f p_world;
-  double time_s = 0.0;     // since the recording's first scan line
+  double time_s = 0.0;  // since the recording's first scan line
   int scanner = 0;
-  int plane_id = -1;       // -1: on no plane
-  float residual_m = 0.0f; // signed distance to its plane; NaN where plane_id is -1
+  int plane_id = -1;        // -1: on no plane
+  float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is -1
 };
 
 // The output directory of one run. Everything is written under temporary names inside it and
-// moved to the names of docs/outputs.md by Commit(), all or nothing: files of an earlier result
-// with these names are replaced only then. Without Commit() the temporary files are removed.
-// Throws Error naming the file that could not be written.
+// moved to the names of docs/outputs.md by Commit(), all or nothing: files of an earlier
+// result with these names are replaced only then. Without Commit() the temporary files are
+// removed. Throws Error naming the file that could not be written.
 class ResultWriter {
  public:
   explicit ResultWriter(const std::string& directory);  // created where it is missing
   ~ResultWriter();
 
-  void WriteTrajectory(const std::vector<StampedPose>& poses);    // trajectory.tum
-  void WritePlanes(const std::vector<PlanePatch>& planes);        // planes.json, planes.ply
-  void AddMapPoint(const MapPoint& point);                        // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);                      // summary.json
-  void WriteConfig(const std::string& yaml);                      // config_used.yaml
+  void WriteTrajectory(const std::vector<StampedPose>& poses);  // trajectory.tum
+  void WritePlanes(const std::vector<PlanePatch>& planes);      // planes.json, planes.ply
+  void AddMapPoint(const MapPoint& point);                      // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);                    // summary.json
+  void WriteConfig(const std::string& yaml);                    // config_used.yaml
   void Commit();
 
  private:

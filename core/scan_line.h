@@ -10,12 +10,12 @@
 namespace plumbline {
 
 // One revolution of one scanner as it stands in the recording. Beam i points along
-// (cos a, sin a, 0), a = angle_min + i * angle_increment, in the scanner frame and was taken at
-// stamp_ns + i * time_increment_s. Ranges in metres; no return is NaN, infinite, zero, negative
-// or outside the scanner's limits (Scanner::IsValidRange).
+// (cos a, sin a, 0), a = angle_min + i * angle_increment, in the scanner frame and was taken
+// at stamp_ns + i * time_increment_s. Ranges in metres; no return is NaN, infinite, zero,
+// negative or outside the scanner's limits (Scanner::IsValidRange).
 struct ScanLine {
-  int scanner_index = 0;  // position in Rig::scanners
-  int64_t stamp_ns = 0;   // instant of beam 0, without Scanner::time_offset_s
+  int scanner_index = 0;          // position in Rig::scanners
+  int64_t stamp_ns = 0;           // instant of beam 0, without Scanner::time_offset_s
   double angle_min = 0.0;         // rad
   double angle_increment = 0.0;   // rad
   double time_increment_s = 0.0;  // between neighbouring beams

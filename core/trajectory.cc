@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kOrder = 4;
 
-ControlPoint ControlPointAt(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& position) {
+ControlPoint ControlPointAt(const Eigen::Quaterniond& rotation,
+                            const Eigen::Vector3d& position) {
   ControlPoint control_point;
   Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = rotation.normalized();
   Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = position;
@@ -22,7 +23,9 @@ ControlPoint ControlPointAt(const Eigen::Quaterniond& rotation, const Eigen::Vec
 
 }  // namespace
 
-Trajectory::Trajectory(int64_t start_ns, int64_t knot_interval_ns, const Rigid3d& world_from_body)
+Trajectory::Trajectory(int64_t start_ns,
+                       int64_t knot_interval_ns,
+                       const Rigid3d& world_from_body)
     : start_ns_(start_ns),
       knot_interval_ns_(knot_interval_ns),
       control_points_(kOrder,

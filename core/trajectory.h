@@ -14,10 +14,11 @@ struct ControlPoint {
   std::array<double, 3> position = {0.0, 0.0, 0.0};       // m, world
 };
 
-// The rig's pose as a function of time: a uniform cubic B-spline, position in R^3, rotation as a
-// cumulative spline on SO(3). Interval i spans
+// The rig's pose as a function of time: a uniform cubic B-spline, position in R^3, rotation as
+// a cumulative spline on SO(3). Interval i spans
 //   [start + i * knot_interval, start + (i + 1) * knot_interval)
-// and depends on control points i .. i+3 only. Control points keep their addresses as it grows.
+// and depends on control points i .. i+3 only. Control points keep their addresses as it
+// grows.
 class Trajectory {
  public:
   struct Location {
@@ -33,7 +34,9 @@ class Trajectory {
   int64_t knot_interval_ns() const { return knot_interval_ns_; }
   double knot_interval_s() const { return static_cast<double>(knot_interval_ns_) * 1e-9; }
   int num_control_points() const { return static_cast<int>(control_points_.size()); }
-  ControlPoint& control_point(int index) { return control_points_[static_cast<size_t>(index)]; }
+  ControlPoint& control_point(int index) {
+    return control_points_[static_cast<size_t>(index)];
+  }
   const ControlPoint& control_point(int index) const {
     return control_points_[static_cast<size_t>(index)];
   }

@@ -13,6 +13,9 @@ namespace {
 constexpr double kMarginSigmas = 6.0;  // of range noise, on both sides of the plane
 constexpr double kMiddleShare = 0.6;   // of a wall's width: its rim may border an opening
 constexpr double kPassedShare = 0.5;   // of a landmark's cells
+// Beams that cross a cell for each segment on it. Well above one: railings and rows of chairs
+// are surfaces too, though many beams find their gaps.
+constexpr int kPassagesPerSegment = 10;
 
 // Where a beam crosses a landmark's patch, well away from the plane at both of its ends.
 std::optional<PatchExtent::Cell> CrossedCell(const Landmark& landmark,
@@ -55,10 +58,11 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
     const std::map<PatchExtent::Cell, int>& seen_on = landmark.extent.cells();
     const auto& passed = passages[static_cast<size_t>(landmark.id)];
     const auto num_passed = std::count_if(passed.begin(), passed.end(), [&](const auto& cell) {
-      return cell.second > seen_on.at(cell.first);
+      return cell.second > kPassagesPerSegment * seen_on.at(cell.first);
     });
     passed_through.push_back(static_cast<double>(num_passed) >
-                             kPassedShare * kMiddleShare * static_cast<double>(seen_on.size()));
+                             kPassedShare * kMiddleShare *
+                                 static_cast<double>(seen_on.size()));
   }
   return passed_through;
 }

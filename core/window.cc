@@ -22,7 +22,8 @@ constexpr double kHuberWidth = 5.0;
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr double kFunctionTolerance = 1e-4;
 
-ceres::Solver::Options SolverOptions(ceres::LinearSolverType linear_solver, int max_iterations) {
+ceres::Solver::Options SolverOptions(ceres::LinearSolverType linear_solver,
+                                     int max_iterations) {
   ceres::Solver::Options options;
   options.linear_solver_type = linear_solver;
   options.max_num_iterations = max_iterations;
@@ -253,7 +254,8 @@ bool Window::Associate(int first_observation,
 void Window::Add(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
-  if (state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first < start_) return;
+  if (state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first < start_)
+    return;
   window_.push_back(observation_index);
   if (!tracked) recent_.push_back(observation_index);
 }
@@ -265,9 +267,8 @@ void Window::Solve(int64_t now_ns, double window_s) {
   if (start_ == 0) AddStart(&problem);
   AddMotionPriors(&problem, start_, num_control_points - 3);
   for (const int index : window_) {
-    problem.AddObservation(state_->observations[static_cast<size_t>(index)],
-                           FactorKind::kSegment,
-                           kHuberWidth);
+    problem.AddObservation(
+        state_->observations[static_cast<size_t>(index)], FactorKind::kSegment, kHuberWidth);
   }
   problem.Solve(SolverOptions(ceres::SPARSE_NORMAL_CHOLESKY, 5));
 
@@ -276,9 +277,8 @@ void Window::Solve(int64_t now_ns, double window_s) {
   const auto is_newest = [&](const BlockId& block) {
     return block.kind != BlockId::Kind::kLandmark && block.index >= newest;
   };
-  NormalEquations poses = Restrict(equations, [](const BlockId& block) {
-    return block.kind != BlockId::Kind::kLandmark;
-  });
+  NormalEquations poses = Restrict(
+      equations, [](const BlockId& block) { return block.kind != BlockId::Kind::kLandmark; });
   poses.gradient.setZero();  // an optimum up to the solver's tolerance
   std::vector<BlockId> newest_blocks;
   for (const BlockId& block : poses.blocks) {

@@ -17,13 +17,13 @@ namespace plumbline {
 // Everything the mapper estimates, in one place; window, tracking and batch work on it.
 struct MapState {
   Trajectory trajectory;
-  std::deque<Landmark> landmarks;         // position = id; merged ones stay, without segments
-  std::deque<Observation> observations;   // by time
-  int64_t origin_time_ns = 0;             // instant whose position is the model frame's origin
+  std::deque<Landmark> landmarks;        // position = id; merged ones stay, without segments
+  std::deque<Observation> observations;  // by time
+  int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
 };
 
-// Joint covariance of some control points, from which a pose's covariance at any instant on them
-// follows.
+// Joint covariance of some control points, from which a pose's covariance at any instant on
+// them follows.
 class PoseUncertainty {
  public:
   PoseUncertainty() = default;
@@ -41,18 +41,20 @@ class PoseUncertainty {
   Eigen::MatrixXd covariance_;
 };
 
-// The estimation while scans come in (paper, section 4.6, with marginalised history in place of
-// frozen planes). Track() is the light step of every scan: newest poses only, planes held.
-// Solve() is the full step, once per knot interval: all control points and planes of the window;
-// what leaves it is marginalised into a prior on all the planes and the oldest control points
-// that remain.
+// The estimation while scans come in (paper, section 4.6, with marginalised history in place
+// of frozen planes). Track() is the light step of every scan: newest poses only, planes held.
+// Solve() is the full step, once per knot interval: all control points and planes of the
+// window; what leaves it is marginalised into a prior on all the planes and the oldest control
+// points that remain.
 class Window {
  public:
   Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
 
   // Associates the observations first .. last of the newest scan with the candidates and
   // estimates its poses, in turn until the associations stand.
-  void Track(int first_observation, int last_observation, const std::vector<int>& candidate_ids);
+  void Track(int first_observation,
+             int last_observation,
+             const std::vector<int>& candidate_ids);
 
   // An observation that has been given a landmark: takes part from now on, unless it is older
   // than the window. tracked: by Track(), which knows of it already.
@@ -86,12 +88,12 @@ class Window {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  int start_ = 0;                // first control point of the window
-  Prior history_;                // marginalised, on control points from start_ and landmarks
-  std::vector<int> window_;      // observations not yet marginalised
-  Prior tracking_prior_;         // on the newest control points, from all scans so far, planes held
-  int tracking_known_ = 0;       // control points that tracking_prior_ knows of
-  std::vector<int> recent_;      // observations that tracking_prior_ does not know of
+  int start_ = 0;            // first control point of the window
+  Prior history_;            // marginalised, on control points from start_ and landmarks
+  std::vector<int> window_;  // observations not yet marginalised
+  Prior tracking_prior_;    // on the newest control points, from all scans so far, planes held
+  int tracking_known_ = 0;  // control points that tracking_prior_ knows of
+  std::vector<int> recent_;  // observations that tracking_prior_ does not know of
   PoseUncertainty pose_uncertainty_;
 };
 

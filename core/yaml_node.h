@@ -12,29 +12,30 @@ class Node;
 namespace plumbline {
 
 // A YAML mapping, sequence or scalar that is read strictly: every key must be asked for, none
-// may stand twice, types and ranges must fit. Every error is an Error whose message starts with
-// "file:line: ". Reading code names each key once:
+// may stand twice, types and ranges must fit. Every error is an Error whose message starts
+// with "file:line: ". Reading code names each key once:
 //
 //   YamlNode root = YamlNode::ReadFile("rig.yaml");
 //   for (const YamlNode& scanner : root["scanners"].Elements()) {
 //     name = scanner["name"].AsString();
 //     noise = scanner["range_noise_m"].AsDouble(0.0001, 1.0);
-//     scanner.Optional("time_offset_s", &offset, -10.0, 10.0);   // keeps the default if absent
-//     scanner.RejectUnreadKeys();                                 // call last on each mapping
+//     scanner.Optional("time_offset_s", &offset, -10.0, 10.0);   // keeps the default if
+//     absent scanner.RejectUnreadKeys();                                 // call last on each
+//     mapping
 //   }
 class YamlNode {
  public:
   static YamlNode ReadFile(const std::string& path);
   static YamlNode ReadText(const std::string& text, const std::string& name);
 
-  bool Has(const std::string& key) const;          // marks the key as known
+  bool Has(const std::string& key) const;             // marks the key as known
   YamlNode operator[](const std::string& key) const;  // Error when the key is missing
-  std::vector<YamlNode> Elements() const;          // of a sequence
+  std::vector<YamlNode> Elements() const;             // of a sequence
 
   std::string AsString() const;
   bool AsBool() const;
   int AsInt(int min, int max) const;
-  double AsDouble(double min, double max) const;   // finite, min <= value <= max
+  double AsDouble(double min, double max) const;  // finite, min <= value <= max
   // A sequence of exactly size numbers (size < 0: any number of them).
   std::vector<double> AsDoubles(int size, double min, double max) const;
   // One of the allowed words; returns its index.

@@ -25,12 +25,12 @@ std::unique_ptr<ceres::Manifold> CreateYawManifold();
 // delta_2.
 std::unique_ptr<ceres::Manifold> CreateGeneralPlaneManifold();
 
-// Vertical plane (a, d), 2 -> 2, that bends along with the plane's turning about a vertical line
-// through centre (x, y of the world):
+// Vertical plane (a, d), 2 -> 2, that bends along with the plane's turning about a vertical
+// line through centre (x, y of the world):
 //   a [+] delta = a + delta_0
 //   d [+] delta = d + delta_1 + (n(a + delta_0) - n(a) - n'(a) delta_0) . centre
-// To first order this is the plain sum. A plane seen far from the origin turns about where it was
-// seen; in the plain sum that is a curved valley, in which Gauss-Newton steps creep.
+// To first order this is the plain sum. A plane seen far from the origin turns about where it
+// was seen; in the plain sum that is a curved valley, in which Gauss-Newton steps creep.
 std::unique_ptr<ceres::Manifold> CreateVerticalPlaneManifold(const Eigen::Vector2d& centre);
 
 // d q / d delta of q [+] delta at delta = 0, 4 x 3.
