@@ -77,7 +77,7 @@ TEST_F(ConfigTest, EveryOptionIsWritten) {
 }
 
 TEST_F(ConfigTest, WhatIsNotNamedKeepsItsDefault) {
-  EXPECT_EQ(MapperOptionsToYaml(Read("window: {num_scans: 20}\n")),
+  EXPECT_EQ(MapperOptionsToYaml(Read("window: {num_scans: 10}\n")),
             MapperOptionsToYaml(MapperOptions()));
   const MapperOptions options = Read("planes:\n  min_scans: 5\n");
   EXPECT_EQ(options.planes.min_scans, 5);

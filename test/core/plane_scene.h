@@ -96,6 +96,7 @@ inline Observation ObservePlane(const ScanLine& line,
   const auto point = [&](int beam) -> Eigen::Vector2d {
     return line.ranges[static_cast<size_t>(beam)] * line.BeamDirection(beam);
   };
+  segment.sigma_offset_m = scanner.range_noise_m / std::sqrt(segment.num_points);
   const double length = (point(last_beam) - point(first_beam)).norm();
   segment.sigma_direction_rad =
       scanner.range_noise_m * std::sqrt(12.0 / segment.num_points) / length;
