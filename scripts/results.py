@@ -80,6 +80,7 @@ def row(case, results):
             span([p["missed"] for p in planes], 0),
             span([p["angle_deg"]["max"] for p in planes], 3),
             span([1e3 * p["distance_m"]["max"] for p in planes], 2),
+            span([1e3 * e["planes_aligned"]["distance_m"]["max"] for e, _ in good], 2),
             span([1e3 * s["residual_rms_m"] for _, s in good], 2),
             span([s["real_time_factor"] for _, s in good], 1),
             span([s["peak_memory_mb"] for _, s in good], 0),
@@ -113,8 +114,8 @@ def main():
             print(f"{number} of {len(jobs)} runs done", file=sys.stderr)
     print("| case | mapped | position RMSE / mm | rotation RMSE / deg | planes on true faces | "
           "wrong | doubled | missed | largest angle error / deg | largest distance error / mm | "
-          "residual RMS / mm | times real time | memory / MB |")
-    print("|" + "---|" * 13)
+          "the same, aligned / mm | residual RMS / mm | times real time | memory / MB |")
+    print("|" + "---|" * 14)
     for case in cases:
         print(row(case, found[case]))
     for error in errors:

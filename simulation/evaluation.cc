@@ -128,8 +128,8 @@ TrajectoryEvaluation EvaluateTrajectory(const EvaluationInput& input,
   evaluation.num_poses = static_cast<int>(pairs.size());
   evaluation.unaligned = ComputePoseErrors(pairs);
   evaluation.relative_1m = ComputeRelativeErrors(pairs, path_length);
-  const Rigid3d alignment = Align(pairs, planar);
-  for (PosePair& pair : pairs) pair.estimate = alignment * pair.estimate;
+  evaluation.alignment = Align(pairs, planar);
+  for (PosePair& pair : pairs) pair.estimate = evaluation.alignment * pair.estimate;
   evaluation.aligned = ComputePoseErrors(pairs);
   return evaluation;
 }
@@ -267,10 +267,15 @@ Evaluation Evaluate(const EvaluationInput& input, const PlaneMatchingOptions& op
   evaluation.frame = FindModelFrame(input, truth, options);
   const Rigid3d& model_from_truth = evaluation.frame.model_from_truth;
   evaluation.trajectory = EvaluateTrajectory(input, truth, model_from_truth);
-  evaluation.planes = MatchPlanes(input.planes,
-                                  TransformPatches(model_from_truth, input.truth_planes),
-                                  input.figures.motion == "planar",
-                                  options);
+  const bool planar = input.figures.motion == "planar";
+  const std::vector<PlanePatch> truth_planes =
+      TransformPatches(model_from_truth, input.truth_planes);
+  evaluation.planes = MatchPlanes(input.planes, truth_planes, planar, options);
+  evaluation.planes_aligned =
+      MatchPlanes(TransformPatches(evaluation.trajectory.alignment, input.planes),
+                  truth_planes,
+                  planar,
+                  options);
   return evaluation;
 }
 

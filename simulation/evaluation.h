@@ -53,6 +53,7 @@ struct TrajectoryEvaluation {
   PoseErrors unaligned;         // truth in the model frame by the frame's definition
   PoseErrors aligned;           // after the best rigid motion of the result onto the truth
   PoseErrors relative_1m;       // of the motion over each metre of the path
+  Rigid3d alignment;            // that rigid motion
 };
 
 // How the truth was brought into the model frame.
@@ -66,6 +67,9 @@ struct Evaluation {
   ModelFrame frame;
   TrajectoryEvaluation trajectory;
   PlaneEvaluation planes;
+  // The planes moved by the trajectory's alignment: the error of the model frame's origin, which
+  // is the first pose, taken out.
+  PlaneEvaluation planes_aligned;
 };
 
 // Poses between the samples of a dense trajectory: cubic through the four nearest samples, for

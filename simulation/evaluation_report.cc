@@ -209,6 +209,11 @@ std::string EvaluationTable(const Evaluation& evaluation) {
          1000.0 * planes.distance_rmse_m,
          1000.0 * planes.distance_max_m,
          planes.distance_over_sigma_rms);
+  const PlaneEvaluation& aligned = evaluation.planes_aligned;
+  Append(&text,
+         "  after the trajectory's alignment: distance rmse %.3f mm, max %.3f mm\n",
+         1000.0 * aligned.distance_rmse_m,
+         1000.0 * aligned.distance_max_m);
   Append(&text,
          "\nResiduals: rms %.2f mm, variance factor %.4f\n",
          1000.0 * evaluation.figures.residual_rms_m,
@@ -222,7 +227,8 @@ void WriteEvaluation(const Evaluation& evaluation, const std::string& path) {
                      {"variance_factor", evaluation.figures.variance_factor},
                      {"model_from_truth", ToJson(evaluation.frame)},
                      {"trajectory", ToJson(evaluation.trajectory)},
-                     {"planes", ToJson(evaluation.planes)}};
+                     {"planes", ToJson(evaluation.planes)},
+                     {"planes_aligned", ToJson(evaluation.planes_aligned)}};
   WriteFileAtomically(path, json.dump(2) + "\n");
 }
 
