@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
 
@@ -22,6 +23,56 @@ double PeakMemoryMb() {
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
+
+// Share of points on planes over time, to tell where the pose is doubtful: where the estimate
+// went astray, segments no longer lie on the planes.
+class SupportOverTime {
+ public:
+  void Add(double time_s, bool on_plane) {
+    const auto bin = static_cast<size_t>(std::max(0.0, time_s) / kBinSeconds);
+    if (bin >= bins_.size()) bins_.resize(bin + 1);
+    ++bins_[bin].num_points;
+    bins_[bin].num_on_planes += on_plane ? 1 : 0;
+  }
+
+  // One sentence for each stretch with less than half of the overall share.
+  std::vector<std::string> Warnings() const {
+    Bin total;
+    for (const Bin& bin : bins_) {
+      total.num_points += bin.num_points;
+      total.num_on_planes += bin.num_on_planes;
+    }
+    std::vector<std::string> warnings;
+    for (size_t i = 0; i < bins_.size(); ++i) {
+      if (!IsDoubtful(bins_[i], total)) continue;
+      const size_t first = i;
+      while (i + 1 < bins_.size() && IsDoubtful(bins_[i + 1], total)) ++i;
+      char text[160];
+      std::snprintf(
+          text,
+          sizeof(text),
+          "from %.2f to %.2f s less than half as many points as usual lie on planes: "
+          "the pose is doubtful there",
+          static_cast<double>(first) * kBinSeconds,
+          static_cast<double>(i + 1) * kBinSeconds);
+      warnings.emplace_back(text);
+    }
+    return warnings;
+  }
+
+ private:
+  static constexpr double kBinSeconds = 0.25;
+  struct Bin {
+    int64_t num_points = 0;
+    int64_t num_on_planes = 0;
+  };
+
+  static bool IsDoubtful(const Bin& bin, const Bin& total) {
+    return 2 * bin.num_on_planes * total.num_points < bin.num_points * total.num_on_planes;
+  }
+
+  std::vector<Bin> bins_;
+};
 
 // Second pass over the recording: places every valid point, so that none had to be kept.
 class PointExporter {
@@ -45,6 +96,10 @@ class PointExporter {
       Place(scan_line, first, next_observation, recording->start_ns());
     }
     CHECK_EQ(next_observation, state_.observations.size()) << "observations out of order";
+    for (const std::string& warning : support_.Warnings()) {
+      LOG(WARNING) << warning;
+      summary->warnings.push_back(warning);
+    }
     summary->points = num_points_;
     summary->points_used = num_used_;
     summary->residual_rms_m =
@@ -92,6 +147,7 @@ class PointExporter {
         point.plane_id = landmark->id;
         point.residual_m = static_cast<float>(residual);
       }
+      support_.Add(point.time_s, point.plane_id >= 0);
       writer_->AddMapPoint(point);
     }
   }
@@ -100,6 +156,7 @@ class PointExporter {
   const MapState& state_;
   ResultWriter* writer_;
   std::vector<const Landmark*> landmark_of_beam_;
+  SupportOverTime support_;
   int64_t num_points_ = 0;
   int64_t num_used_ = 0;
   double sum_squares_ = 0.0;
@@ -160,9 +217,10 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
   summary.motion = result.planar ? "planar" : "spatial";
   summary.reference_plane_id = 0;
-  summary.warnings = recording.warnings();
-  summary.warnings.insert(
-      summary.warnings.end(), result.warnings.begin(), result.warnings.end());
+  std::vector<std::string> warnings = recording.warnings();
+  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+  warnings.insert(warnings.end(), summary.warnings.begin(), summary.warnings.end());
+  summary.warnings = std::move(warnings);
   summary.peak_memory_mb = PeakMemoryMb();
   writer.WriteSummary(summary);
   writer.Commit();
