@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "factors/so3.h"
-
 namespace plumbline {
 namespace {
 
@@ -15,28 +13,6 @@ namespace {
 constexpr double kCoarseMargin = 4.0;
 
 }  // namespace
-
-Matrix6d SplineErrorCovariance(const Trajectory& trajectory, int64_t time_ns) {
-  constexpr double kShareOfJump = 1.0 / 32.0;
-  const int first = trajectory.Locate(time_ns).first;
-  const auto rotation = [&](int j) {
-    return Eigen::Map<const Eigen::Quaterniond>(
-        trajectory.control_point(first + j).rotation.data());
-  };
-  const auto position = [&](int j) {
-    return Eigen::Map<const Eigen::Vector3d>(
-        trajectory.control_point(first + j).position.data());
-  };
-  const auto step = [&](int j) { return Log(rotation(j).conjugate() * rotation(j + 1)); };
-  const double turn = kShareOfJump * (step(2) - 2.0 * step(1) + step(0)).norm();
-  const double shift =
-      kShareOfJump *
-      (position(3) - 3.0 * position(2) + 3.0 * position(1) - position(0)).norm();
-  Matrix6d covariance = Matrix6d::Zero();
-  covariance.diagonal() << Eigen::Vector3d::Constant(turn * turn),
-      Eigen::Vector3d::Constant(shift * shift);
-  return covariance;
-}
 
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
   return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&

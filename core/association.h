@@ -12,11 +12,6 @@ namespace plumbline {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// What a cubic spline can not follow: where the motion's acceleration jumps by a within a knot
-// interval h, the best spline is off by about a h^2 / 32. The third differences of the four
-// control points at the instant tell a h^2. World-frame rotation and position, isotropic.
-Matrix6d SplineErrorCovariance(const Trajectory& trajectory, int64_t time_ns);
-
 // Which landmarks an observation may belong to, by the gap rule: with loop closure switched
 // off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);

@@ -81,8 +81,7 @@ PoseUncertainty::PoseUncertainty(const NormalEquations& equations)
 
 Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
   const Eigen::MatrixXd jacobian = JacobianAt(trajectory, time_ns);
-  return jacobian * covariance_ * jacobian.transpose() +
-         SplineErrorCovariance(trajectory, time_ns);
+  return jacobian * covariance_ * jacobian.transpose();
 }
 
 Eigen::MatrixXd PoseUncertainty::JacobianAt(const Trajectory& trajectory,
@@ -179,7 +178,8 @@ bool Window::AssociateJointly(int first_observation,
     const int64_t time_ns = observation.middle_time_ns();
     const Eigen::MatrixXd pose_by_control =
         pose_uncertainty_.JacobianAt(state_->trajectory, time_ns);
-    const Matrix6d pose_covariance = pose_uncertainty_.At(state_->trajectory, time_ns);
+    const Matrix6d pose_covariance =
+        pose_by_control * pose_uncertainty_.covariance() * pose_by_control.transpose();
     for (const PossibleLandmark& possible : PossibleLandmarks(
              observation,
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
@@ -188,12 +188,10 @@ bool Window::AssociateJointly(int first_observation,
              state_->landmarks,
              candidate_ids,
              options_.association)) {
-      const Matrix6d spline_error = SplineErrorCovariance(state_->trajectory, time_ns);
       pairings.push_back({index,
                           possible.id,
                           possible.deviation.value,
-                          possible.noise + possible.deviation.by_pose * spline_error *
-                                               possible.deviation.by_pose.transpose(),
+                          possible.noise,
                           possible.deviation.by_pose * pose_by_control});
     }
   }

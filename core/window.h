@@ -29,7 +29,7 @@ class PoseUncertainty {
   PoseUncertainty() = default;
   explicit PoseUncertainty(const NormalEquations& equations);
 
-  // World-frame rotation (rad) and position (m) of the body, the spline's own error included.
+  // World-frame rotation (rad) and position (m) of the body.
   Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
   // Derivative of the pose by the control points, in the columns of covariance().
   Eigen::MatrixXd JacobianAt(const Trajectory& trajectory, int64_t time_ns) const;

@@ -70,11 +70,9 @@ def row(case, results):
     cells = [case, f"{len(good)} of {len(results)}"]
     if good:
         trajectories = [e["trajectory"]["unaligned"] for e, _ in good]
-        aligned = [e["trajectory"]["aligned"] for e, _ in good]
         planes = [e["planes"] for e, _ in good]
         cells += [
             span([1e3 * t["position_m"]["rmse"] for t in trajectories], 2),
-            span([1e3 * t["position_m"]["rmse"] for t in aligned], 2),
             span([t["rotation_deg"]["rmse"] for t in trajectories], 3),
             span([p["matched"] + p["doubled"] for p in planes], 0),
             span([p["wrong"] for p in planes], 0),
@@ -114,10 +112,10 @@ def main():
             if isinstance(result, str):
                 errors.append(f"{case}, seed {seed}: {result}")
             print(f"{number} of {len(jobs)} runs done", file=sys.stderr)
-    print("| case | mapped | position RMSE / mm | the same, aligned / mm | rotation RMSE / deg | planes on true faces | "
+    print("| case | mapped | position RMSE / mm | rotation RMSE / deg | planes on true faces | "
           "wrong | doubled | missed | largest angle error / deg | largest distance error / mm | "
           "the same, aligned / mm | residual RMS / mm | times real time | memory / MB |")
-    print("|" + "---|" * 15)
+    print("|" + "---|" * 14)
     for case in cases:
         print(row(case, found[case]))
     for error in errors:
