@@ -311,6 +311,52 @@ void Follower::Follow(const Scan& scan) {
   }
 }
 
+// Takes the recording scan by scan, up to its end or a gap that can not be bridged. Throws
+// Error when there is no start or the pose is lost.
+void FollowRecording(const Rig& rig,
+                     bool planar,
+                     const MapperOptions& options,
+                     const ProgressCallback& progress,
+                     RecordingReader* recording,
+                     Follower* follower,
+                     std::vector<std::string>* warnings) {
+  const double duration_s =
+      std::max(1e-9, SecondsBetween(recording->start_ns(), recording->end_ns()));
+  int num_skipped = 0;
+  ScanReader scans(rig, recording);
+  Scan scan;
+  int64_t previous_end_ns = 0;
+  while (scans.Next(&scan)) {
+    const double now_s = SecondsBetween(recording->start_ns(), scan.start_ns);
+    progress("following", now_s / duration_s);
+    if (!follower->started()) {
+      if (!follower->Start(scan)) {
+        ++num_skipped;
+        if (now_s > kMaxStartSearch) break;
+      }
+    } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
+      warnings->push_back("the map ends " + FormatSeconds(now_s) +
+                          " into the recording: no scans for " +
+                          FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
+                          ", a gap the motion can not be followed across");
+      break;
+    } else {
+      follower->Follow(scan);
+    }
+    previous_end_ns = scan.end_ns;
+  }
+  if (!follower->started()) {
+    throw Error(
+        "no start: none of the first " + std::to_string(num_skipped) + " scans shows " +
+        (planar ? "a wall clearly enough" : "floor or ceiling and a wall clearly enough"));
+  }
+  if (num_skipped > 0) {
+    warnings->push_back(
+        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
+        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+  }
+}
+
 }  // namespace
 
 MapResult MapRecording(const Rig& rig,
@@ -330,48 +376,13 @@ MapResult MapRecording(const Rig& rig,
   Stopwatch tracking_watch;
   Stopwatch batch_watch;
   Follower follower(rig, planar, options, num_threads, recording->scan_period_s());
-  const double duration_s =
-      std::max(1e-9, SecondsBetween(recording->start_ns(), recording->end_ns()));
-  int num_skipped = 0;
   {
     const Stopwatch::Running running(&tracking_watch);
-    ScanReader scans(rig, recording);
-    Scan scan;
-    int64_t previous_end_ns = 0;
-    while (scans.Next(&scan)) {
-      const double now_s = SecondsBetween(recording->start_ns(), scan.start_ns);
-      progress("following", now_s / duration_s);
-      if (!follower.started()) {
-        if (!follower.Start(scan)) {
-          ++num_skipped;
-          if (now_s > kMaxStartSearch) break;
-        }
-      } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
-        warnings.push_back("the map ends " + FormatSeconds(now_s) +
-                           " into the recording: no scans for " +
-                           FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
-                           ", a gap the motion can not be followed across");
-        break;
-      } else {
-        follower.Follow(scan);
-      }
-      previous_end_ns = scan.end_ns;
-    }
-  }
-  if (!follower.started()) {
-    throw Error(
-        "no start: none of the first " + std::to_string(num_skipped) + " scans shows " +
-        (planar ? "a wall clearly enough" : "floor or ceiling and a wall clearly enough"));
-  }
-  if (num_skipped > 0) {
-    warnings.push_back(
-        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
-        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+    FollowRecording(rig, planar, options, progress, recording, &follower, &warnings);
   }
   MapResult result(std::move(follower.state()));
   result.planar = planar;
   result.scan_times_ns = follower.scan_times_ns();
-  result.num_skipped_scans = num_skipped;
   result.warnings = std::move(warnings);
   {
     const Stopwatch::Running running(&batch_watch);

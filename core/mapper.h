@@ -21,7 +21,6 @@ struct MapResult {
   MapState state;
   bool planar = false;
   std::vector<int64_t> scan_times_ns;  // instant of each mapped scan
-  int num_skipped_scans = 0;           // before the model frame was found
   BatchReport batch;
   std::vector<std::pair<std::string, double>> stages;  // name, seconds
   std::vector<std::string> warnings;
