@@ -41,10 +41,16 @@ class Batch {
     for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
       problem->AddMotionPrior(i, options_.trajectory);
     }
+    std::vector<const Observation*> associated;
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
-      problem->AddObservation(observation, factor, huber_width);
+      if (factor == FactorKind::kPoint) {
+        problem->AddPoints(observation);
+      } else {
+        associated.push_back(&observation);
+      }
     }
+    problem->AddSegments(associated, huber_width);
     return problem;
   }
 
@@ -54,6 +60,9 @@ class Batch {
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 30;
     options.function_tolerance = function_tolerance;
+    // Gauss-Newton from the start: what the window leaves is close, and damping would only
+    // slow the weakly determined directions, the shape of a long loop above all.
+    options.initial_trust_region_radius = 1e12;
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);

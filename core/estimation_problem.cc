@@ -13,6 +13,7 @@
 #include "factors/point_factor.h"
 #include "factors/position_factor.h"
 #include "factors/schur.h"
+#include "factors/segment_group.h"
 
 namespace plumbline {
 namespace {
@@ -166,58 +167,93 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
   return blocks;
 }
 
-void EstimationProblem::AddObservation(const Observation& observation,
-                                       FactorKind factor,
-                                       double huber_width) {
+double EstimationProblem::WeightScale(const Observation& observation) const {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const Rigid3d& body_from_scanner = rig_.scanners[scanner].body_from_scanner;
   const Rigid3d world_from_body =
       trajectory_->WorldFromBody(observation.measurement.node_times_ns[1]);
-  const double scale = WhiteningScale(
-      observation, world_from_body.rotation * body_from_scanner.rotation, landmark.Normal());
+  return WhiteningScale(
+      observation,
+      world_from_body.rotation * rig_.scanners[scanner].body_from_scanner.rotation,
+      landmark.Normal());
+}
+
+void EstimationProblem::AddPoints(const Observation& observation) {
+  const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const double scale = WeightScale(observation);
   Register(LandmarkBlock(landmark.id));
-  const auto add = [&](int first,
-                       int count,
-                       std::unique_ptr<ceres::CostFunction> cost,
-                       ceres::LossFunction* loss) {
-    std::vector<double*> blocks = ControlPointBlocks(first, count);
+  for (size_t i = 0; i < observation.points.size(); ++i) {
+    const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
+    const PointMeasurement measurement{
+        observation.points[i], at.u, scale * observation.point_whitening[i]};
+    std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());
     blocks.push_back(Data(LandmarkBlock(landmark.id)));
-    problem_.AddResidualBlock(cost.release(), loss, blocks);
-  };
-  if (factor == FactorKind::kPoint) {
-    for (size_t i = 0; i < observation.points.size(); ++i) {
-      const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
-      const PointMeasurement measurement{
-          observation.points[i], at.u, scale * observation.point_whitening[i]};
-      add(at.first,
-          kOrder,
-          CreatePointFactor(measurement, landmark.model, landmark.sign),
-          nullptr);
+    problem_.AddResidualBlock(
+        CreatePointFactor(measurement, landmark.model, landmark.sign).release(),
+        nullptr,
+        blocks);
+  }
+}
+
+void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
+                                    double huber_width) {
+  std::map<int, std::vector<const Observation*>> by_interval;
+  for (const Observation* observation : observations) {
+    by_interval[trajectory_->Locate(observation->measurement.node_times_ns[0]).first]
+        .push_back(observation);
+  }
+  for (const auto& [first, members] : by_interval) AddGroup(first, members, huber_width);
+}
+
+void EstimationProblem::AddGroup(int first,
+                                 const std::vector<const Observation*>& members,
+                                 double huber_width) {
+  std::vector<SegmentGroup::Scanner> scanners;
+  for (const Scanner& scanner : rig_.scanners) {
+    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
+                        scanner.body_from_scanner.translation});
+  }
+  std::map<int, int> plane_of;  // landmark id to position in planes
+  for (const Observation* observation : members) plane_of.emplace(observation->landmark_id, 0);
+  std::vector<SegmentGroup::Plane> planes;
+  std::vector<double*> plane_blocks;
+  for (auto& [id, plane] : plane_of) {
+    plane = static_cast<int>(planes.size());
+    const Landmark& landmark = (*landmarks_)[static_cast<size_t>(id)];
+    planes.push_back({landmark.model, landmark.sign});
+    Register(LandmarkBlock(id));
+    plane_blocks.push_back(Data(LandmarkBlock(id)));
+  }
+  std::vector<SegmentGroup::Segment> segments;
+  int count = kOrder;
+  for (const Observation* observation : members) {
+    SegmentGroup::Segment segment;
+    segment.measurement = &observation->measurement;
+    for (size_t k = 0; k < 3; ++k) {
+      const Trajectory::Location at =
+          trajectory_->Locate(observation->measurement.node_times_ns[k]);
+      segment.nodes[k] = {at.first - first, at.u};
     }
-    return;
+    count = std::max(count, segment.nodes[2].first + kOrder);
+    segment.scanner = observation->scanner_index;
+    segment.plane = plane_of.at(observation->landmark_id);
+    segment.weight_scale = WeightScale(*observation);
+    segments.push_back(segment);
   }
-  std::array<Trajectory::Location, 3> at;
-  for (size_t k = 0; k < 3; ++k) {
-    at[k] = trajectory_->Locate(observation.measurement.node_times_ns[k]);
-  }
-  const int first = at[0].first;
-  std::array<SplineNode, 3> nodes;
-  for (size_t k = 0; k < 3; ++k) nodes[k] = {at[k].first - first, at[k].u};
-  const int count = at[2].first - first + kOrder;
-  ceres::LossFunction* loss = nullptr;
-  if (huber_width > 0.0) {
-    auto& shared = losses_[huber_width];
-    if (!shared) shared = std::make_unique<ceres::HuberLoss>(huber_width);
-    loss = shared.get();
-  }
-  add(first,
-      count,
-      CreateSegmentFactor(
-          observation.measurement, nodes, count, landmark.model, landmark.sign, scale),
-      loss);
+  std::vector<double*> blocks = ControlPointBlocks(first, count);
+  blocks.insert(blocks.end(), plane_blocks.begin(), plane_blocks.end());
+  problem_.AddResidualBlock(
+      CreateSegmentGroupFactor(SegmentGroup(count,
+                                            std::move(scanners),
+                                            std::move(planes),
+                                            std::move(segments),
+                                            huber_width))
+          .release(),
+      nullptr,
+      blocks);
 }
 
 void EstimationProblem::AddMotionPrior(int first, const TrajectoryOptions& options) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <ceres/crs_matrix.h>
-#include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -78,9 +77,12 @@ class EstimationProblem {
                     Trajectory* trajectory,
                     std::deque<Landmark>* landmarks);
 
-  // Point-to-plane residuals of one segment. huber_width: in standard deviations of the whole
-  // block's norm, 0 for plain least squares.
-  void AddObservation(const Observation& observation, FactorKind factor, double huber_width);
+  // Point-to-plane residuals of segments, one residual block for all that begin in the same
+  // knot interval (factors/segment_group.h). huber_width: in standard deviations of the norm
+  // of a segment's residuals, 0 for plain least squares. The observations outlive the problem.
+  void AddSegments(const std::vector<const Observation*>& observations, double huber_width);
+  // The same as one residual block for each beam, plain least squares.
+  void AddPoints(const Observation& observation);
   // Second differences of control points first, first+1, first+2.
   void AddMotionPrior(int first, const TrajectoryOptions& options);
   // First differences of the first two control points: unknown velocity at the start.
@@ -118,6 +120,11 @@ class EstimationProblem {
                 std::vector<double>* residuals,
                 ceres::CRSMatrix* jacobian);
   void Register(const BlockId& block);
+  double WeightScale(const Observation& observation) const;
+  // Segments that begin in the knot interval whose first control point this is.
+  void AddGroup(int first,
+                const std::vector<const Observation*>& members,
+                double huber_width);
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);
 
@@ -134,7 +141,6 @@ class EstimationProblem {
   std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
   std::vector<std::unique_ptr<ceres::Manifold>> plane_manifolds_;
   std::map<BlockId, double*> blocks_;
-  std::map<double, std::unique_ptr<ceres::LossFunction>> losses_;
   ceres::Problem problem_;
 };
 

@@ -139,13 +139,14 @@ std::unique_ptr<EstimationProblem> Window::TrackingProblem(int first_observation
   } else {
     problem->AddPrior(tracking_prior_);
   }
+  std::vector<const Observation*> associated;
   const auto add = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) return;
-    problem->AddObservation(observation, FactorKind::kSegment, kHuberWidth);
+    if (observation.landmark_id >= 0) associated.push_back(&observation);
   };
   for (const int index : recent_) add(index);
   for (int index = first_observation; index <= last_observation; ++index) add(index);
+  problem->AddSegments(associated, kHuberWidth);
   for (const Landmark& landmark : state_->landmarks) problem->Hold(LandmarkBlock(landmark.id));
   const int first_free = tracking_known_ == 0 ? 0 : tracking_prior_.blocks.front().index;
   for (int i = 0; i < first_free; ++i) {
@@ -266,10 +267,11 @@ void Window::Solve(int64_t now_ns, double window_s) {
   problem.AddPrior(history_);
   if (start_ == 0) AddStart(&problem);
   AddMotionPriors(&problem, start_, num_control_points - 3);
+  std::vector<const Observation*> in_window;
   for (const int index : window_) {
-    problem.AddObservation(
-        state_->observations[static_cast<size_t>(index)], FactorKind::kSegment, kHuberWidth);
+    in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
+  problem.AddSegments(in_window, kHuberWidth);
   problem.Solve(SolverOptions(ceres::SPARSE_NORMAL_CHOLESKY, 5));
 
   const NormalEquations equations = problem.Linearise();
@@ -314,6 +316,7 @@ void Window::Marginalise(int new_start) {
   if (start_ == 0) AddStart(&leaving);
   AddMotionPriors(&leaving, start_, new_start - 1);
   std::vector<int> staying;
+  std::vector<const Observation*> gone;
   for (const int index : window_) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     const int first =
@@ -321,9 +324,10 @@ void Window::Marginalise(int new_start) {
     if (first >= new_start) {
       staying.push_back(index);
     } else {
-      leaving.AddObservation(observation, FactorKind::kSegment, kHuberWidth);
+      gone.push_back(&observation);
     }
   }
+  leaving.AddSegments(gone, kHuberWidth);
   const NormalEquations equations = leaving.Linearise();
   std::vector<BlockId> kept;
   for (const BlockId& block : equations.blocks) {

@@ -2,29 +2,79 @@
 
 #include <glog/logging.h>
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace plumbline {
 namespace {
 
-// Eigenvectors of the eigenvalues above the tolerance, and these eigenvalues' square roots.
-struct RangeBasis {
-  Eigen::MatrixXd vectors;
-  Eigen::VectorXd roots;
-};
+// Cholesky's elimination of a positive semi-definite matrix with a gradient, the largest
+// remaining pivot first. Scaled to a unit diagonal: metres and radians become comparable, and
+// rounding errors are then of the size of epsilon itself.
+class PivotedElimination {
+ public:
+  PivotedElimination(const Eigen::MatrixXd& lower, const Eigen::VectorXd& gradient)
+      : scale_(lower.diagonal().unaryExpr(
+            [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 1.0; })),
+        matrix_(lower.selfadjointView<Eigen::Lower>()),
+        gradient_(scale_.cwiseProduct(gradient)),
+        order_(static_cast<size_t>(lower.rows())) {
+    matrix_ = scale_.asDiagonal() * matrix_ * scale_.asDiagonal();
+    std::iota(order_.begin(), order_.end(), 0);
+  }
 
-RangeBasis FindRange(const Eigen::MatrixXd& matrix, double tolerance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  CHECK_EQ(solver.info(), Eigen::Success) << "normal matrix with entries that are not finite";
-  const Eigen::VectorXd& values = solver.eigenvalues();  // ascending
-  const Eigen::Index size = values.size();
-  const double indefinite = -100.0 * std::max(tolerance, 1e-13 * static_cast<double>(size));
-  CHECK_GE(values[0], indefinite) << "normal matrix is not positive semi-definite";
-  Eigen::Index rank = 0;
-  while (rank < size && values[size - 1 - rank] > tolerance) ++rank;
-  return {solver.eigenvectors().rightCols(rank), values.tail(rank).cwiseSqrt()};
-}
+  // Eliminates variables from among those at positions begin .. end - 1, as long as more than
+  // the tolerance remains of one; returns how many. Visits each: (row of the root over the
+  // variables, scaling undone; its offset).
+  template <typename Visit>
+  int Eliminate(Eigen::Index begin, Eigen::Index end, double tolerance, Visit visit) {
+    const Eigen::Index size = matrix_.rows();
+    const double indefinite = -100.0 * std::max(tolerance, 1e-13 * static_cast<double>(size));
+    Eigen::RowVectorXd row(size);
+    for (Eigen::Index k = begin; k < end; ++k) {
+      Eigen::Index pivot_at = 0;
+      const double pivot = matrix_.diagonal().segment(k, end - k).maxCoeff(&pivot_at);
+      CHECK(std::isfinite(pivot)) << "normal matrix with entries that are not finite";
+      CHECK_GE(matrix_.diagonal().segment(k, end - k).minCoeff(), indefinite)
+          << "normal matrix is not positive semi-definite";
+      if (!(pivot > tolerance)) return static_cast<int>(k - begin);
+      Swap(k, k + pivot_at);
+      const double root = std::sqrt(pivot);
+      const Eigen::Index after = size - k - 1;
+      const double offset = gradient_[k] / root;
+      // By symmetry the column below the pivot; contiguous in memory.
+      const Eigen::VectorXd column = matrix_.col(k).tail(after) / root;
+      gradient_.tail(after) -= offset * column;
+      for (Eigen::Index j = 0; j < after; ++j) {
+        matrix_.col(k + 1 + j).tail(after) -= column[j] * column;
+      }
+      row.setZero();
+      row[order_[static_cast<size_t>(k)]] = root;
+      for (Eigen::Index j = 0; j < after; ++j) {
+        row[order_[static_cast<size_t>(k + 1 + j)]] = column[j];
+      }
+      visit(row.cwiseQuotient(scale_.transpose()), offset);
+    }
+    return static_cast<int>(end - begin);
+  }
+
+ private:
+  void Swap(Eigen::Index a, Eigen::Index b) {
+    if (a == b) return;
+    matrix_.row(a).swap(matrix_.row(b));
+    matrix_.col(a).swap(matrix_.col(b));
+    std::swap(gradient_[a], gradient_[b]);
+    std::swap(order_[static_cast<size_t>(a)], order_[static_cast<size_t>(b)]);
+  }
+
+  Eigen::VectorXd scale_;
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd gradient_;
+  std::vector<int> order_;
+};
 
 }  // namespace
 
@@ -32,44 +82,30 @@ MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,
                                const Eigen::VectorXd& gradient,
                                int num_marginalised,
                                double relative_tolerance) {
-  const Eigen::Index num_kept = hessian.rows() - num_marginalised;
+  const Eigen::Index size = hessian.rows();
+  const Eigen::Index num_kept = size - num_marginalised;
   CHECK_EQ(hessian.rows(), hessian.cols());
   CHECK_EQ(hessian.rows(), gradient.size());
   CHECK_GE(num_marginalised, 0);
   CHECK_GE(num_kept, 1);
 
-  // Unit diagonal: metres and radians become comparable, and rounding errors of the reduced
-  // matrix are then of the size of epsilon itself.
-  const Eigen::VectorXd scale = hessian.diagonal().unaryExpr(
-      [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 1.0; });
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
-  const Eigen::VectorXd scaled_gradient = scale.cwiseProduct(gradient);
-
+  PivotedElimination elimination(hessian, gradient);
   MarginalisedSystem system;
-  Eigen::MatrixXd reduced = scaled.bottomRightCorner(num_kept, num_kept);
-  Eigen::VectorXd reduced_gradient = scaled_gradient.tail(num_kept);
-  if (num_marginalised > 0) {
-    const RangeBasis range = FindRange(
-        scaled.topLeftCorner(num_marginalised, num_marginalised), relative_tolerance);
-    system.marginalised_rank = static_cast<int>(range.roots.size());
-    // H_mm^+ = W W^T.
-    const Eigen::MatrixXd half_inverse =
-        range.vectors * range.roots.cwiseInverse().asDiagonal();
-    const Eigen::MatrixXd coupling =
-        half_inverse.transpose() * scaled.topRightCorner(num_marginalised, num_kept);
-    reduced.noalias() -= coupling.transpose() * coupling;
-    reduced_gradient.noalias() -=
-        coupling.transpose() *
-        (half_inverse.transpose() * scaled_gradient.head(num_marginalised));
-  }
-
-  const RangeBasis range = FindRange(reduced, relative_tolerance);
-  system.rank = static_cast<int>(range.roots.size());
-  // Row i of S is sqrt(lambda_i) v_i^T, so that S^T S = V Lambda V^T; undo the scaling.
-  system.root = range.roots.asDiagonal() * range.vectors.transpose() *
-                scale.tail(num_kept).cwiseInverse().asDiagonal();
-  system.offset =
-      range.roots.cwiseInverse().asDiagonal() * (range.vectors.transpose() * reduced_gradient);
+  system.marginalised_rank = elimination.Eliminate(
+      0, num_marginalised, relative_tolerance, [](const Eigen::RowVectorXd&, double) {});
+  Eigen::MatrixXd root(num_kept, num_kept);
+  Eigen::VectorXd offset(num_kept);
+  Eigen::Index next = 0;
+  system.rank = elimination.Eliminate(num_marginalised,
+                                      size,
+                                      relative_tolerance,
+                                      [&](const Eigen::RowVectorXd& row, double row_offset) {
+                                        root.row(next) = row.tail(num_kept);
+                                        offset[next] = row_offset;
+                                        ++next;
+                                      });
+  system.root = root.topRows(system.rank);
+  system.offset = offset.head(system.rank);
   return system;
 }
 

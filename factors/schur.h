@@ -15,10 +15,11 @@ struct MarginalisedSystem {
 };
 
 // Schur complement of the normal matrix H = J^T J and gradient g = J^T r, ordered
-// [ marginalised | kept ], onto the kept variables. H must be symmetric and positive
-// semi-definite; CHECKs when it is clearly indefinite. A direction counts as free when, with
-// all variables scaled to unit information (unit diagonal of H), less than relative_tolerance
-// of it remains.
+// [ marginalised | kept ], onto the kept variables, by Cholesky's elimination with pivoting.
+// Only the lower triangle of H is read; H must be positive semi-definite; CHECKs when it is
+// clearly indefinite. A variable counts as free when, with all variables scaled to unit
+// information (unit diagonal of H), less than relative_tolerance of it remains after those
+// before it.
 MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,
                                const Eigen::VectorXd& gradient,
                                int num_marginalised,

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "factors/plane_model.h"
+#include "factors/segment_factor.h"
+
+namespace ceres {
+class CostFunction;
+}
+
+namespace plumbline {
+
+// All segments of one stretch of the trajectory as one least squares term. Its cost is the sum
+// of the segments' costs (CreateSegmentFactor, with Huber's loss where asked for); what they
+// share, the spline's steps above all, is computed once, and whatever their number, a solver
+// sees no more rows than the term has unknowns, plus one.
+//
+// Extrinsics are constant here: to estimate them, use the segments' own factors.
+class SegmentGroup {
+ public:
+  struct Scanner {
+    Eigen::Matrix3d body_from_scanner_rotation;
+    Eigen::Vector3d body_from_scanner_translation;
+  };
+  struct Plane {
+    PlaneModel model = PlaneModel::kVertical;
+    double sign = 1.0;  // horizontal planes
+  };
+  struct Segment {
+    const SegmentMeasurement* measurement = nullptr;  // outlives the group
+    std::array<SplineNode, 3> nodes;
+    int scanner = 0;  // position in scanners
+    int plane = 0;    // position in planes
+    double weight_scale = 1.0;
+  };
+
+  // Quadratic model at some parameters: cost(delta) = cost + gradient.delta + delta^T hessian
+  // delta / 2. Rows: [ rotation tangents (3 each) | positions (3 each) | plane parameters ].
+  struct Quadratic {
+    double cost = 0.0;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;  // lower triangle
+  };
+
+  // huber_width: in standard deviations of the norm of a segment's residuals; 0: plain least
+  // squares.
+  SegmentGroup(int num_control_points,
+               std::vector<Scanner> scanners,
+               std::vector<Plane> planes,
+               std::vector<Segment> segments,
+               double huber_width);
+
+  int num_control_points() const { return num_control_points_; }
+  const std::vector<Plane>& planes() const { return planes_; }
+  // First row of a plane's parameters; the last element is the number of rows.
+  const std::vector<int>& plane_offsets() const { return plane_offsets_; }
+  int size() const { return plane_offsets_.back(); }
+
+  // parameters: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | planes ]. Gauss-Newton, each segment
+  // weighted by its loss' first derivative.
+  void Linearise(double const* const* parameters, Quadratic* quadratic) const;
+
+ private:
+  int num_control_points_;
+  std::vector<Scanner> scanners_;
+  std::vector<Plane> planes_;
+  std::vector<int> plane_offsets_;
+  std::vector<Segment> segments_;  // by plane
+  double huber_width_;
+};
+
+// Ceres' view of a group: size() + 1 residuals, an orthogonal transformation of the segments'
+// own with the same cost, gradient and Gauss-Newton matrix. It remembers its last
+// linearisation, so that an accepted step costs nothing again; hence one factor serves one
+// thread at a time.
+// Blocks: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | planes ]
+std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(SegmentGroup group);
+
+}  // namespace plumbline

@@ -1,0 +1,159 @@
+#include "factors/segment_group.h"
+
+#include <ceres/cost_function.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "test/factors/factor_testing.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumControlPoints = 5;
+
+// Three planes, a rig of two scanners and segments with arbitrary roots on them.
+struct Scene {
+  std::vector<SegmentGroup::Scanner> scanners;
+  std::vector<SegmentGroup::Plane> planes = {{PlaneModel::kHorizontal, -1.0},
+                                             {PlaneModel::kVertical, 1.0},
+                                             {PlaneModel::kGeneral, 1.0}};
+  std::vector<Eigen::VectorXd> plane_parameters;
+  std::vector<SegmentMeasurement> measurements;
+  std::vector<SegmentGroup::Segment> segments;
+  TestBlocks blocks;
+
+  explicit Scene(int num_segments) {
+    TestRandom random(11);
+    blocks.AddSpline(kNumControlPoints, 0.2, &random);
+    for (int i = 0; i < 2; ++i) {
+      scanners.push_back({random.Rotation(1.0).toRotationMatrix(), random.Vector(0.3)});
+    }
+    plane_parameters = {Eigen::VectorXd::Constant(1, 2.0), Eigen::Vector2d(0.4, -3.0)};
+    Eigen::Vector4d general;
+    general << random.Vector(1.0).normalized(), 1.5;
+    plane_parameters.push_back(general);
+    for (size_t i = 0; i < planes.size(); ++i) {
+      blocks.AddPlane(planes[i].model, plane_parameters[i]);
+    }
+    measurements.resize(static_cast<size_t>(num_segments));
+    for (int i = 0; i < num_segments; ++i) {
+      SegmentMeasurement& measurement = measurements[static_cast<size_t>(i)];
+      measurement.num_nodes = i % 4 == 0 ? 1 : 3;
+      measurement.root.setZero(2 + i % 6, 9);
+      for (double& value : measurement.root.leftCols(3 * measurement.num_nodes).reshaped()) {
+        value = random.Uniform(-1.0, 1.0);
+      }
+      SegmentGroup::Segment segment;
+      segment.measurement = &measurement;
+      const double u = random.Uniform(0.0, 0.8);
+      segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
+      segment.scanner = i % 2;
+      segment.plane = i % 3;
+      segment.weight_scale = random.Uniform(0.5, 2.0);
+      segments.push_back(segment);
+    }
+  }
+
+  SegmentGroup Group(double huber_width) const {
+    return SegmentGroup(kNumControlPoints, scanners, planes, segments, huber_width);
+  }
+};
+
+// The segments one by one through their own factors, in the group's tangent space.
+struct Expected {
+  double cost = 0.0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd hessian;
+};
+
+Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
+  const Eigen::Index size = scene.blocks.size() == 0 ? 0 : 6 * kNumControlPoints + 1 + 2 + 3;
+  Expected expected;
+  expected.gradient.setZero(size);
+  expected.hessian.setZero(size, size);
+  const int plane_at[] = {
+      6 * kNumControlPoints, 6 * kNumControlPoints + 1, 6 * kNumControlPoints + 3};
+  const int plane_size[] = {1, 2, 3};  // tangents
+  for (const SegmentGroup::Segment& segment : scene.segments) {
+    TestBlocks blocks;
+    TestRandom random(11);
+    blocks.AddSpline(kNumControlPoints, 0.2, &random);
+    const SegmentGroup::Scanner& scanner =
+        scene.scanners[static_cast<size_t>(segment.scanner)];
+    blocks.AddRotation(Eigen::Quaterniond(scanner.body_from_scanner_rotation));
+    blocks.AddEuclidean(scanner.body_from_scanner_translation);
+    const auto plane = static_cast<size_t>(segment.plane);
+    blocks.AddPlane(scene.planes[plane].model, scene.plane_parameters[plane]);
+    const auto factor = CreateSegmentFactor(*segment.measurement,
+                                            segment.nodes,
+                                            kNumControlPoints,
+                                            scene.planes[plane].model,
+                                            scene.planes[plane].sign,
+                                            segment.weight_scale);
+    const Eigen::VectorXd residuals = blocks.Residuals(*factor);
+    const Eigen::MatrixXd all = blocks.TangentJacobian(*factor);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residuals.size(), size);
+    const int poses = 6 * kNumControlPoints;
+    jacobian.leftCols(poses) = all.leftCols(poses);
+    jacobian.middleCols(plane_at[plane], plane_size[plane]) = all.rightCols(plane_size[plane]);
+    const double norm = residuals.norm();
+    const bool outlier = huber_width > 0.0 && norm > huber_width;
+    const double weight = outlier ? huber_width / norm : 1.0;
+    expected.cost +=
+        outlier ? huber_width * (norm - 0.5 * huber_width) : 0.5 * residuals.squaredNorm();
+    expected.gradient += weight * jacobian.transpose() * residuals;
+    expected.hessian += weight * jacobian.transpose() * jacobian;
+  }
+  return expected;
+}
+
+// Few segments leave directions free, many do not.
+TEST(SegmentGroup, FactorEqualsItsSegments) {
+  for (const int num_segments : {3, 60}) {
+    for (const double huber_width : {0.0, 3.0}) {
+      const Scene scene(num_segments);
+      const Expected expected = SumOfSegmentFactors(scene, huber_width);
+      const auto factor = CreateSegmentGroupFactor(scene.Group(huber_width));
+      const Eigen::VectorXd residuals = scene.blocks.Residuals(*factor);
+      const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor);
+      EXPECT_NEAR(0.5 * residuals.squaredNorm(), expected.cost, 1e-10 * expected.cost);
+      EXPECT_LT((jacobian.transpose() * residuals - expected.gradient).norm(),
+                1e-8 * expected.gradient.norm());
+      EXPECT_LT((jacobian.transpose() * jacobian - expected.hessian).norm(),
+                1e-10 * expected.hessian.norm());
+    }
+  }
+}
+
+TEST(SegmentGroup, HuberTouchesSomeSegmentsOnly) {
+  const Scene scene(60);
+  const double plain = SumOfSegmentFactors(scene, 0.0).cost;
+  const double robust = SumOfSegmentFactors(scene, 3.0).cost;
+  const double very_wide = SumOfSegmentFactors(scene, 1e6).cost;
+  EXPECT_LT(robust, 0.95 * plain);
+  EXPECT_EQ(very_wide, plain);
+}
+
+// The factor remembers its last linearisation: other parameters must not meet it.
+TEST(SegmentGroup, FollowsItsParameters) {
+  Scene scene(30);
+  const auto factor = CreateSegmentGroupFactor(scene.Group(0.0));
+  const Eigen::VectorXd before = scene.blocks.Residuals(*factor);
+  scene.blocks[kNumControlPoints][0] += 0.1;
+  const Eigen::VectorXd moved = scene.blocks.Residuals(*factor);
+  EXPECT_GT((moved - before).norm(), 1e-3);
+  scene.blocks[kNumControlPoints][0] -= 0.1;
+  EXPECT_LT((scene.blocks.Residuals(*factor) - before).norm(), 1e-9);
+}
+
+TEST(SegmentGroup, HasNoMoreResidualsThanUnknownsPlusOne) {
+  const Scene scene(200);
+  const auto factor = CreateSegmentGroupFactor(scene.Group(0.0));
+  EXPECT_EQ(factor->num_residuals(), 6 * kNumControlPoints + 1 + 2 + 4 + 1);
+}
+
+}  // namespace
+}  // namespace plumbline
