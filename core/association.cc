@@ -19,6 +19,18 @@ bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOpti
                              landmark.first_scan - scan_index <= options.max_gap_scans);
 }
 
+std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
+                                                   int scan_index,
+                                                   const LoopClosureOptions& options) {
+  std::vector<LandmarkCandidate> candidates;
+  for (const Landmark& landmark : landmarks) {
+    if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
+      candidates.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+    }
+  }
+  return candidates;
+}
+
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
   // A bump somewhere along the segment: its offset, and the slope between its two halves.
   const double slope = flatness_m / std::max(0.5 * length_m, flatness_m);
@@ -31,8 +43,7 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
                                                 const Rigid3d& body_from_scanner,
                                                 const ObservationPoses& poses,
                                                 const Matrix6d& pose_covariance,
-                                                const std::deque<Landmark>& landmarks,
-                                                const std::vector<int>& candidate_ids,
+                                                const std::vector<LandmarkCandidate>& candidates,
                                                 const AssociationOptions& options) {
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
@@ -49,14 +60,16 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);
   std::vector<PossibleLandmark> possible;
-  for (const int id : candidate_ids) {
-    const Landmark& landmark = landmarks[static_cast<size_t>(id)];
-    const Eigen::Vector3d normal = landmark.Normal();
-    const double distance = landmark.Distance();
+  for (const auto& [landmark_at, normal, distance] : candidates) {
+    const Landmark& landmark = *landmark_at;
     if (normal.dot(world_from_scanner.translation) <= distance) continue;
     // Cheap first: a distance that no covariance can explain.
-    const Eigen::RowVector2d by_plane =
-        landmark.DeviationJacobian(centroid_world, Eigen::Vector3d::Zero()).row(0);
+    Eigen::RowVector2d by_plane(-1.0, 0.0);
+    if (landmark.model == PlaneModel::kVertical) {
+      const double along =
+          normal.x() * centroid_world.y() - normal.y() * centroid_world.x();
+      by_plane << (landmark.heading_fixed ? 0.0 : along), -1.0;
+    }
     const double max_variance =
         2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
         flatness(0, 0) + by_plane.dot(landmark.covariance * by_plane.transpose());
@@ -72,7 +85,7 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
         noise + deviation.by_pose * pose_covariance * deviation.by_pose.transpose();
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    possible.push_back({id, deviation, noise, distance2 + std::log(covariance.determinant())});
+    possible.push_back({landmark.id, deviation, noise, distance2 + std::log(covariance.determinant())});
   }
   return possible;
 }
@@ -81,8 +94,7 @@ int FindLandmark(const Observation& observation,
                  const Rigid3d& body_from_scanner,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::deque<Landmark>& landmarks,
-                 const std::vector<int>& candidate_ids,
+                 const std::vector<LandmarkCandidate>& candidates,
                  const AssociationOptions& options) {
   double best_score = std::numeric_limits<double>::infinity();
   int best_id = -1;
@@ -90,8 +102,7 @@ int FindLandmark(const Observation& observation,
                                                             body_from_scanner,
                                                             poses,
                                                             pose_covariance,
-                                                            landmarks,
-                                                            candidate_ids,
+                                                            candidates,
                                                             options)) {
     if (possible.score >= best_score) continue;
     best_score = possible.score;

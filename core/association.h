@@ -16,6 +16,19 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
+// A landmark as association looks at it: what every test asks for at hand. Valid while the
+// landmark stands still.
+struct LandmarkCandidate {
+  const Landmark* landmark = nullptr;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
+  double distance = 0.0;
+};
+
+// The landmarks with segments that observations of this scan may belong to.
+std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
+                                                   int scan_index,
+                                                   const LoopClosureOptions& options);
+
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);
 
@@ -36,8 +49,7 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
                                                 const Rigid3d& body_from_scanner,
                                                 const ObservationPoses& poses,
                                                 const Matrix6d& pose_covariance,
-                                                const std::deque<Landmark>& landmarks,
-                                                const std::vector<int>& candidate_ids,
+                                                const std::vector<LandmarkCandidate>& candidates,
                                                 const AssociationOptions& options);
 
 // The landmark whose plane an observation most probably lies on, or -1. A candidate must face
@@ -49,8 +61,7 @@ int FindLandmark(const Observation& observation,
                  const Rigid3d& body_from_scanner,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::deque<Landmark>& landmarks,
-                 const std::vector<int>& candidate_ids,
+                 const std::vector<LandmarkCandidate>& candidates,
                  const AssociationOptions& options);
 
 }  // namespace plumbline

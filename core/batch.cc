@@ -85,22 +85,21 @@ class Batch {
   // Associates every observation anew; returns how many changed.
   int Reassociate() {
     int num_changed = 0;
-    std::vector<int> ids;
+    std::vector<LandmarkCandidate> candidates;
+    int candidates_scan = -1;
     for (Observation& observation : state_->observations) {
-      ids.clear();
-      for (const Landmark& landmark : state_->landmarks) {
-        if (landmark.num_segments > 0 &&
-            IsWithinGap(landmark, observation.scan_index, options_.loop_closure)) {
-          ids.push_back(landmark.id);
-        }
+      if (candidates_scan < 0 ||
+          (!options_.loop_closure.enabled && observation.scan_index != candidates_scan)) {
+        candidates_scan = observation.scan_index;
+        candidates =
+            CandidatesWithinGap(state_->landmarks, candidates_scan, options_.loop_closure);
       }
       const int id = FindLandmark(
           observation,
           rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
           ObservationPoses(state_->trajectory, observation),
           Matrix6d::Zero(),
-          state_->landmarks,
-          ids,
+          candidates,
           options_.association);
       num_changed += id != observation.landmark_id ? 1 : 0;
       observation.landmark_id = id;

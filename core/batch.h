@@ -5,7 +5,7 @@
 
 #include "core/mapper_options.h"
 #include "core/rig.h"
-#include "core/window.h"
+#include "core/map_state.h"
 
 namespace plumbline {
 

@@ -5,36 +5,21 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "core/arrow_matrix.h"
 #include "core/error.h"
+#include "core/map_state.h"
+#include "core/observation_groups.h"
 #include "factors/manifolds.h"
 #include "factors/motion_factor.h"
 #include "factors/point_factor.h"
 #include "factors/position_factor.h"
-#include "factors/schur.h"
-#include "factors/segment_group.h"
 
 namespace plumbline {
 namespace {
 
 constexpr int kOrder = 4;
-// Whitening of the origin's gauge constraint: far below any measured precision, yet well
-// conditioned beside the residuals.
-constexpr double kOriginSigma = 1e-5;  // m
-
-int AmbientSize(const BlockId& block, const std::deque<Landmark>& landmarks) {
-  switch (block.kind) {
-    case BlockId::Kind::kRotation:
-      return 4;
-    case BlockId::Kind::kPosition:
-      return 3;
-    case BlockId::Kind::kLandmark:
-      return landmarks[static_cast<size_t>(block.index)].num_parameters();
-  }
-  LOG(FATAL) << "unknown block";
-  return 0;
-}
 
 ceres::Problem::Options ProblemOptions() {
   ceres::Problem::Options options;
@@ -117,15 +102,33 @@ double* EstimationProblem::Data(const BlockId& block) const {
   return nullptr;
 }
 
+int EstimationProblem::AmbientSize(const BlockId& block) const {
+  switch (block.kind) {
+    case BlockId::Kind::kRotation:
+      return 4;
+    case BlockId::Kind::kPosition:
+      return 3;
+    case BlockId::Kind::kLandmark:
+      return (*landmarks_)[static_cast<size_t>(block.index)].num_parameters();
+  }
+  LOG(FATAL) << "unknown block";
+  return 0;
+}
+
+LinearPrior::Kind EstimationProblem::KindOf(const BlockId& block) const {
+  if (block.kind != BlockId::Kind::kRotation) return LinearPrior::Kind::kEuclidean;
+  return planar_ ? LinearPrior::Kind::kYawRotation : LinearPrior::Kind::kRotation;
+}
+
 int EstimationProblem::TangentSize(const BlockId& block) const {
   if (block.kind == BlockId::Kind::kRotation) return planar_ ? 1 : 3;
-  return AmbientSize(block, *landmarks_);
+  return AmbientSize(block);
 }
 
 void EstimationProblem::Register(const BlockId& block) {
   double* data = Data(block);
   if (!blocks_.emplace(block, data).second) return;
-  problem_.AddParameterBlock(data, AmbientSize(block, *landmarks_));
+  problem_.AddParameterBlock(data, AmbientSize(block));
   switch (block.kind) {
     case BlockId::Kind::kRotation:
       problem_.SetManifold(data, rotation_manifold_.get());
@@ -167,21 +170,10 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
   return blocks;
 }
 
-double EstimationProblem::WeightScale(const Observation& observation) const {
-  const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
-  const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const Rigid3d world_from_body =
-      trajectory_->WorldFromBody(observation.measurement.node_times_ns[1]);
-  return WhiteningScale(
-      observation,
-      world_from_body.rotation * rig_.scanners[scanner].body_from_scanner.rotation,
-      landmark.Normal());
-}
-
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const double scale = WeightScale(observation);
+  const double scale = WeightScale(rig_, *trajectory_, *landmarks_, observation);
   Register(LandmarkBlock(landmark.id));
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
@@ -200,60 +192,17 @@ void EstimationProblem::AddPoints(const Observation& observation) {
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  std::map<int, std::vector<const Observation*>> by_interval;
-  for (const Observation* observation : observations) {
-    by_interval[trajectory_->Locate(observation->measurement.node_times_ns[0]).first]
-        .push_back(observation);
-  }
-  for (const auto& [first, members] : by_interval) AddGroup(first, members, huber_width);
-}
-
-void EstimationProblem::AddGroup(int first,
-                                 const std::vector<const Observation*>& members,
-                                 double huber_width) {
-  std::vector<SegmentGroup::Scanner> scanners;
-  for (const Scanner& scanner : rig_.scanners) {
-    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
-                        scanner.body_from_scanner.translation});
-  }
-  std::map<int, int> plane_of;  // landmark id to position in planes
-  for (const Observation* observation : members) plane_of.emplace(observation->landmark_id, 0);
-  std::vector<SegmentGroup::Plane> planes;
-  std::vector<double*> plane_blocks;
-  for (auto& [id, plane] : plane_of) {
-    plane = static_cast<int>(planes.size());
-    const Landmark& landmark = (*landmarks_)[static_cast<size_t>(id)];
-    planes.push_back({landmark.model, landmark.sign});
-    Register(LandmarkBlock(id));
-    plane_blocks.push_back(Data(LandmarkBlock(id)));
-  }
-  std::vector<SegmentGroup::Segment> segments;
-  int count = kOrder;
-  for (const Observation* observation : members) {
-    SegmentGroup::Segment segment;
-    segment.measurement = &observation->measurement;
-    for (size_t k = 0; k < 3; ++k) {
-      const Trajectory::Location at =
-          trajectory_->Locate(observation->measurement.node_times_ns[k]);
-      segment.nodes[k] = {at.first - first, at.u};
+  for (ObservationGroup& group :
+       GroupObservations(rig_, *trajectory_, *landmarks_, observations, huber_width)) {
+    std::vector<double*> blocks =
+        ControlPointBlocks(group.first_control_point, group.group.num_control_points());
+    for (const int id : group.landmark_ids) {
+      Register(LandmarkBlock(id));
+      blocks.push_back(Data(LandmarkBlock(id)));
     }
-    count = std::max(count, segment.nodes[2].first + kOrder);
-    segment.scanner = observation->scanner_index;
-    segment.plane = plane_of.at(observation->landmark_id);
-    segment.weight_scale = WeightScale(*observation);
-    segments.push_back(segment);
+    problem_.AddResidualBlock(
+        CreateSegmentGroupFactor(std::move(group.group)).release(), nullptr, blocks);
   }
-  std::vector<double*> blocks = ControlPointBlocks(first, count);
-  blocks.insert(blocks.end(), plane_blocks.begin(), plane_blocks.end());
-  problem_.AddResidualBlock(
-      CreateSegmentGroupFactor(SegmentGroup(count,
-                                            std::move(scanners),
-                                            std::move(planes),
-                                            std::move(segments),
-                                            huber_width))
-          .release(),
-      nullptr,
-      blocks);
 }
 
 void EstimationProblem::AddMotionPrior(int first, const TrajectoryOptions& options) {
@@ -305,16 +254,10 @@ void EstimationProblem::AddPrior(const Prior& prior) {
   problem_.AddResidualBlock(CreateLinearPriorFactor(prior.linear).release(), nullptr, blocks);
 }
 
-void EstimationProblem::Hold(const BlockId& block) {
-  if (blocks_.count(block) > 0) problem_.SetParameterBlockConstant(Data(block));
-}
-
-std::vector<BlockId> EstimationProblem::FreeBlocks() const {
-  std::vector<BlockId> free;
-  for (const auto& [block, data] : blocks_) {
-    if (!problem_.IsParameterBlockConstant(data)) free.push_back(block);
-  }
-  return free;
+std::vector<BlockId> EstimationProblem::Blocks() const {
+  std::vector<BlockId> blocks;
+  for (const auto& [block, data] : blocks_) blocks.push_back(block);
+  return blocks;
 }
 
 ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& options) {
@@ -350,7 +293,7 @@ void EstimationProblem::Evaluate(const std::vector<BlockId>& blocks,
 
 NormalEquations EstimationProblem::Linearise() {
   NormalEquations equations;
-  equations.blocks = FreeBlocks();
+  equations.blocks = Blocks();
   std::vector<int> full_column;
   std::vector<double> residuals;
   ceres::CRSMatrix jacobian;
@@ -370,7 +313,7 @@ NormalEquations EstimationProblem::Linearise() {
 
 Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* landmark_blocks,
                                                       std::vector<int>* landmark_offsets) {
-  const std::vector<BlockId> blocks = FreeBlocks();
+  const std::vector<BlockId> blocks = Blocks();
   std::vector<int> offsets;
   std::vector<int> full_column;
   std::vector<double> residuals;
@@ -416,37 +359,6 @@ Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* land
     covariance.col(i).setZero();
   }
   return covariance;
-}
-
-Prior EstimationProblem::MarginaliseOnto(const NormalEquations& equations,
-                                         const std::vector<BlockId>& kept) const {
-  std::vector<int> order;
-  Prior prior;
-  std::vector<int> kept_rows;
-  for (size_t i = 0; i < equations.blocks.size(); ++i) {
-    const BlockId& block = equations.blocks[i];
-    const bool keep = std::binary_search(kept.begin(), kept.end(), block);
-    for (int row = equations.offsets[i]; row < equations.offsets[i + 1]; ++row) {
-      (keep ? kept_rows : order).push_back(row);
-    }
-    if (!keep) continue;
-    const double* data = Data(block);
-    LinearPrior::Block linear;
-    linear.kind = block.kind != BlockId::Kind::kRotation ? LinearPrior::Kind::kEuclidean
-                  : planar_                              ? LinearPrior::Kind::kYawRotation
-                                                         : LinearPrior::Kind::kRotation;
-    linear.size = AmbientSize(block, *landmarks_);
-    linear.x0 = Eigen::Map<const Eigen::VectorXd>(data, linear.size);
-    prior.blocks.push_back(block);
-    prior.linear.blocks.push_back(std::move(linear));
-  }
-  const int num_marginalised = static_cast<int>(order.size());
-  order.insert(order.end(), kept_rows.begin(), kept_rows.end());
-  const MarginalisedSystem result = Marginalise(
-      equations.hessian(order, order), equations.gradient(order), num_marginalised);
-  prior.linear.root = result.root;
-  prior.linear.offset = result.offset;
-  return prior;
 }
 
 }  // namespace plumbline

@@ -46,8 +46,7 @@ inline BlockId PositionBlock(int control_point) {
 }
 inline BlockId LandmarkBlock(int id) { return {1, id, BlockId::Kind::kLandmark}; }
 
-// A Gaussian on some blocks: history that has been marginalised, or the outcome of an
-// estimation.
+// A Gaussian on some blocks: history that has been marginalised.
 struct Prior {
   std::vector<BlockId> blocks;  // in order, parallel to linear.blocks
   LinearPrior linear;
@@ -91,9 +90,8 @@ class EstimationProblem {
   void AddOrigin(int64_t time_ns);
   void AddPrior(const Prior& prior);
 
-  void Hold(const BlockId& block);
-  // Blocks that occur in residuals and are not held, in order.
-  std::vector<BlockId> FreeBlocks() const;
+  // Blocks that occur in residuals, in order.
+  std::vector<BlockId> Blocks() const;
 
   // Throws Error when the solver fails.
   ceres::Solver::Summary Solve(const ceres::Solver::Options& options);
@@ -105,11 +103,9 @@ class EstimationProblem {
   // have zero rows. Throws Error when the problem does not determine its unknowns.
   Eigen::MatrixXd LandmarkCovariance(std::vector<BlockId>* blocks, std::vector<int>* offsets);
   int TangentSize(const BlockId& block) const;
+  int AmbientSize(const BlockId& block) const;
+  LinearPrior::Kind KindOf(const BlockId& block) const;
   double* Data(const BlockId& block) const;
-
-  // The outcome as a Gaussian on the kept blocks, the others marginalised.
-  Prior MarginaliseOnto(const NormalEquations& equations,
-                        const std::vector<BlockId>& kept) const;
 
  private:
   // Jacobian of all residuals by the free blocks. Ceres' columns leave out the directions that
@@ -120,11 +116,6 @@ class EstimationProblem {
                 std::vector<double>* residuals,
                 ceres::CRSMatrix* jacobian);
   void Register(const BlockId& block);
-  double WeightScale(const Observation& observation) const;
-  // Segments that begin in the knot interval whose first control point this is.
-  void AddGroup(int first,
-                const std::vector<const Observation*>& members,
-                double huber_width);
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);
 

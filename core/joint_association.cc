@@ -89,6 +89,9 @@ std::vector<size_t> ChooseJointly(const std::vector<Pairing>& pairings,
   double best_cost = std::numeric_limits<double>::infinity();
   for (size_t g = 0; g < std::min(groups.size(), kMaxStartObservations); ++g) {
     for (size_t i = groups[g].first; i < groups[g].second; ++i) {
+      // From a pairing of the best chain so far one would come to the same chain again.
+      const std::vector<size_t>& known = best.chosen();
+      if (std::find(known.begin(), known.end(), i) != known.end()) continue;
       Chain chain(covariance);
       const double cost = chain.Cost(pairings[i], gate);
       if (cost >= clutter_cost) continue;

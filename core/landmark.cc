@@ -60,7 +60,7 @@ void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector
   std::optional<Cell> previous;
   AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
     const Cell cell = CellOf(p);
-    if (cell != previous) ++cells_[cell];
+    if (cell != previous) cells_.Add(cell, 1);
     previous = cell;
     return false;
   });
@@ -71,17 +71,6 @@ void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector
   }
   constexpr size_t kReduceAt = 4096;
   if (hull_points_.size() > kReduceAt) hull_points_ = HullOf(std::move(hull_points_));
-}
-
-bool PatchExtent::IsNear(const Cell& cell, int reach) const {
-  for (int i = -reach; i <= reach; ++i) {
-    const auto at = cells_.lower_bound({cell.first + i, cell.second - reach});
-    if (at != cells_.end() && at->first.first == cell.first + i &&
-        at->first.second <= cell.second + reach) {
-      return true;
-    }
-  }
-  return false;
 }
 
 bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
@@ -95,7 +84,7 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
     return false;
   }
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
-  return AnyAlong(a, b, [&](const Eigen::Vector2d& p) { return IsNear(CellOf(p), reach); });
+  return AnyAlong(a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
 }
 
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
@@ -106,17 +95,19 @@ PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& ce
 
 bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
-  return std::any_of(other.cells_.begin(), other.cells_.end(), [&](const auto& cell) {
-    return IsNear(CellFrom(other, cell.first), reach);
+  return other.cells_.Any([&](const Cell& cell, int) {
+    return cells_.IsNear(CellFrom(other, cell), reach);
   });
 }
 
 double PatchExtent::OverlapWith(const PatchExtent& other) const {
-  if (cells_.empty()) return 0.0;
-  const auto num_shared = std::count_if(cells_.begin(), cells_.end(), [&](const auto& cell) {
-    return other.cells_.count(other.CellFrom(*this, cell.first)) > 0;
+  if (empty()) return 0.0;
+  int num_shared = 0;
+  cells_.Any([&](const Cell& cell, int) {
+    if (other.cells_.Count(other.CellFrom(*this, cell)) > 0) ++num_shared;
+    return false;
   });
-  return static_cast<double>(num_shared) / static_cast<double>(cells_.size());
+  return static_cast<double>(num_shared) / cells_.num_occupied();
 }
 
 std::optional<PatchExtent::Cell> PatchExtent::MiddleCell(const Eigen::Vector3d& p_world,
@@ -127,11 +118,14 @@ std::optional<PatchExtent::Cell> PatchExtent::MiddleCell(const Eigen::Vector3d& 
     return std::nullopt;
   }
   const Cell cell = CellOf(p);
-  return cells_.count(cell) > 0 ? std::optional<Cell>(cell) : std::nullopt;
+  return cells_.Count(cell) > 0 ? std::optional<Cell>(cell) : std::nullopt;
 }
 
 void PatchExtent::Merge(const PatchExtent& other) {
-  for (const auto& [cell, count] : other.cells_) cells_[CellFrom(other, cell)] += count;
+  other.cells_.Any([&](const Cell& cell, int count) {
+    cells_.Add(CellFrom(other, cell), count);
+    return false;
+  });
   for (const Eigen::Vector2d& uv : other.hull_points_) {
     const Eigen::Vector2d p = Project(other.ToWorld(uv));
     min_ = min_.cwiseMin(p);
@@ -141,7 +135,7 @@ void PatchExtent::Merge(const PatchExtent& other) {
 }
 
 double PatchExtent::area_m2() const {
-  return static_cast<double>(cells_.size()) * kCellSize * kCellSize;
+  return cells_.num_occupied() * kCellSize * kCellSize;
 }
 
 std::vector<Eigen::Vector2d> PatchExtent::ConvexHull() const { return HullOf(hull_points_); }

@@ -4,11 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "core/cell_grid.h"
 #include "factors/plane_model.h"
 
 namespace plumbline {
@@ -19,7 +18,7 @@ namespace plumbline {
 // improves.
 class PatchExtent {
  public:
-  using Cell = std::pair<int, int>;
+  using Cell = CellGrid::Cell;
 
   PatchExtent() = default;
   PatchExtent(const Eigen::Vector3d& anchor_world,
@@ -40,10 +39,10 @@ class PatchExtent {
   // rectangle's width (along u); nothing elsewhere.
   std::optional<Cell> MiddleCell(const Eigen::Vector3d& p_world, double middle_share) const;
   // Number of segments seen on each occupied cell.
-  const std::map<Cell, int>& cells() const { return cells_; }
+  const CellGrid& cells() const { return cells_; }
   void Merge(const PatchExtent& other);
 
-  bool empty() const { return cells_.empty(); }
+  bool empty() const { return cells_.num_occupied() == 0; }
   double area_m2() const;
   Eigen::Vector2d min_corner() const { return min_; }
   Eigen::Vector2d max_corner() const { return max_; }
@@ -61,14 +60,13 @@ class PatchExtent {
     const Eigen::Vector3d from_anchor = p_world - anchor_;
     return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
   }
-  bool IsNear(const Cell& cell, int reach) const;
   // The cell of this extent that holds the middle of another extent's cell.
   Cell CellFrom(const PatchExtent& other, const Cell& cell) const;
 
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
-  std::map<Cell, int> cells_;
+  CellGrid cells_;
   std::vector<Eigen::Vector2d> hull_points_;  // reduced to their hull now and then
   Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e300);

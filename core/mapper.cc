@@ -14,6 +14,8 @@
 #include "core/initialisation.h"
 #include "core/scan_reader.h"
 #include "core/stopwatch.h"
+#include "core/tracker.h"
+#include "core/window.h"
 
 namespace plumbline {
 namespace {
@@ -61,7 +63,6 @@ class Follower {
  private:
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
-  std::vector<int> CandidateIds(int scan_index) const;
   void Accept(int observation_index, bool tracked);
   void StartPlanes(int min_scans);
   bool ShadowsLandmark(const PlaneCandidate& candidate) const;
@@ -77,6 +78,7 @@ class Follower {
   CandidatePlanes candidates_;
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
+  std::unique_ptr<Tracker> tracker_;
   std::vector<int64_t> scan_times_ns_;
   int64_t last_known_ns_ = 0;  // when the pose was last well determined
   int last_solved_interval_ = -1;
@@ -155,6 +157,7 @@ bool Follower::Start(const Scan& scan) {
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns});
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
+  tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());
   scan_times_ns_.push_back(scan.start_ns);
   last_known_ns_ = scan.end_ns;
 
@@ -182,17 +185,6 @@ bool Follower::Start(const Scan& scan) {
   return true;
 }
 
-std::vector<int> Follower::CandidateIds(int scan_index) const {
-  std::vector<int> ids;
-  for (const Landmark& landmark : state_->landmarks) {
-    if (landmark.num_segments > 0 &&
-        IsWithinGap(landmark, scan_index, options_.loop_closure)) {
-      ids.push_back(landmark.id);
-    }
-  }
-  return ids;
-}
-
 void Follower::Accept(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
@@ -210,7 +202,8 @@ void Follower::Accept(int observation_index, bool tracked) {
   landmark.last_time_ns = std::max(landmark.last_time_ns, observation.end_time_ns);
   ++landmark.num_segments;
   landmark.num_points += observation.num_points;
-  window_->Add(observation_index, tracked);
+  window_->Add(observation_index);
+  if (!tracked) tracker_->Add(observation_index);
 }
 
 void Follower::AddLandmark(PlaneCandidate candidate) {
@@ -224,11 +217,12 @@ void Follower::AddLandmark(PlaneCandidate candidate) {
 
 bool Follower::ShadowsLandmark(const PlaneCandidate& candidate) const {
   const int scan_index = static_cast<int>(scan_times_ns_.size()) - 1;
-  const std::vector<int> ids = CandidateIds(scan_index);
-  return std::any_of(ids.begin(), ids.end(), [&](int id) {
-    return IsShadow(
-        candidate.landmark, state_->landmarks[static_cast<size_t>(id)], MaxRangeNoise(rig_));
-  });
+  return std::any_of(
+      state_->landmarks.begin(), state_->landmarks.end(), [&](const Landmark& landmark) {
+        return landmark.num_segments > 0 &&
+               IsWithinGap(landmark, scan_index, options_.loop_closure) &&
+               IsShadow(candidate.landmark, landmark, MaxRangeNoise(rig_));
+      });
 }
 
 void Follower::StartPlanes(int min_scans) {
@@ -250,7 +244,7 @@ void Follower::StartPlanes(int min_scans) {
 
 void Follower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
-  window_->Solve(now_ns, window_s);
+  tracker_->Reset(window_->Solve(now_ns, window_s));
   for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
     if (state_->landmarks[static_cast<size_t>(into)].num_segments == 0) continue;
     window_->MergeLandmarks(into, from);
@@ -261,7 +255,7 @@ void Follower::SolveWindow(int64_t now_ns) {
 }
 
 void Follower::CheckNotLost(int64_t now_ns) {
-  const Matrix6d covariance = window_->pose_uncertainty().At(state_->trajectory, now_ns);
+  const Matrix6d covariance = tracker_->pose_uncertainty().At(state_->trajectory, now_ns);
   const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
   if (position < kLostPosition && rotation < kLostRotation) {
@@ -290,7 +284,7 @@ void Follower::Follow(const Scan& scan) {
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  window_->Track(first, last, CandidateIds(scan_index));
+  tracker_->Track(first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
   CheckNotLost(scan.end_ns);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -301,7 +295,7 @@ void Follower::Follow(const Scan& scan) {
           observation,
           index,
           state_->trajectory,
-          window_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
+          tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
     }
   }
   StartPlanes(options_.planes.min_scans);

@@ -10,7 +10,7 @@
 #include "core/mapper_options.h"
 #include "core/recording.h"
 #include "core/rig.h"
-#include "core/window.h"
+#include "core/map_state.h"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/rig.h"
-#include "core/window.h"
+#include "core/map_state.h"
 
 namespace plumbline {
 

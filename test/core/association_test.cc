@@ -66,14 +66,15 @@ class AssociationTest : public testing::Test {
   }
 
   int Find(const Matrix6d& pose_covariance = Matrix6d::Zero()) const {
-    std::vector<int> ids(landmarks_.size());
-    for (size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<int>(i);
+    std::vector<LandmarkCandidate> candidates;
+    for (const Landmark& landmark : landmarks_) {
+      candidates.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+    }
     return FindLandmark(observation_,
                         scanner_.body_from_scanner,
                         ObservationPoses(trajectory_, observation_),
                         pose_covariance,
-                        landmarks_,
-                        ids,
+                        candidates,
                         options_);
   }
 

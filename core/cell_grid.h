@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace plumbline {
+
+// Counts on the cells of a plane's grid, kept in the rectangle that has been seen.
+class CellGrid {
+ public:
+  using Cell = std::pair<int, int>;
+
+  // Throws Error when the rectangle grows beyond any building's.
+  void Add(const Cell& cell, int count);
+  int Count(const Cell& cell) const {
+    const int i = cell.first - first_.first;
+    const int j = cell.second - first_.second;
+    return i >= 0 && i < size_.first && j >= 0 && j < size_.second ? counts_[Index(i, j)] : 0;
+  }
+  // Whether a cell at most `reach` away in both directions has a count.
+  bool IsNear(const Cell& cell, int reach) const;
+  // Cells with a count.
+  int num_occupied() const { return num_occupied_; }
+
+  // Calls visit(cell, count) for the occupied cells, in order, until it returns true; whether
+  // it did.
+  template <typename Visit>
+  bool Any(Visit visit) const {
+    for (int i = 0; i < size_.first; ++i) {
+      for (int j = 0; j < size_.second; ++j) {
+        const int count = counts_[Index(i, j)];
+        if (count > 0 && visit(Cell(first_.first + i, first_.second + j), count)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  size_t Index(int i, int j) const {
+    return static_cast<size_t>(i) * static_cast<size_t>(size_.second) + static_cast<size_t>(j);
+  }
+  void Cover(const Cell& cell);
+
+  Cell first_ = {0, 0};
+  Cell size_ = {0, 0};
+  std::vector<int> counts_;  // row by row
+  int num_occupied_ = 0;
+};
+
+}  // namespace plumbline

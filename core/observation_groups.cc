@@ -1,0 +1,96 @@
+#include "core/observation_groups.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "factors/spline.h"
+
+namespace plumbline {
+namespace {
+
+ObservationGroup MakeGroup(const Rig& rig,
+                           const std::vector<SegmentGroup::Scanner>& scanners,
+                           const Trajectory& trajectory,
+                           const std::deque<Landmark>& landmarks,
+                           int first,
+                           const std::vector<const Observation*>& members,
+                           double huber_width) {
+  std::vector<int> ids;
+  for (const Observation* observation : members) ids.push_back(observation->landmark_id);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  std::vector<SegmentGroup::Plane> planes;
+  for (const int id : ids) {
+    const Landmark& landmark = landmarks[static_cast<size_t>(id)];
+    planes.push_back({landmark.model, landmark.sign});
+  }
+  std::vector<SegmentGroup::Segment> segments;
+  segments.reserve(members.size());
+  int num_control_points = kSplineOrder;
+  for (const Observation* observation : members) {
+    SegmentGroup::Segment segment;
+    segment.measurement = &observation->measurement;
+    for (size_t k = 0; k < 3; ++k) {
+      const Trajectory::Location at =
+          trajectory.Locate(observation->measurement.node_times_ns[k]);
+      segment.nodes[k] = {at.first - first, at.u};
+    }
+    num_control_points = std::max(num_control_points, segment.nodes[2].first + kSplineOrder);
+    segment.scanner = observation->scanner_index;
+    segment.plane = static_cast<int>(
+        std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
+    segment.weight_scale = WeightScale(rig, trajectory, landmarks, *observation);
+    segments.push_back(segment);
+  }
+  return {first,
+          std::move(ids),
+          SegmentGroup(num_control_points,
+                       scanners,
+                       std::move(planes),
+                       std::move(segments),
+                       huber_width)};
+}
+
+}  // namespace
+
+double WeightScale(const Rig& rig,
+                   const Trajectory& trajectory,
+                   const std::deque<Landmark>& landmarks,
+                   const Observation& observation) {
+  const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const Rigid3d world_from_body =
+      trajectory.WorldFromBody(observation.measurement.node_times_ns[1]);
+  return WhiteningScale(
+      observation,
+      world_from_body.rotation * rig.scanners[scanner].body_from_scanner.rotation,
+      landmark.Normal());
+}
+
+std::vector<ObservationGroup> GroupObservations(
+    const Rig& rig,
+    const Trajectory& trajectory,
+    const std::deque<Landmark>& landmarks,
+    const std::vector<const Observation*>& observations,
+    double huber_width) {
+  std::vector<SegmentGroup::Scanner> scanners;
+  for (const Scanner& scanner : rig.scanners) {
+    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
+                        scanner.body_from_scanner.translation});
+  }
+  std::map<int, std::vector<const Observation*>> by_interval;
+  for (const Observation* observation : observations) {
+    by_interval[trajectory.Locate(observation->measurement.node_times_ns[0]).first].push_back(
+        observation);
+  }
+  std::vector<ObservationGroup> groups;
+  groups.reserve(by_interval.size());
+  for (const auto& [first, members] : by_interval) {
+    groups.push_back(
+        MakeGroup(rig, scanners, trajectory, landmarks, first, members, huber_width));
+  }
+  return groups;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,440 @@
+#include "core/tracker.h"
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/error.h"
+#include "core/joint_association.h"
+#include "factors/manifolds.h"
+#include "factors/motion_factor.h"
+#include "factors/position_factor.h"
+#include "factors/so3.h"
+#include "factors/spline.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPoseSize = 6;  // rows of a control point
+constexpr int kMaxRounds = 4;
+constexpr int kMaxIterations = 4;
+constexpr int kMaxHalvings = 4;
+// The step that lowers the cost by less than this share of it is the last one.
+constexpr double kFunctionTolerance = 1e-4;
+// Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
+constexpr double kHuberWidth = 5.0;
+
+}  // namespace
+
+// One residual block of Ceres on control points, in the tracker's rows.
+struct Tracker::Term {
+  struct Block {
+    int row = 0;  // of the tangent
+    bool is_rotation = false;
+    double* data = nullptr;
+  };
+  std::shared_ptr<ceres::CostFunction> cost;
+  std::vector<Block> blocks;
+};
+
+struct Tracker::System {
+  double cost = 0.0;
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+};
+
+PoseUncertainty::Local PoseUncertainty::LocalJacobian(const Trajectory& trajectory,
+                                                      int64_t time_ns) const {
+  const Trajectory::Location at = trajectory.Locate(time_ns);
+  const double* rotations[kSplineOrder];
+  const double* positions[kSplineOrder];
+  for (int j = 0; j < kSplineOrder; ++j) {
+    rotations[j] = trajectory.control_point(at.first + j).rotation.data();
+    positions[j] = trajectory.control_point(at.first + j).position.data();
+  }
+  SplinePoseJacobian spline;
+  EvaluatePose(rotations, positions, at.u, &spline);
+  Local local;
+  // A pose before the first control point that is known depends on given ones as well.
+  const int known = std::max(at.first, first_);
+  const int last = static_cast<int>(covariance_.cols()) / kPoseSize + first_ - kSplineOrder;
+  const int begin = std::min(known, last);
+  local.column = kPoseSize * (begin - first_);
+  local.jacobian.setZero();
+  for (int j = 0; j < kSplineOrder; ++j) {
+    const int column = kPoseSize * (at.first + j - begin);
+    if (column < 0 || column >= local.jacobian.cols()) continue;
+    const auto index = static_cast<size_t>(j);
+    local.jacobian.block<3, 3>(0, column) = spline.rotation_wrt_control[index];
+    local.jacobian.block<3, 3>(3, column + 3).diagonal().setConstant(
+        spline.position_weights[index]);
+  }
+  return local;
+}
+
+Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
+  const Local local = LocalJacobian(trajectory, time_ns);
+  const Eigen::Matrix<double, 6, 24> cross =
+      local.jacobian * covariance_.block<24, 24>(local.column, local.column);
+  return cross * local.jacobian.transpose();
+}
+
+Eigen::MatrixXd PoseUncertainty::JacobianAt(const Trajectory& trajectory,
+                                            int64_t time_ns) const {
+  const Local local = LocalJacobian(trajectory, time_ns);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, covariance_.cols());
+  jacobian.middleCols<24>(local.column) = local.jacobian;
+  return jacobian;
+}
+
+Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+    : rig_(rig), planar_(planar), options_(options), state_(state) {}
+
+std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
+  std::vector<int> rows;
+  for (int row = 0; row < static_cast<int>(size); ++row) {
+    const int component = row % kPoseSize;  // 0, 1: roll, pitch; 5: height
+    if (planar_ && (component < 2 || component == 5)) continue;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
+  const std::vector<int> rows = FreeRows(information.rows());
+  const Eigen::MatrixXd free = information(rows, rows);
+  const Eigen::LLT<Eigen::MatrixXd> factor(free);
+  if (factor.info() != Eigen::Success) {
+    throw Error("the poses are not determined by the scans: singular estimate");
+  }
+  Eigen::MatrixXd covariance =
+      Eigen::MatrixXd::Zero(information.rows(), information.cols());
+  const Eigen::MatrixXd inverse =
+      factor.solve(Eigen::MatrixXd::Identity(free.rows(), free.cols()));
+  covariance(rows, rows) = inverse;
+  return covariance;
+}
+
+std::vector<Tracker::Term> Tracker::MotionTerms() const {
+  const double interval_s = state_->trajectory.knot_interval_s();
+  const TrajectoryOptions& options = options_.trajectory;
+  std::vector<Term> terms;
+  const auto add = [&](std::unique_ptr<ceres::CostFunction> cost,
+                       bool is_rotation,
+                       int first_control_point,
+                       int count) {
+    Term term;
+    term.cost = std::move(cost);
+    for (int i = first_control_point; i < first_control_point + count; ++i) {
+      ControlPoint& control_point = state_->trajectory.control_point(i);
+      term.blocks.push_back(
+          {kPoseSize * (i - first()) + (is_rotation ? 0 : 3),
+           is_rotation,
+           is_rotation ? control_point.rotation.data() : control_point.position.data()});
+    }
+    terms.push_back(std::move(term));
+  };
+  const bool at_start = gaussian_.mean.empty();
+  const int known = at_start ? 0 : gaussian_.end();
+  for (int i = std::max(first(), known - 2);
+       i + 2 < state_->trajectory.num_control_points();
+       ++i) {
+    add(CreateRotationAccelerationFactor(
+            options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s),
+        true,
+        i,
+        3);
+    add(CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s),
+        false,
+        i,
+        3);
+  }
+  if (!at_start) return terms;
+  add(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
+                                   interval_s),
+      true,
+      0,
+      2);
+  add(CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s), false, 0, 2);
+  const Trajectory::Location origin = state_->trajectory.Locate(state_->origin_time_ns);
+  add(CreatePositionFactor(Eigen::Vector3d::Zero(), origin.u, kOriginSigma),
+      false,
+      origin.first,
+      kSplineOrder);
+  return terms;
+}
+
+Tracker::System Tracker::Linearise(const std::vector<Term>& terms,
+                                   const std::vector<ObservationGroup>& groups) const {
+  const Eigen::Index size =
+      kPoseSize * (state_->trajectory.num_control_points() - first());
+  System system;
+  system.hessian.setZero(size, size);
+  system.gradient.setZero(size);
+  const auto num_known = static_cast<Eigen::Index>(kPoseSize * gaussian_.mean.size());
+  if (num_known > 0) {
+    Eigen::VectorXd moved(num_known);
+    for (size_t i = 0; i < gaussian_.mean.size(); ++i) {
+      const ControlPoint& mean = gaussian_.mean[i];
+      const ControlPoint& now =
+          state_->trajectory.control_point(gaussian_.first + static_cast<int>(i));
+      using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
+      using Vector = Eigen::Map<const Eigen::Vector3d>;
+      moved.segment<6>(static_cast<Eigen::Index>(kPoseSize * i))
+          << Log(Quaternion(now.rotation.data()) *
+                 Quaternion(mean.rotation.data()).conjugate()),
+          Vector(now.position.data()) - Vector(mean.position.data());
+    }
+    const Eigen::VectorXd gradient = gaussian_.information * moved;
+    system.hessian.topLeftCorner(num_known, num_known) = gaussian_.information;
+    system.gradient.head(num_known) = gradient;
+    system.cost = 0.5 * moved.dot(gradient);
+  }
+  for (const Term& term : terms) {
+    using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, 4>;
+    constexpr size_t kMaxBlocks = 4;
+    std::array<const double*, kMaxBlocks> parameters{};
+    std::array<std::array<double, 12>, kMaxBlocks> storage{};
+    std::array<double*, kMaxBlocks> jacobians{};
+    for (size_t b = 0; b < term.blocks.size(); ++b) {
+      parameters[b] = term.blocks[b].data;
+      jacobians[b] = storage[b].data();
+    }
+    Eigen::Vector3d residuals;
+    term.cost->Evaluate(parameters.data(), residuals.data(), jacobians.data());
+    std::array<Eigen::Matrix3d, kMaxBlocks> tangent;
+    for (size_t b = 0; b < term.blocks.size(); ++b) {
+      const bool is_rotation = term.blocks[b].is_rotation;
+      const Eigen::Map<const RowMajor> ambient(storage[b].data(), 3, is_rotation ? 4 : 3);
+      if (is_rotation) {
+        tangent[b] = ambient * RotationPlusJacobian(parameters[b]);
+      } else {
+        tangent[b] = ambient;
+      }
+    }
+    system.cost += 0.5 * residuals.squaredNorm();
+    for (size_t a = 0; a < term.blocks.size(); ++a) {
+      const int row = term.blocks[a].row;
+      system.gradient.segment<3>(row) += tangent[a].transpose() * residuals;
+      for (size_t b = 0; b < term.blocks.size(); ++b) {
+        system.hessian.block<3, 3>(row, term.blocks[b].row) +=
+            tangent[a].transpose() * tangent[b];
+      }
+    }
+  }
+  SegmentGroup::Quadratic quadratic;
+  std::vector<const double*> parameters;
+  for (const ObservationGroup& group : groups) {
+    const int count = group.group.num_control_points();
+    parameters.clear();
+    for (int j = 0; j < count; ++j) {
+      parameters.push_back(
+          state_->trajectory.control_point(group.first_control_point + j).rotation.data());
+    }
+    for (int j = 0; j < count; ++j) {
+      parameters.push_back(
+          state_->trajectory.control_point(group.first_control_point + j).position.data());
+    }
+    for (const int id : group.landmark_ids) {
+      parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
+    }
+    group.group.Linearise(parameters.data(), &quadratic);
+    system.cost += quadratic.cost;
+    // Of the control points before first() and of the planes nothing is asked.
+    std::vector<int> from;
+    std::vector<int> to;
+    for (int row = 0; row < kPoseSize * count; ++row) {
+      const int j = row / 3 % count;
+      const bool is_rotation = row < 3 * count;
+      const int target = kPoseSize * (group.first_control_point + j - first()) + row % 3 +
+                         (is_rotation ? 0 : 3);
+      if (target < 0) continue;
+      from.push_back(row);
+      to.push_back(target);
+    }
+    for (size_t a = 0; a < from.size(); ++a) {
+      system.gradient[to[a]] += quadratic.gradient[from[a]];
+      for (size_t b = 0; b <= a; ++b) {
+        const double value = quadratic.hessian(from[a], from[b]);
+        system.hessian(to[a], to[b]) += value;
+        if (a != b) system.hessian(to[b], to[a]) += value;
+      }
+    }
+  }
+  return system;
+}
+
+std::vector<ControlPoint> Tracker::ControlPoints() const {
+  std::vector<ControlPoint> control_points;
+  for (int i = first(); i < state_->trajectory.num_control_points(); ++i) {
+    control_points.push_back(state_->trajectory.control_point(i));
+  }
+  return control_points;
+}
+
+void Tracker::Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step) {
+  for (size_t i = 0; i < from.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(kPoseSize * i);
+    ControlPoint& control_point =
+        state_->trajectory.control_point(first() + static_cast<int>(i));
+    const Eigen::Map<const Eigen::Quaterniond> rotation(from[i].rotation.data());
+    const Eigen::Map<const Eigen::Vector3d> position(from[i].position.data());
+    Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) =
+        (Exp(step.segment<3>(row)) * rotation).normalized();
+    Eigen::Map<Eigen::Vector3d>(control_point.position.data()) =
+        position + step.segment<3>(row + 3);
+  }
+}
+
+Tracker::System Tracker::Estimate(const std::vector<Term>& terms,
+                                  const std::vector<ObservationGroup>& groups) {
+  System system = Linearise(terms, groups);
+  const std::vector<int> rows = FreeRows(system.gradient.size());
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(
+        Eigen::MatrixXd(system.hessian(rows, rows)));
+    if (factor.info() != Eigen::Success) {
+      throw Error("the poses are not determined by the scans: singular estimate");
+    }
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(system.gradient.size());
+    const Eigen::VectorXd gradient = system.gradient(rows);
+    step(rows) = -factor.solve(gradient);
+    const std::vector<ControlPoint> from = ControlPoints();
+    const double cost = system.cost;
+    int halvings = 0;
+    for (; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
+      Move(from, step);
+      System next = Linearise(terms, groups);
+      if (!(next.cost <= cost)) continue;
+      system = std::move(next);
+      break;
+    }
+    if (halvings > kMaxHalvings) {
+      Move(from, Eigen::VectorXd::Zero(step.size()));
+      break;
+    }
+    if (cost - system.cost < kFunctionTolerance * cost) break;
+  }
+  return system;
+}
+
+std::vector<ObservationGroup> Tracker::Groups(int first_observation,
+                                              int last_observation) const {
+  std::vector<const Observation*> associated;
+  const auto add = [&](int index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) associated.push_back(&observation);
+  };
+  for (const int index : recent_) add(index);
+  for (int index = first_observation; index <= last_observation; ++index) add(index);
+  return GroupObservations(
+      rig_, state_->trajectory, state_->landmarks, associated, kHuberWidth);
+}
+
+void Tracker::Reset(PoseGaussian gaussian) {
+  gaussian_ = std::move(gaussian);
+  recent_.clear();
+  pose_uncertainty_ =
+      PoseUncertainty(first(), Covariance(Linearise(MotionTerms(), {}).hessian));
+}
+
+Tracker::Association Tracker::AssociateJointly(int first_observation,
+                                               int last_observation,
+                                               const std::vector<LandmarkCandidate>& candidates) const {
+  std::vector<int> order;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    order.push_back(index);
+  }
+  const auto at = [&](int index) -> const Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return at(a).length_m() > at(b).length_m();
+  });
+  std::vector<Pairing> pairings;
+  for (const int index : order) {
+    const Observation& observation = at(index);
+    const int64_t time_ns = observation.middle_time_ns();
+    const Eigen::MatrixXd pose_by_control =
+        pose_uncertainty_.JacobianAt(state_->trajectory, time_ns);
+    for (const PossibleLandmark& possible : PossibleLandmarks(
+             observation,
+             rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
+             ObservationPoses(state_->trajectory, observation),
+             pose_uncertainty_.At(state_->trajectory, time_ns),
+             candidates,
+             options_.association)) {
+      pairings.push_back({index,
+                          possible.id,
+                          possible.deviation.value,
+                          possible.noise,
+                          possible.deviation.by_pose * pose_by_control});
+    }
+  }
+  Association association;
+  for (const size_t i :
+       ChooseJointly(pairings, pose_uncertainty_.covariance(), options_.association)) {
+    association.chosen.emplace_back(pairings[i].observation_index, pairings[i].landmark_id);
+  }
+  return association;
+}
+
+void Tracker::Track(int first_observation,
+                    int last_observation,
+                    const std::vector<LandmarkCandidate>& candidates) {
+  const std::vector<Term> terms = MotionTerms();
+  const bool has_new_control_points =
+      gaussian_.end() != state_->trajectory.num_control_points();
+  if (has_new_control_points) {
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(Linearise(terms, {}).hessian));
+  }
+  System system;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    // By the prediction first, all segments together; once the poses are known, one by one.
+    bool changed = false;
+    if (round == 0) {
+      for (const auto& [index, id] :
+           AssociateJointly(first_observation, last_observation, candidates).chosen) {
+        state_->observations[static_cast<size_t>(index)].landmark_id = id;
+        changed = true;
+      }
+    } else {
+      changed = Associate(first_observation, last_observation, candidates);
+    }
+    if (!changed && round > 0) break;
+    const std::vector<ObservationGroup> groups = Groups(first_observation, last_observation);
+    system = changed ? Estimate(terms, groups) : Linearise(terms, groups);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(system.hessian));
+  }
+  // The scan becomes part of the prior, so that the next scan's system is as small.
+  gaussian_ = {first(), ControlPoints(), std::move(system.hessian)};
+  recent_.clear();
+}
+
+bool Tracker::Associate(int first_observation,
+                        int last_observation,
+                        const std::vector<LandmarkCandidate>& candidates) {
+  bool changed = false;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    Observation& observation = state_->observations[static_cast<size_t>(index)];
+    const Rigid3d& body_from_scanner =
+        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const int id =
+        FindLandmark(observation,
+                     body_from_scanner,
+                     ObservationPoses(state_->trajectory, observation),
+                     pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
+                     candidates,
+                     options_.association);
+    changed |= id != observation.landmark_id;
+    observation.landmark_id = id;
+  }
+  return changed;
+}
+
+}  // namespace plumbline
