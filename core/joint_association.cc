@@ -17,8 +17,7 @@ constexpr size_t kMaxStartObservations = 6;
 // Estimated error of the prediction after some pairings, and how likely these are.
 class Chain {
  public:
-  explicit Chain(const Eigen::MatrixXd& covariance)
-      : error_(Eigen::VectorXd::Zero(covariance.rows())), covariance_(covariance) {}
+  explicit Chain(const MotionCovariance& covariance) : covariance_(covariance) {}
 
   // -2 ln of the pairing's density, infinite beyond the gate.
   double Cost(const Pairing& pairing, double gate) const {
@@ -30,10 +29,10 @@ class Chain {
   }
 
   void Add(const Pairing& pairing, size_t index, double cost) {
-    const Eigen::MatrixX2d cross = covariance_ * pairing.by_motion.transpose();
-    const Eigen::MatrixX2d gain = cross * Total(pairing).inverse();
+    const Eigen::Matrix<double, 12, 2> cross = covariance_ * pairing.by_motion.transpose();
+    const Eigen::Matrix<double, 12, 2> gain = cross * Total(pairing).inverse();
     error_ -= gain * (pairing.value + pairing.by_motion * error_);
-    covariance_ -= gain * cross.transpose();
+    covariance_.noalias() -= gain * cross.transpose();
     chosen_.push_back(index);
     cost_ += cost;
   }
@@ -47,19 +46,30 @@ class Chain {
     return pairing.noise + pairing.by_motion * covariance_ * pairing.by_motion.transpose();
   }
 
-  Eigen::VectorXd error_;
-  Eigen::MatrixXd covariance_;
+  MotionError error_ = MotionError::Zero();
+  MotionCovariance covariance_;
   std::vector<size_t> chosen_;
   double cost_ = 0.0;
 };
 
 }  // namespace
 
-std::vector<size_t> ChooseJointly(const std::vector<Pairing>& pairings,
-                                  const Eigen::MatrixXd& covariance,
-                                  const AssociationOptions& options) {
+Eigen::Matrix<double, 6, 12> PoseByMotion(double share) {
+  Eigen::Matrix<double, 6, 12> by_motion = Eigen::Matrix<double, 6, 12>::Zero();
+  by_motion.leftCols<6>().diagonal().setConstant(1.0 - share);
+  by_motion.rightCols<6>().diagonal().setConstant(share);
+  return by_motion;
+}
+
+double ClutterCost(const AssociationOptions& options) {
+  return 2.0 * std::log(2.0 * options.max_gap_m * M_PI);
+}
+
+JointChoice ChooseJointly(const std::vector<Pairing>& pairings,
+                          const MotionCovariance& covariance,
+                          const AssociationOptions& options) {
   const double gate = TwoDegreesQuantile(options.significance);
-  const double clutter_cost = 2.0 * std::log(2.0 * options.max_gap_m * M_PI);
+  const double clutter_cost = ClutterCost(options);
   std::vector<std::pair<size_t, size_t>> groups;  // begin, end; one for each observation
   for (size_t i = 0; i < pairings.size(); ++i) {
     if (i == 0 || pairings[i].observation_index != pairings[i - 1].observation_index) {
@@ -86,7 +96,7 @@ std::vector<size_t> ChooseJointly(const std::vector<Pairing>& pairings,
     }
   };
   Chain best(covariance);
-  double best_cost = std::numeric_limits<double>::infinity();
+  double best_cost = clutter_cost * static_cast<double>(groups.size());
   for (size_t g = 0; g < std::min(groups.size(), kMaxStartObservations); ++g) {
     for (size_t i = groups[g].first; i < groups[g].second; ++i) {
       // From a pairing of the best chain so far one would come to the same chain again.
@@ -102,7 +112,7 @@ std::vector<size_t> ChooseJointly(const std::vector<Pairing>& pairings,
       best = std::move(chain);
     }
   }
-  return best.chosen();
+  return {best.chosen(), best_cost};
 }
 
 }  // namespace plumbline

@@ -244,7 +244,7 @@ void Follower::StartPlanes(int min_scans) {
 
 void Follower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
-  tracker_->Reset(window_->Solve(now_ns, window_s));
+  tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
   for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
     if (state_->landmarks[static_cast<size_t>(into)].num_segments == 0) continue;
     window_->MergeLandmarks(into, from);

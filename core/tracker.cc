@@ -28,6 +28,28 @@ constexpr int kMaxHalvings = 4;
 constexpr double kFunctionTolerance = 1e-4;
 // Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
 constexpr double kHuberWidth = 5.0;
+// Knot intervals after an unsteady scan in which the window's estimate of the newest control
+// points is not trusted: until the spline is no longer held by the scans before.
+constexpr int kLooseIntervals = 2;
+// A share of associated segments (by length) that drops below this part of the usual one.
+constexpr double kSuddenDrop = 0.6;
+constexpr double kShareGain = 0.1;
+
+// How a rig may have moved since the last scan, beyond what its spline can follow: in multiples
+// of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long as what has
+// been found explains less than max_length_share of the scan's segments (by length), and
+// believed from min_length_share on.
+struct MotionRegime {
+  double scale;
+  double share;
+  double max_length_share;
+  double min_length_share;
+};
+constexpr MotionRegime kMotionRegimes[] = {
+    {0.0, 1.0, 1.0, 0.0},    // steady
+    {1.0, 1e-3, 0.8, 0.0},   // a turn sets in
+    {10.0, 1e-5, 0.5, 0.5},  // a jolt
+};
 
 }  // namespace
 
@@ -84,12 +106,15 @@ Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) cons
   return cross * local.jacobian.transpose();
 }
 
-Eigen::MatrixXd PoseUncertainty::JacobianAt(const Trajectory& trajectory,
-                                            int64_t time_ns) const {
-  const Local local = LocalJacobian(trajectory, time_ns);
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, covariance_.cols());
-  jacobian.middleCols<24>(local.column) = local.jacobian;
-  return jacobian;
+Eigen::Matrix<double, 12, 12> PoseUncertainty::AtBoth(const Trajectory& trajectory,
+                                                      int64_t first_ns,
+                                                      int64_t second_ns) const {
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(12, covariance_.cols());
+  const Local first = LocalJacobian(trajectory, first_ns);
+  const Local second = LocalJacobian(trajectory, second_ns);
+  jacobian.block<6, 24>(0, first.column) = first.jacobian;
+  jacobian.block<6, 24>(6, second.column) = second.jacobian;
+  return jacobian * covariance_ * jacobian.transpose();
 }
 
 Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
@@ -336,16 +361,46 @@ std::vector<ObservationGroup> Tracker::Groups(int first_observation,
       rig_, state_->trajectory, state_->landmarks, associated, kHuberWidth);
 }
 
-void Tracker::Reset(PoseGaussian gaussian) {
+void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
   gaussian_ = std::move(gaussian);
   recent_.clear();
+  if (now_ns < loose_until_ns_) Loosen();
   pose_uncertainty_ =
       PoseUncertainty(first(), Covariance(Linearise(MotionTerms(), {}).hessian));
 }
 
-Tracker::Association Tracker::AssociateJointly(int first_observation,
-                                               int last_observation,
-                                               const std::vector<LandmarkCandidate>& candidates) const {
+Matrix6d Tracker::UnsteadyCovariance() const {
+  // An acceleration that changes by its standard deviation from one knot to the next moves
+  // the control points' third difference by sqrt(2) h^2 times as much; the cubic that fits
+  // best stays up to 1/32 of a third difference away from such a motion.
+  const double interval_s = state_->trajectory.knot_interval_s();
+  const double share = std::sqrt(2.0) * interval_s * interval_s / 32.0;
+  const TrajectoryOptions& options = options_.trajectory;
+  const double rotation =
+      share * options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
+  const double position = share * options.acceleration_stddev_m_s2;
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const int row : FreeRows(kPoseSize)) {
+    const double sigma = row < 3 ? rotation : position;
+    covariance(row, row) = sigma * sigma;
+  }
+  return covariance;
+}
+
+void Tracker::Loosen() {
+  // The third difference of independent errors has 20 times their variance.
+  const Matrix6d of_control_point = 32.0 * 32.0 / 20.0 * UnsteadyCovariance();
+  Eigen::MatrixXd covariance = Covariance(gaussian_.information);
+  for (Eigen::Index row = 0; row < covariance.rows(); row += kPoseSize) {
+    covariance.block<6, 6>(row, row) += of_control_point;
+  }
+  gaussian_.information = Covariance(covariance);
+}
+
+Tracker::Association Tracker::AssociateJointly(
+    int first_observation,
+    int last_observation,
+    const std::vector<LandmarkCandidate>& candidates) const {
   std::vector<int> order;
   for (int index = first_observation; index <= last_observation; ++index) {
     order.push_back(index);
@@ -356,30 +411,79 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return at(a).length_m() > at(b).length_m();
   });
+  double total_length = 0.0;
+  for (const int index : order) total_length += at(index).length_m();
+  Association best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const MotionRegime& regime : kMotionRegimes) {
+    // The likelier explanation of the scan wins; once one leaves little over, there is no need
+    // for the wilder ones.
+    if (best.length_m >= regime.max_length_share * total_length) break;
+    Association association =
+        ChooseUnder(regime.scale * regime.scale * UnsteadyCovariance(), order, candidates);
+    if (association.length_m < regime.min_length_share * total_length) continue;
+    const double cost = association.cost - 2.0 * std::log(regime.share);
+    if (cost >= best_cost) continue;
+    best_cost = cost;
+    best = std::move(association);
+    best.unsteady = regime.scale > 0.0;
+  }
+  return best;
+}
+
+Tracker::Association Tracker::ChooseUnder(
+    const Matrix6d& unsteady,
+    const std::vector<int>& observations,
+    const std::vector<LandmarkCandidate>& candidates) const {
+  const auto at = [&](int index) -> const Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  int64_t begin_ns = std::numeric_limits<int64_t>::max();
+  int64_t end_ns = std::numeric_limits<int64_t>::min();
+  for (const int index : observations) {
+    begin_ns = std::min(begin_ns, at(index).middle_time_ns());
+    end_ns = std::max(end_ns, at(index).middle_time_ns());
+  }
+  MotionCovariance covariance = MotionCovariance::Zero();
+  if (!observations.empty()) {
+    covariance = pose_uncertainty_.AtBoth(state_->trajectory, begin_ns, end_ns);
+  }
+  // What the control points can not follow is the same all through the scan.
+  covariance += unsteady.replicate<2, 2>();
   std::vector<Pairing> pairings;
-  for (const int index : order) {
+  int num_paired = 0;
+  for (const int index : observations) {
     const Observation& observation = at(index);
-    const int64_t time_ns = observation.middle_time_ns();
-    const Eigen::MatrixXd pose_by_control =
-        pose_uncertainty_.JacobianAt(state_->trajectory, time_ns);
+    const double share =
+        end_ns > begin_ns ? static_cast<double>(observation.middle_time_ns() - begin_ns) /
+                                static_cast<double>(end_ns - begin_ns)
+                          : 0.0;
+    const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
+    const size_t num_before = pairings.size();
     for (const PossibleLandmark& possible : PossibleLandmarks(
              observation,
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
              ObservationPoses(state_->trajectory, observation),
-             pose_uncertainty_.At(state_->trajectory, time_ns),
+             by_motion * covariance * by_motion.transpose(),
              candidates,
              options_.association)) {
       pairings.push_back({index,
                           possible.id,
                           possible.deviation.value,
                           possible.noise,
-                          possible.deviation.by_pose * pose_by_control});
+                          possible.deviation.by_pose * by_motion});
     }
+    if (pairings.size() > num_before) ++num_paired;
   }
+  const JointChoice choice = ChooseJointly(pairings, covariance, options_.association);
   Association association;
-  for (const size_t i :
-       ChooseJointly(pairings, pose_uncertainty_.covariance(), options_.association)) {
-    association.chosen.emplace_back(pairings[i].observation_index, pairings[i].landmark_id);
+  // Observations without any pairing are clutter too.
+  association.cost = choice.cost + ClutterCost(options_.association) *
+                                       (static_cast<int>(observations.size()) - num_paired);
+  for (const size_t i : choice.pairings) {
+    const int index = pairings[i].observation_index;
+    association.chosen.emplace_back(index, pairings[i].landmark_id);
+    association.length_m += state_->observations[static_cast<size_t>(index)].length_m();
   }
   return association;
 }
@@ -394,17 +498,27 @@ void Tracker::Track(int first_observation,
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(Linearise(terms, {}).hessian));
   }
   System system;
+  bool unsteady = false;
   for (int round = 0; round < kMaxRounds; ++round) {
-    // By the prediction first, all segments together; once the poses are known, one by one.
+    // By the prediction first, all segments together; once the poses are known, one by one,
+    // unless they are known not to describe the motion.
     bool changed = false;
     if (round == 0) {
-      for (const auto& [index, id] :
-           AssociateJointly(first_observation, last_observation, candidates).chosen) {
+      const Association association =
+          AssociateJointly(first_observation, last_observation, candidates);
+      for (const auto& [index, id] : association.chosen) {
         state_->observations[static_cast<size_t>(index)].landmark_id = id;
         changed = true;
       }
+      double length_m = 0.0;
+      for (int index = first_observation; index <= last_observation; ++index) {
+        length_m += state_->observations[static_cast<size_t>(index)].length_m();
+      }
+      const double share = association.length_m / std::max(length_m, 1e-9);
+      unsteady = association.unsteady || share < kSuddenDrop * usual_share_;
+      usual_share_ += kShareGain * (share - usual_share_);
     } else {
-      changed = Associate(first_observation, last_observation, candidates);
+      changed = !unsteady && Associate(first_observation, last_observation, candidates);
     }
     if (!changed && round > 0) break;
     const std::vector<ObservationGroup> groups = Groups(first_observation, last_observation);
@@ -414,6 +528,11 @@ void Tracker::Track(int first_observation,
   // The scan becomes part of the prior, so that the next scan's system is as small.
   gaussian_ = {first(), ControlPoints(), std::move(system.hessian)};
   recent_.clear();
+  if (!unsteady) return;
+  const int64_t now_ns =
+      state_->observations[static_cast<size_t>(last_observation)].end_time_ns;
+  loose_until_ns_ = now_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
+  Loosen();
 }
 
 bool Tracker::Associate(int first_observation,

@@ -33,9 +33,10 @@ class PoseUncertainty {
 
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
-  // Derivative of the pose by the control points, in the columns of covariance().
-  Eigen::MatrixXd JacobianAt(const Trajectory& trajectory, int64_t time_ns) const;
-  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  // The same of two poses together.
+  Eigen::Matrix<double, 12, 12> AtBoth(const Trajectory& trajectory,
+                                       int64_t first_ns,
+                                       int64_t second_ns) const;
 
  private:
   // The control points that a pose depends on: first column, derivative.
@@ -66,7 +67,7 @@ class Tracker {
   void Add(int observation_index) { recent_.push_back(observation_index); }
 
   // What the window knows of the newest control points.
-  void Reset(PoseGaussian gaussian);
+  void Reset(int64_t now_ns, PoseGaussian gaussian);
 
   // Uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
@@ -75,11 +76,14 @@ class Tracker {
   struct System;
   struct Term;
 
-  // How the rig's poses in a scan differ from their prediction: by errors of the control
-  // points, and where `unsteady` by what a spline of these knots can not follow.
+  // A scan's segments and their planes, chosen together. How the rig's poses differ from their
+  // prediction is an error of the control points and, where the motion is `unsteady`, what
+  // no spline of these knots can follow.
   struct Association {
     std::vector<std::pair<int, int>> chosen;  // observation index, landmark id
     bool unsteady = false;
+    double cost = 0.0;      // -2 ln of its likelihood
+    double length_m = 0.0;  // of the segments that have a plane
   };
 
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
@@ -93,6 +97,16 @@ class Tracker {
   // Gauss-Newton from where the control points are; returns the system where they end.
   System Estimate(const std::vector<Term>& terms, const std::vector<ObservationGroup>& groups);
   std::vector<ObservationGroup> Groups(int first_observation, int last_observation) const;
+  // What a motion of the prior's accelerations does between two knots: as rotation and
+  // position of the body.
+  Matrix6d UnsteadyCovariance() const;
+  // Gives the control points the freedom of an unsteady motion.
+  void Loosen();
+  // The observations, weightiest first, with poses that differ from the prediction by the
+  // control points' errors and by this covariance on top.
+  Association ChooseUnder(const Matrix6d& unsteady,
+                          const std::vector<int>& observations,
+                          const std::vector<LandmarkCandidate>& candidates) const;
   Association AssociateJointly(int first_observation,
                                int last_observation,
                                const std::vector<LandmarkCandidate>& candidates) const;
@@ -108,6 +122,8 @@ class Tracker {
   PoseGaussian gaussian_;    // from all scans so far, planes given; empty before the first
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
+  int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
+  double usual_share_ = 1.0;    // of a scan's segments, by length, that find their planes
 };
 
 }  // namespace plumbline
