@@ -39,12 +39,13 @@ Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
 
 double TwoDegreesQuantile(double significance) { return -2.0 * std::log(significance); }
 
-std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
-                                                const Rigid3d& body_from_scanner,
-                                                const ObservationPoses& poses,
-                                                const Matrix6d& pose_covariance,
-                                                const std::vector<LandmarkCandidate>& candidates,
-                                                const AssociationOptions& options) {
+std::vector<PossibleLandmark> PossibleLandmarks(
+    const Observation& observation,
+    const Rigid3d& body_from_scanner,
+    const ObservationPoses& poses,
+    const Matrix6d& pose_covariance,
+    const std::vector<LandmarkCandidate>& candidates,
+    const AssociationOptions& options) {
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
     return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -66,8 +67,7 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
     // Cheap first: a distance that no covariance can explain.
     Eigen::RowVector2d by_plane(-1.0, 0.0);
     if (landmark.model == PlaneModel::kVertical) {
-      const double along =
-          normal.x() * centroid_world.y() - normal.y() * centroid_world.x();
+      const double along = normal.x() * centroid_world.y() - normal.y() * centroid_world.x();
       by_plane << (landmark.heading_fixed ? 0.0 : along), -1.0;
     }
     const double max_variance =
@@ -85,7 +85,8 @@ std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
         noise + deviation.by_pose * pose_covariance * deviation.by_pose.transpose();
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    possible.push_back({landmark.id, deviation, noise, distance2 + std::log(covariance.determinant())});
+    possible.push_back(
+        {landmark.id, deviation, noise, distance2 + std::log(covariance.determinant())});
   }
   return possible;
 }
@@ -98,12 +99,8 @@ int FindLandmark(const Observation& observation,
                  const AssociationOptions& options) {
   double best_score = std::numeric_limits<double>::infinity();
   int best_id = -1;
-  for (const PossibleLandmark& possible : PossibleLandmarks(observation,
-                                                            body_from_scanner,
-                                                            poses,
-                                                            pose_covariance,
-                                                            candidates,
-                                                            options)) {
+  for (const PossibleLandmark& possible : PossibleLandmarks(
+           observation, body_from_scanner, poses, pose_covariance, candidates, options)) {
     if (possible.score >= best_score) continue;
     best_score = possible.score;
     best_id = possible.id;

@@ -45,12 +45,13 @@ struct PossibleLandmark {
 };
 
 // Those of the candidates that the observation may lie on; see FindLandmark.
-std::vector<PossibleLandmark> PossibleLandmarks(const Observation& observation,
-                                                const Rigid3d& body_from_scanner,
-                                                const ObservationPoses& poses,
-                                                const Matrix6d& pose_covariance,
-                                                const std::vector<LandmarkCandidate>& candidates,
-                                                const AssociationOptions& options);
+std::vector<PossibleLandmark> PossibleLandmarks(
+    const Observation& observation,
+    const Rigid3d& body_from_scanner,
+    const ObservationPoses& poses,
+    const Matrix6d& pose_covariance,
+    const std::vector<LandmarkCandidate>& candidates,
+    const AssociationOptions& options);
 
 // The landmark whose plane an observation most probably lies on, or -1. A candidate must face
 // the scanner, have been seen near the segment, and agree with it in distance and direction:

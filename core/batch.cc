@@ -10,6 +10,8 @@
 #include "core/association.h"
 #include "core/duplicates.h"
 #include "core/estimation_problem.h"
+#include "core/map_covariance.h"
+#include "core/stopwatch.h"
 #include "core/visibility.h"
 
 namespace plumbline {
@@ -154,17 +156,18 @@ class Batch {
     return Release(is_weak);
   }
 
-  void SetCovariances(EstimationProblem* problem) {
-    std::vector<BlockId> blocks;
-    std::vector<int> offsets;
-    const Eigen::MatrixXd covariance = problem->LandmarkCovariance(&blocks, &offsets);
-    for (size_t i = 0; i < blocks.size(); ++i) {
+  MapCovariance SetCovariances(EstimationProblem* problem) {
+    MapCovariance covariance = MapCovariance::Of(problem);
+    const std::vector<int>& offsets = covariance.offsets();
+    for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
       const int size = offsets[i + 1] - offsets[i];
-      Landmark& landmark = state_->landmarks[static_cast<size_t>(blocks[i].index)];
+      Landmark& landmark =
+          state_->landmarks[static_cast<size_t>(covariance.landmark_ids()[i])];
       landmark.covariance.setZero();
       landmark.covariance.topLeftCorner(size, size) =
-          covariance.block(offsets[i], offsets[i], size, size);
+          covariance.landmarks().block(offsets[i], offsets[i], size, size);
     }
+    return covariance;
   }
 
   double VarianceFactor(const ceres::Solver::Summary& summary) const {
@@ -248,7 +251,8 @@ BatchReport EstimateBatch(const Rig& rig,
         batch.Solve(last ? kFinalTolerance : kRoundTolerance, problem.get());
     if (!last) continue;
     report.variance_factor = batch.VarianceFactor(summary);
-    batch.SetCovariances(problem.get());
+    const Stopwatch::Running running(&report.covariance_watch);
+    report.covariance = batch.SetCovariances(problem.get());
     break;
   }
   batch.RebuildLandmarks();

@@ -3,9 +3,11 @@
 #include <functional>
 #include <string>
 
+#include "core/map_covariance.h"
+#include "core/map_state.h"
 #include "core/mapper_options.h"
 #include "core/rig.h"
-#include "core/map_state.h"
+#include "core/stopwatch.h"
 
 namespace plumbline {
 
@@ -13,6 +15,8 @@ struct BatchReport {
   int rounds = 0;
   int changed_associations = 0;  // in the last round before the final estimation
   double variance_factor = 0.0;  // weighted sum of squares / redundancy
+  MapCovariance covariance;      // of the final estimate
+  Stopwatch covariance_watch;    // the time it took, part of the batch's
 };
 
 // The final estimation: all segments, control points and planes together, no marginalised

@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/map_state.h"
 #include "core/mapper_options.h"
 #include "core/rig.h"
-#include "core/map_state.h"
 
 namespace plumbline {
 

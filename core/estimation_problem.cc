@@ -3,11 +3,9 @@
 #include <ceres/cost_function.h>
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 
-#include "core/arrow_matrix.h"
 #include "core/error.h"
 #include "core/map_state.h"
 #include "core/observation_groups.h"
@@ -27,36 +25,6 @@ ceres::Problem::Options ProblemOptions() {
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.disable_all_safety_checks = true;
   return options;
-}
-
-// Calls visit(first row, columns of ours, dense block) for each run of rows with the same
-// columns: the rows of one residual block, and sometimes of its neighbours.
-template <typename Visit>
-void ForEachResidualBlock(const ceres::CRSMatrix& jacobian,
-                          const std::vector<int>& full_column,
-                          Visit visit) {
-  const auto num_rows = static_cast<size_t>(jacobian.num_rows);
-  const auto begin = [&](size_t row) { return jacobian.cols.begin() + jacobian.rows[row]; };
-  const auto same_columns = [&](size_t a, size_t b) {
-    return std::equal(begin(a), begin(a + 1), begin(b), begin(b + 1));
-  };
-  std::vector<int> columns;
-  Eigen::MatrixXd block;
-  for (size_t first = 0; first < num_rows;) {
-    size_t last = first + 1;
-    while (last < num_rows && same_columns(first, last)) ++last;
-    columns.clear();
-    for (auto column = begin(first); column != begin(first + 1); ++column) {
-      columns.push_back(full_column[static_cast<size_t>(*column)]);
-    }
-    block = Eigen::Map<
-        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        jacobian.values.data() + jacobian.rows[first],
-        static_cast<Eigen::Index>(last - first),
-        static_cast<Eigen::Index>(columns.size()));
-    visit(first, columns, block);
-    first = last;
-  }
 }
 
 }  // namespace
@@ -269,96 +237,67 @@ ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& op
   return summary;
 }
 
-void EstimationProblem::Evaluate(const std::vector<BlockId>& blocks,
-                                 std::vector<int>* offsets,
-                                 std::vector<int>* full_column,
-                                 std::vector<double>* residuals,
-                                 ceres::CRSMatrix* jacobian) {
-  offsets->assign(1, 0);
+FullJacobian EstimationProblem::Jacobian() {
+  FullJacobian result;
+  result.blocks = Blocks();
+  result.offsets.assign(1, 0);
   ceres::Problem::EvaluateOptions options;
-  for (const BlockId& block : blocks) {
-    const int offset = offsets->back();
+  for (const BlockId& block : result.blocks) {
+    const int offset = result.offsets.back();
     const int size = TangentSize(block);
     double* data = Data(block);
     options.parameter_blocks.push_back(data);
     const int free_size = problem_.ParameterBlockTangentSize(data);
     const bool heading_held = block.kind == BlockId::Kind::kLandmark && free_size < size;
     for (int i = 0; i < free_size; ++i) {
-      full_column->push_back(offset + i + (heading_held ? 1 : 0));
+      result.full_column.push_back(offset + i + (heading_held ? 1 : 0));
     }
-    offsets->push_back(offset + size);
+    result.offsets.push_back(offset + size);
   }
-  problem_.Evaluate(options, nullptr, residuals, nullptr, jacobian);
+  problem_.Evaluate(options, nullptr, &result.residuals, nullptr, &result.matrix);
+  return result;
 }
 
 NormalEquations EstimationProblem::Linearise() {
+  const FullJacobian jacobian = Jacobian();
   NormalEquations equations;
-  equations.blocks = Blocks();
-  std::vector<int> full_column;
-  std::vector<double> residuals;
-  ceres::CRSMatrix jacobian;
-  Evaluate(equations.blocks, &equations.offsets, &full_column, &residuals, &jacobian);
+  equations.blocks = jacobian.blocks;
+  equations.offsets = jacobian.offsets;
   equations.hessian.setZero(equations.size(), equations.size());
   equations.gradient.setZero(equations.size());
-  ForEachResidualBlock(
-      jacobian,
-      full_column,
-      [&](size_t first_row, const auto& columns, const Eigen::MatrixXd& block) {
-        const Eigen::Map<const Eigen::VectorXd> r(residuals.data() + first_row, block.rows());
+  jacobian.ForEachResidualBlock(
+      [&](size_t first_row, const std::vector<int>& columns, const Eigen::MatrixXd& block) {
+        const Eigen::Map<const Eigen::VectorXd> r(jacobian.residuals.data() + first_row,
+                                                  block.rows());
         equations.gradient(columns) += block.transpose() * r;
         equations.hessian(columns, columns) += block.transpose() * block;
       });
   return equations;
 }
 
-Eigen::MatrixXd EstimationProblem::LandmarkCovariance(std::vector<BlockId>* landmark_blocks,
-                                                      std::vector<int>* landmark_offsets) {
-  const std::vector<BlockId> blocks = Blocks();
-  std::vector<int> offsets;
-  std::vector<int> full_column;
-  std::vector<double> residuals;
-  ceres::CRSMatrix jacobian;
-  Evaluate(blocks, &offsets, &full_column, &residuals, &jacobian);
-  int num_band = 0;
-  landmark_offsets->assign(1, 0);
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    if (blocks[i].kind != BlockId::Kind::kLandmark) {
-      num_band = offsets[i + 1];
-    } else {
-      landmark_blocks->push_back(blocks[i]);
-      landmark_offsets->push_back(offsets[i + 1] - num_band);
+void FullJacobian::ForEachResidualBlock(const BlockVisitor& visit) const {
+  const auto num_rows = static_cast<size_t>(matrix.num_rows);
+  const auto begin = [&](size_t row) { return matrix.cols.begin() + matrix.rows[row]; };
+  const auto same_columns = [&](size_t a, size_t b) {
+    return std::equal(begin(a), begin(a + 1), begin(b), begin(b + 1));
+  };
+  std::vector<int> columns;
+  Eigen::MatrixXd block;
+  for (size_t first = 0; first < num_rows;) {
+    size_t last = first + 1;
+    while (last < num_rows && same_columns(first, last)) ++last;
+    columns.clear();
+    for (auto column = begin(first); column != begin(first + 1); ++column) {
+      columns.push_back(full_column[static_cast<size_t>(*column)]);
     }
+    block = Eigen::Map<
+        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        matrix.values.data() + matrix.rows[first],
+        static_cast<Eigen::Index>(last - first),
+        static_cast<Eigen::Index>(columns.size()));
+    visit(first, columns, block);
+    first = last;
   }
-  // Directions that are held get a unit diagonal and are taken out again at the end.
-  std::vector<bool> is_free(static_cast<size_t>(offsets.back()), false);
-  for (const int column : full_column) is_free[static_cast<size_t>(column)] = true;
-  constexpr int kMaxControlPointsOfResidual = 6;
-  const int bandwidth = kMaxControlPointsOfResidual * (planar_ ? 4 : 6) - 1;
-  const int num_border = offsets.back() - num_band;
-  ArrowMatrix matrix(num_band, bandwidth, num_border);
-  for (int i = 0; i < offsets.back(); ++i) {
-    if (!is_free[static_cast<size_t>(i)]) matrix.Add(i, i, 1.0);
-  }
-  ForEachResidualBlock(
-      jacobian, full_column, [&](size_t, const auto& columns, const Eigen::MatrixXd& block) {
-        matrix.AddBlock(columns, block.transpose() * block);
-      });
-  const Eigen::MatrixXd information = matrix.MarginaliseBand();
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * information *
-                                           scale.asDiagonal());
-  if (factor.info() != Eigen::Success) {
-    throw Error("the planes are not determined: singular normal matrix");
-  }
-  Eigen::MatrixXd covariance =
-      scale.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(num_border, num_border)) *
-      scale.asDiagonal();
-  for (int i = 0; i < num_border; ++i) {
-    if (is_free[static_cast<size_t>(num_band + i)]) continue;
-    covariance.row(i).setZero();
-    covariance.col(i).setZero();
-  }
-  return covariance;
 }
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -66,6 +67,25 @@ struct NormalEquations {
   int size() const { return offsets.back(); }
 };
 
+// All residuals and their Jacobian at a problem's current values.
+struct FullJacobian {
+  // (first row, columns in the blocks' tangents, dense block)
+  using BlockVisitor =
+      std::function<void(size_t, const std::vector<int>&, const Eigen::MatrixXd&)>;
+
+  std::vector<BlockId> blocks;
+  std::vector<int> offsets;  // first column of each block; the last element is their number
+  // Ceres' columns leave out the directions that a manifold holds; this maps them to ours,
+  // which have them.
+  std::vector<int> full_column;
+  std::vector<double> residuals;
+  ceres::CRSMatrix matrix;
+
+  // Calls visit for each run of rows with the same columns: those of one residual block, and
+  // sometimes of its neighbours.
+  void ForEachResidualBlock(const BlockVisitor& visit) const;
+};
+
 // A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold,
 // and is the one place that turns observations, motion priors, marginalised history and gauge
 // into residual blocks. Window, tracking and batch differ only in what they add and hold.
@@ -98,23 +118,14 @@ class EstimationProblem {
 
   // Normal equations of all the residuals.
   NormalEquations Linearise();
-  // Covariance of the landmarks' parameters from all the residuals, control points
-  // marginalised (blocks and offsets of the landmarks in the result's rows). Held directions
-  // have zero rows. Throws Error when the problem does not determine its unknowns.
-  Eigen::MatrixXd LandmarkCovariance(std::vector<BlockId>* blocks, std::vector<int>* offsets);
+  FullJacobian Jacobian();
+  bool planar() const { return planar_; }
   int TangentSize(const BlockId& block) const;
   int AmbientSize(const BlockId& block) const;
   LinearPrior::Kind KindOf(const BlockId& block) const;
   double* Data(const BlockId& block) const;
 
  private:
-  // Jacobian of all residuals by the free blocks. Ceres' columns leave out the directions that
-  // a manifold holds; full_column maps them to ours, which have them.
-  void Evaluate(const std::vector<BlockId>& blocks,
-                std::vector<int>* offsets,
-                std::vector<int>* full_column,
-                std::vector<double>* residuals,
-                ceres::CRSMatrix* jacobian);
   void Register(const BlockId& block);
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);

@@ -19,8 +19,8 @@ using MotionCovariance = Eigen::Matrix<double, 12, 12>;
 Eigen::Matrix<double, 6, 12> PoseByMotion(double share);
 
 // A landmark that one of a scan's observations may belong to, linearised at the predicted
-// poses: its deviation from the landmark is value + by_motion * e + noise, e being the motion's
-// error.
+// poses: its deviation from the landmark is value + by_motion * e + noise, e being the
+// motion's error.
 struct Pairing {
   int observation_index = 0;
   int landmark_id = 0;
@@ -29,8 +29,8 @@ struct Pairing {
   Eigen::Matrix<double, 2, 12> by_motion = Eigen::Matrix<double, 2, 12>::Zero();
 };
 
-// -2 ln of the density of an observation without landmark: uniform within options.max_gap_m and
-// over all directions.
+// -2 ln of the density of an observation without landmark: uniform within options.max_gap_m
+// and over all directions.
 double ClutterCost(const AssociationOptions& options);
 
 struct JointChoice {

@@ -84,7 +84,8 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
     return false;
   }
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
-  return AnyAlong(a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
+  return AnyAlong(
+      a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
 }
 
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
@@ -95,9 +96,8 @@ PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& ce
 
 bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
-  return other.cells_.Any([&](const Cell& cell, int) {
-    return cells_.IsNear(CellFrom(other, cell), reach);
-  });
+  return other.cells_.Any(
+      [&](const Cell& cell, int) { return cells_.IsNear(CellFrom(other, cell), reach); });
 }
 
 double PatchExtent::OverlapWith(const PatchExtent& other) const {
@@ -134,9 +134,7 @@ void PatchExtent::Merge(const PatchExtent& other) {
   }
 }
 
-double PatchExtent::area_m2() const {
-  return cells_.num_occupied() * kCellSize * kCellSize;
-}
+double PatchExtent::area_m2() const { return cells_.num_occupied() * kCellSize * kCellSize; }
 
 std::vector<Eigen::Vector2d> PatchExtent::ConvexHull() const { return HullOf(hull_points_); }
 

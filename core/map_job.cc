@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/config.h"
+#include "core/plane_covariance.h"
 #include "core/result_writer.h"
 #include "core/scan_reader.h"
 #include "core/stopwatch.h"
@@ -170,6 +171,44 @@ std::vector<StampedPose> Poses(const MapResult& result) {
   return poses;
 }
 
+std::vector<StampedCovariance> PoseCovariances(const MapResult& result) {
+  std::vector<StampedCovariance> covariances;
+  const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
+  for (const int64_t time_ns : result.scan_times_ns) {
+    const Matrix6d covariance =
+        result.batch.covariance.PoseAt(result.state.trajectory, time_ns);
+    covariances.push_back({time_ns, covariance(position_first, position_first)});
+  }
+  return covariances;
+}
+
+std::string PlaneName(int id) { return "plane " + std::to_string(id); }
+
+// What the covariance says of how well the unknowns are determined.
+void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* summary) {
+  constexpr size_t kNumCorrelations = 5;
+  for (const auto& correlation : planes.LargestCorrelations(kNumCorrelations)) {
+    const auto name = [](bool angle) { return angle ? "angle of " : "distance of "; };
+    summary->largest_correlations.emplace_back(
+        name(correlation.angle_a) + PlaneName(correlation.plane_a) + " with " +
+            name(correlation.angle_b) + PlaneName(correlation.plane_b),
+        correlation.value);
+  }
+  const Trajectory& trajectory = result.state.trajectory;
+  for (const WeakDirection& weak : result.batch.covariance.weak_directions()) {
+    std::string what = PlaneName(weak.block.index);
+    if (weak.block.kind != BlockId::Kind::kLandmark) {
+      // A control point acts most in the middle of the four intervals it reaches.
+      const double since_start_s =
+          SecondsBetween(result.state.origin_time_ns, trajectory.start_ns()) +
+          (weak.block.index - 1) * trajectory.knot_interval_s();
+      what = (weak.block.kind == BlockId::Kind::kRotation ? "rotation" : "position") +
+             (" near " + FormatSeconds(since_start_s) + " after the start of the map");
+    }
+    summary->weakest_directions.emplace_back(what, weak.eigenvalue);
+  }
+}
+
 }  // namespace
 
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
@@ -196,6 +235,9 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   const std::vector<PlanePatch> planes = PlanePatches(result.state);
   writer.WriteTrajectory(Poses(result));
   writer.WritePlanes(planes);
+  const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
+  writer.WriteTrajectoryCovariance(PoseCovariances(result));
+  writer.WritePlaneCovariance(covariance);
   PointExporter(rig, result.state, &writer).Run(progress, &recording, &summary);
   writer.WriteConfig(MapperOptionsToYaml(options));
   writing.reset();
@@ -215,6 +257,7 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   summary.stages.emplace_back("writing", writing_watch.seconds());
   summary.stages.emplace_back("total", total_watch.seconds());
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
+  Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
   summary.reference_plane_id = 0;
   std::vector<std::string> warnings = recording.warnings();

@@ -18,6 +18,13 @@ struct StampedPose {
   Rigid3d world_from_body;
 };
 
+// One line of trajectory_covariance.csv.
+struct StampedCovariance {
+  int64_t time_ns = 0;
+  // Position (m) and rotation (rad, world frame) of the body.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
 enum class PlaneType { kHorizontal, kVertical, kGeneral };
 
 std::string PlaneTypeName(PlaneType type);  // "horizontal", "vertical", "general"
@@ -58,7 +65,10 @@ struct Summary {
   std::vector<std::pair<std::string, double>> stages;  // name, seconds; in order
   double real_time_factor = 0.0;
   double peak_memory_mb = 0.0;
-  std::string motion;           // "spatial" or "planar"
+  // Figures of how well the unknowns are determined: what, and a number.
+  std::vector<std::pair<std::string, double>> largest_correlations;  // between planes
+  std::vector<std::pair<std::string, double>> weakest_directions;    // smallest eigenvalues
+  std::string motion;                                                // "spatial" or "planar"
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   std::vector<std::string> warnings;
 };

@@ -29,12 +29,6 @@ constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the mod
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
-std::string FormatSeconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3f s", seconds);
-  return text;
-}
-
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class Follower {
  public:
@@ -284,7 +278,8 @@ void Follower::Follow(const Scan& scan) {
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  tracker_->Track(first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
+  tracker_->Track(
+      first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
   CheckNotLost(scan.end_ns);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -393,7 +388,8 @@ MapResult MapRecording(const Rig& rig,
   result.stages = {
       {"segmentation", follower.segmentation_watch().seconds()},
       {"window", tracking_watch.seconds() - follower.segmentation_watch().seconds()},
-      {"batch", batch_watch.seconds()}};
+      {"batch", batch_watch.seconds() - result.batch.covariance_watch.seconds()},
+      {"covariance", result.batch.covariance_watch.seconds()}};
   return result;
 }
 

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/batch.h"
+#include "core/map_state.h"
 #include "core/map_types.h"
 #include "core/mapper_options.h"
 #include "core/recording.h"
 #include "core/rig.h"
-#include "core/map_state.h"
 
 namespace plumbline {
 

@@ -43,13 +43,11 @@ ObservationGroup MakeGroup(const Rig& rig,
     segment.weight_scale = WeightScale(rig, trajectory, landmarks, *observation);
     segments.push_back(segment);
   }
-  return {first,
-          std::move(ids),
-          SegmentGroup(num_control_points,
-                       scanners,
-                       std::move(planes),
-                       std::move(segments),
-                       huber_width)};
+  return {
+      first,
+      std::move(ids),
+      SegmentGroup(
+          num_control_points, scanners, std::move(planes), std::move(segments), huber_width)};
 }
 
 }  // namespace

@@ -134,6 +134,27 @@ std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
          vertices + faces;
 }
 
+std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& poses) {
+  const char* const names[] = {"px", "py", "pz", "rx", "ry", "rz"};
+  std::string text = "t";
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) text += std::string(",") + names[i] + "_" + names[j];
+  }
+  text += "\n";
+  char number[32];
+  for (const StampedCovariance& pose : poses) {
+    text += SecondsText(pose.time_ns);
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) {
+        std::snprintf(number, sizeof(number), ",%.6e", pose.covariance(i, j));
+        text += number;
+      }
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string FormatSummary(const Summary& summary) {
   nlohmann::ordered_json json;
   json["scans"] = summary.scans;
@@ -152,6 +173,15 @@ std::string FormatSummary(const Summary& summary) {
   json["stages"] = stages;
   json["real_time_factor"] = summary.real_time_factor;
   json["peak_memory_mb"] = summary.peak_memory_mb;
+  const auto list = [](const std::vector<std::pair<std::string, double>>& figures) {
+    nlohmann::ordered_json array = nlohmann::ordered_json::array();
+    for (const auto& [what, value] : figures) {
+      array.push_back({{"what", what}, {"value", value}});
+    }
+    return array;
+  };
+  json["largest_correlations"] = list(summary.largest_correlations);
+  json["weakest_directions"] = list(summary.weakest_directions);
   json["motion"] = summary.motion;
   json["reference_plane_id"] = summary.reference_plane_id;
   json["warnings"] = summary.warnings;

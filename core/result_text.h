@@ -13,6 +13,10 @@ namespace plumbline {
 // nanosecond; unit quaternions with qw >= 0.
 std::string FormatTrajectory(const std::vector<StampedPose>& poses);
 
+// A head line and one line per pose: t and the upper triangle, row by row, of the covariance
+// of (px, py, pz, rx, ry, rz).
+std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& poses);
+
 // JSON array with one object per line; times in seconds with 9 decimals, exact to the
 // nanosecond. Values that are not finite are written as null.
 std::string FormatPlanes(const std::vector<PlanePatch>& planes);

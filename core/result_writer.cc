@@ -80,6 +80,14 @@ void ResultWriter::WritePlanes(const std::vector<PlanePatch>& planes) {
   impl_->Write("planes.ply", FormatPlanePolygons(planes));
 }
 
+void ResultWriter::WriteTrajectoryCovariance(const std::vector<StampedCovariance>& poses) {
+  impl_->Write("trajectory_covariance.csv", FormatTrajectoryCovariance(poses));
+}
+
+void ResultWriter::WritePlaneCovariance(const PlaneCovariance& covariance) {
+  impl_->Write("plane_covariance.csv", FormatPlaneCovariance(covariance));
+}
+
 void ResultWriter::AddMapPoint(const MapPoint& point) { impl_->points->Add(point); }
 
 void ResultWriter::WriteSummary(const Summary& summary) {

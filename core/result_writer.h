@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/map_types.h"
+#include "core/plane_covariance.h"
 
 namespace plumbline {
 
@@ -29,9 +30,11 @@ class ResultWriter {
 
   void WriteTrajectory(const std::vector<StampedPose>& poses);  // trajectory.tum
   void WritePlanes(const std::vector<PlanePatch>& planes);      // planes.json, planes.ply
-  void AddMapPoint(const MapPoint& point);                      // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);                    // summary.json
-  void WriteConfig(const std::string& yaml);                    // config_used.yaml
+  void WriteTrajectoryCovariance(const std::vector<StampedCovariance>& poses);
+  void WritePlaneCovariance(const PlaneCovariance& covariance);  // plane_covariance.csv
+  void AddMapPoint(const MapPoint& point);                       // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);                     // summary.json
+  void WriteConfig(const std::string& yaml);                     // config_used.yaml
   void Commit();
 
  private:

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <string>
 
 namespace plumbline {
 
@@ -13,6 +15,13 @@ inline double SecondsBetween(int64_t start_ns, int64_t end_ns) {
 
 inline int64_t NanosecondsFromSeconds(double seconds) {
   return static_cast<int64_t>(std::llround(seconds * 1e9));
+}
+
+// "12.345 s", for messages.
+inline std::string FormatSeconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3f s", seconds);
+  return text;
 }
 
 }  // namespace plumbline

@@ -35,10 +35,10 @@ constexpr int kLooseIntervals = 2;
 constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
 
-// How a rig may have moved since the last scan, beyond what its spline can follow: in multiples
-// of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long as what has
-// been found explains less than max_length_share of the scan's segments (by length), and
-// believed from min_length_share on.
+// How a rig may have moved since the last scan, beyond what its spline can follow: in
+// multiples of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long
+// as what has been found explains less than max_length_share of the scan's segments (by
+// length), and believed from min_length_share on.
 struct MotionRegime {
   double scale;
   double share;
@@ -93,8 +93,9 @@ PoseUncertainty::Local PoseUncertainty::LocalJacobian(const Trajectory& trajecto
     if (column < 0 || column >= local.jacobian.cols()) continue;
     const auto index = static_cast<size_t>(j);
     local.jacobian.block<3, 3>(0, column) = spline.rotation_wrt_control[index];
-    local.jacobian.block<3, 3>(3, column + 3).diagonal().setConstant(
-        spline.position_weights[index]);
+    local.jacobian.block<3, 3>(3, column + 3)
+        .diagonal()
+        .setConstant(spline.position_weights[index]);
   }
   return local;
 }
@@ -137,8 +138,7 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   if (factor.info() != Eigen::Success) {
     throw Error("the poses are not determined by the scans: singular estimate");
   }
-  Eigen::MatrixXd covariance =
-      Eigen::MatrixXd::Zero(information.rows(), information.cols());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
   const Eigen::MatrixXd inverse =
       factor.solve(Eigen::MatrixXd::Identity(free.rows(), free.cols()));
   covariance(rows, rows) = inverse;
@@ -166,8 +166,7 @@ std::vector<Tracker::Term> Tracker::MotionTerms() const {
   };
   const bool at_start = gaussian_.mean.empty();
   const int known = at_start ? 0 : gaussian_.end();
-  for (int i = std::max(first(), known - 2);
-       i + 2 < state_->trajectory.num_control_points();
+  for (int i = std::max(first(), known - 2); i + 2 < state_->trajectory.num_control_points();
        ++i) {
     add(CreateRotationAccelerationFactor(
             options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s),
@@ -196,8 +195,7 @@ std::vector<Tracker::Term> Tracker::MotionTerms() const {
 
 Tracker::System Tracker::Linearise(const std::vector<Term>& terms,
                                    const std::vector<ObservationGroup>& groups) const {
-  const Eigen::Index size =
-      kPoseSize * (state_->trajectory.num_control_points() - first());
+  const Eigen::Index size = kPoseSize * (state_->trajectory.num_control_points() - first());
   System system;
   system.hessian.setZero(size, size);
   system.gradient.setZero(size);
@@ -210,9 +208,8 @@ Tracker::System Tracker::Linearise(const std::vector<Term>& terms,
           state_->trajectory.control_point(gaussian_.first + static_cast<int>(i));
       using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
       using Vector = Eigen::Map<const Eigen::Vector3d>;
-      moved.segment<6>(static_cast<Eigen::Index>(kPoseSize * i))
-          << Log(Quaternion(now.rotation.data()) *
-                 Quaternion(mean.rotation.data()).conjugate()),
+      moved.segment<6>(static_cast<Eigen::Index>(kPoseSize * i)) << Log(
+          Quaternion(now.rotation.data()) * Quaternion(mean.rotation.data()).conjugate()),
           Vector(now.position.data()) - Vector(mean.position.data());
     }
     const Eigen::VectorXd gradient = gaussian_.information * moved;
@@ -321,8 +318,7 @@ Tracker::System Tracker::Estimate(const std::vector<Term>& terms,
   System system = Linearise(terms, groups);
   const std::vector<int> rows = FreeRows(system.gradient.size());
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(
-        Eigen::MatrixXd(system.hessian(rows, rows)));
+    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(system.hessian(rows, rows)));
     if (factor.info() != Eigen::Success) {
       throw Error("the poses are not determined by the scans: singular estimate");
     }
@@ -376,8 +372,7 @@ Matrix6d Tracker::UnsteadyCovariance() const {
   const double interval_s = state_->trajectory.knot_interval_s();
   const double share = std::sqrt(2.0) * interval_s * interval_s / 32.0;
   const TrajectoryOptions& options = options_.trajectory;
-  const double rotation =
-      share * options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
+  const double rotation = share * options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
   const double position = share * options.acceleration_stddev_m_s2;
   Matrix6d covariance = Matrix6d::Zero();
   for (const int row : FreeRows(kPoseSize)) {
@@ -454,10 +449,10 @@ Tracker::Association Tracker::ChooseUnder(
   int num_paired = 0;
   for (const int index : observations) {
     const Observation& observation = at(index);
-    const double share =
-        end_ns > begin_ns ? static_cast<double>(observation.middle_time_ns() - begin_ns) /
-                                static_cast<double>(end_ns - begin_ns)
-                          : 0.0;
+    const double share = end_ns > begin_ns
+                             ? static_cast<double>(observation.middle_time_ns() - begin_ns) /
+                                   static_cast<double>(end_ns - begin_ns)
+                             : 0.0;
     const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
     const size_t num_before = pairings.size();
     for (const PossibleLandmark& possible : PossibleLandmarks(

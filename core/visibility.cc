@@ -66,8 +66,7 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
       return false;
     });
     passed_through.push_back(num_passed >
-                             kPassedShare * kMiddleShare *
-                                 seen_on.num_occupied());
+                             kPassedShare * kMiddleShare * seen_on.num_occupied());
   }
   return passed_through;
 }

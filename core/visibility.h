@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/rig.h"
 #include "core/map_state.h"
+#include "core/rig.h"
 
 namespace plumbline {
 

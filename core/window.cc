@@ -132,8 +132,7 @@ void Window::AddStart(EstimationProblem* problem) const {
 void Window::Add(int observation_index) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
-  const int first =
-      state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first;
+  const int first = state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first;
   if (first >= start_) window_.push_back(observation_index);
 }
 
@@ -158,7 +157,8 @@ Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) co
 }
 
 PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
-  // Planes that are not in view follow what the others do; they take no part in the iterations.
+  // Planes that are not in view follow what the others do; they take no part in the
+  // iterations.
   const std::set<int> in_view = LandmarksInWindow();
   const auto is_dormant = [&](const BlockId& block) {
     return IsLandmark(block) && in_view.count(block.index) == 0;
@@ -183,7 +183,8 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
       prior.linear.blocks.push_back(
           {problem.KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
     }
-    const MarginalisedSystem root = plumbline::Marginalise(dormant->hessian(), dormant->gradient(), 0);
+    const MarginalisedSystem root =
+        plumbline::Marginalise(dormant->hessian(), dormant->gradient(), 0);
     prior.linear.root = root.root;
     prior.linear.offset = root.offset;
     problem.AddPrior(prior);

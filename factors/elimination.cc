@@ -34,8 +34,7 @@ std::optional<Elimination> Elimination::Make(const Eigen::MatrixXd& hessian,
   }
   result.hessian_ = hessian.bottomRightCorner(n, n).selfadjointView<Eigen::Lower>();
   result.hessian_.noalias() -= result.half_.transpose() * result.half_;
-  result.gradient_ =
-      gradient.tail(n) - result.half_.transpose() * result.half_gradient_;
+  result.gradient_ = gradient.tail(n) - result.half_.transpose() * result.half_gradient_;
   return result;
 }
 

@@ -26,8 +26,8 @@ class Elimination {
   // The minimum of y for this x.
   Eigen::VectorXd BackSubstitute(const Eigen::VectorXd& x) const;
   // cov(y) = conditional + gain cov(x) gain^T.
-  Eigen::MatrixXd Gain() const;                   // d y / d x
-  Eigen::MatrixXd ConditionalRoot() const;        // M with M^T M = conditional covariance
+  Eigen::MatrixXd Gain() const;             // d y / d x
+  Eigen::MatrixXd ConditionalRoot() const;  // M with M^T M = conditional covariance
 
  private:
   Elimination() = default;

@@ -103,8 +103,8 @@ void WriteRows(const SegmentGroup::Segment& segment,
         double* const out = rotation_at + row * rows.outerStride();
         double* const shift = position_at + row * rows.outerStride();
         for (int i = 0; i < 3; ++i) {
-          out[i] += pose[0] * rotation(0, i) + pose[1] * rotation(1, i) +
-                    pose[2] * rotation(2, i);
+          out[i] +=
+              pose[0] * rotation(0, i) + pose[1] * rotation(1, i) + pose[2] * rotation(2, i);
           shift[i] += weight * pose[3 + i];
         }
       }
@@ -258,7 +258,8 @@ class SegmentGroupCost final : public ceres::CostFunction {
         jacobian.bottomRows<1>().setZero();
         auto upper = jacobian.topRows(group_.size());
         if (is_rotation) {
-          upper = root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
+          upper =
+              root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
         } else {
           upper = root_.middleCols(column, tangent_size);
         }

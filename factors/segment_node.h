@@ -21,9 +21,9 @@ void TurnSlightly(const T tangent[3], const A& a, T turned[3]) {
   turned[2] = a[2] + tangent[0] * a[1] - tangent[1] * a[0];
 }
 
-// g of one node (SegmentMeasurement). x_axis, y_axis, origin: of the scanner, in the body frame
-// (E: double or T). Turning the body by Exp(tangent) on the left is seen as turning the normal
-// by -tangent.
+// g of one node (SegmentMeasurement). x_axis, y_axis, origin: of the scanner, in the body
+// frame (E: double or T). Turning the body by Exp(tangent) on the left is seen as turning the
+// normal by -tangent.
 template <typename T, typename E>
 void NodeGeometry(const Eigen::Matrix3d& world_from_body,
                   const T opposite_tangent[3],

@@ -24,13 +24,11 @@ Eigen::Quaternion<typename Derived::Scalar> Exp(const Eigen::MatrixBase<Derived>
   T w;
   if (angle2 < 0.06) {  // all terms that reach double precision; cheaper than the functions
     const T half2 = 0.25 * angle2;
-    factor =
-        0.5 - half2 * (1.0 / 12.0 -
-                       half2 * (1.0 / 240.0 - half2 * (1.0 / 10080.0 - half2 / 725760.0)));
-    w = 1.0 -
-        half2 * (0.5 - half2 * (1.0 / 24.0 -
-                                half2 * (1.0 / 720.0 -
-                                         half2 * (1.0 / 40320.0 - half2 / 3628800.0))));
+    factor = 0.5 - half2 * (1.0 / 12.0 - half2 * (1.0 / 240.0 -
+                                                  half2 * (1.0 / 10080.0 - half2 / 725760.0)));
+    w = 1.0 - half2 * (0.5 - half2 * (1.0 / 24.0 -
+                                      half2 * (1.0 / 720.0 -
+                                               half2 * (1.0 / 40320.0 - half2 / 3628800.0))));
   } else {
     const T angle = sqrt(angle2);
     factor = sin(0.5 * angle) / angle;
@@ -56,18 +54,18 @@ Eigen::Matrix<typename Derived::Scalar, 3, 1> Log(const Eigen::QuaternionBase<De
   if (sine2 < 0.01 * w * w) {  // all terms that reach double precision
     factor =
         2.0 / w *
-        (1.0 -
-         tangent2 *
-             (1.0 / 3.0 -
-              tangent2 *
-                  (1.0 / 5.0 -
-                   tangent2 *
-                       (1.0 / 7.0 -
-                        tangent2 * (1.0 / 9.0 -
-                                    tangent2 * (1.0 / 11.0 -
-                                                tangent2 * (1.0 / 13.0 -
-                                                            tangent2 * (1.0 / 15.0 -
-                                                                        tangent2 / 17.0))))))));
+        (1.0 - tangent2 *
+                   (1.0 / 3.0 -
+                    tangent2 *
+                        (1.0 / 5.0 -
+                         tangent2 *
+                             (1.0 / 7.0 -
+                              tangent2 *
+                                  (1.0 / 9.0 -
+                                   tangent2 * (1.0 / 11.0 -
+                                               tangent2 * (1.0 / 13.0 -
+                                                           tangent2 * (1.0 / 15.0 -
+                                                                       tangent2 / 17.0))))))));
   } else {
     const T sine = sqrt(sine2);
     factor = 2.0 * atan2(sine, w) / sine;

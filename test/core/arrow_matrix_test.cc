@@ -55,6 +55,35 @@ TEST(ArrowMatrixTest, MarginalisesLikeDenseSchurComplement) {
   }
 }
 
+TEST(ArrowMatrixTest, SolvesAndInvertsLikeTheDenseMatrix) {
+  for (const auto& [num_band, bandwidth, num_border] :
+       {std::array<int, 3>{40, 7, 6}, {3, 7, 4}, {12, 0, 3}, {25, 24, 1}}) {
+    const Eigen::MatrixXd dense = RandomArrow(num_band, bandwidth, num_border, 8);
+    ArrowMatrix arrow(num_band, bandwidth, num_border);
+    for (int column = 0; column < dense.cols(); ++column) {
+      for (int row = column; row < dense.rows(); ++row) {
+        if (dense(row, column) != 0.0) arrow.Add(row, column, dense(row, column));
+      }
+    }
+    const ArrowFactor factor(arrow);
+    const Eigen::MatrixXd expected = dense.inverse();
+    const double tolerance = 1e-9 * expected.norm();
+    const Eigen::VectorXd right_side = Eigen::VectorXd::LinSpaced(dense.rows(), -1.0, 2.0);
+    EXPECT_LT((factor.Solve(right_side) - expected * right_side).norm(), 10.0 * tolerance);
+    const ArrowInverse inverse = factor.Inverse();
+    EXPECT_LT((inverse.border - expected.bottomRightCorner(num_border, num_border)).norm(),
+              tolerance);
+    EXPECT_LT((inverse.cross - expected.topRightCorner(num_band, num_border)).norm(),
+              tolerance);
+    const int size = std::min(num_band, bandwidth + 1);
+    for (int first = 0; first + size <= num_band; ++first) {
+      EXPECT_LT(
+          (inverse.BandBlock(first, size) - expected.block(first, first, size, size)).norm(),
+          tolerance);
+    }
+  }
+}
+
 TEST(ArrowMatrixTest, SingularBandIsAnError) {
   ArrowMatrix arrow(3, 1, 1);
   for (int i = 0; i < 4; ++i) arrow.Add(i, i, 1.0);

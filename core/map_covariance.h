@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/arrow_matrix.h"
+#include "core/association.h"
+#include "core/estimation_problem.h"
+#include "core/trajectory.h"
+
+namespace plumbline {
+
+// A direction in which the estimation is weak.
+struct WeakDirection {
+  double eigenvalue = 0.0;  // of the normal matrix scaled to a unit diagonal
+  BlockId block;            // the unknown that has the largest share in it
+  double share = 0.0;       // of the squared length of the direction
+};
+
+// Covariance of an estimate: of all planes together, and of the pose at any instant. Absolute,
+// in the model frame; what the gauge holds has zero rows. For the range noise of the rig file:
+// not scaled by the variance factor.
+class MapCovariance {
+ public:
+  MapCovariance() = default;
+  // Throws Error when the problem does not determine its unknowns.
+  static MapCovariance Of(EstimationProblem* problem);
+
+  const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
+  // First row of each landmark's parameters; the last element is the size.
+  const std::vector<int>& offsets() const { return offsets_; }
+  const Eigen::MatrixXd& landmarks() const { return inverse_.border; }
+
+  // World-frame rotation (rad) and position (m) of the body.
+  Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
+
+  // The smallest eigenvalues, ascending.
+  const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
+
+ private:
+  bool planar_ = false;
+  std::vector<int> landmark_ids_;
+  std::vector<int> offsets_;
+  ArrowInverse inverse_;
+  std::vector<WeakDirection> weak_directions_;
+};
+
+}  // namespace plumbline
