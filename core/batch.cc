@@ -27,8 +27,6 @@ constexpr double kFinalTolerance = 1e-9;
 // then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
 
-Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
-
 class Batch {
  public:
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
@@ -78,9 +76,11 @@ class Batch {
       landmark.extent = landmark.EmptyExtent();
       landmark.num_segments = 0;
       landmark.num_points = 0;
+      landmark.last_scan = 0;
+      landmark.last_time_ns = 0;
     }
     for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id >= 0) Count(observation);
+      if (observation.landmark_id >= 0) CountObservation(rig_, observation, state_);
     }
   }
 
@@ -191,25 +191,6 @@ class Batch {
       ++num_released;
     }
     return num_released;
-  }
-
-  void Count(const Observation& observation) {
-    Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
-    const Rigid3d& body_from_scanner =
-        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-    const Rigid3d start =
-        state_->trajectory.WorldFromBody(observation.start_time_ns) * body_from_scanner;
-    const Rigid3d end =
-        state_->trajectory.WorldFromBody(observation.end_time_ns) * body_from_scanner;
-    landmark.extent.AddSegment(start * Lift(observation.start), end * Lift(observation.end));
-    if (landmark.num_segments == 0) {
-      landmark.first_scan = observation.scan_index;
-      landmark.first_time_ns = observation.start_time_ns;
-    }
-    landmark.last_scan = observation.scan_index;
-    landmark.last_time_ns = observation.end_time_ns;
-    ++landmark.num_segments;
-    landmark.num_points += observation.num_points;
   }
 
   const Rig& rig_;

@@ -5,6 +5,7 @@
 
 #include "core/landmark.h"
 #include "core/observation.h"
+#include "core/rig.h"
 #include "core/trajectory.h"
 
 namespace plumbline {
@@ -20,5 +21,9 @@ struct MapState {
   std::deque<Observation> observations;  // by time
   int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
 };
+
+// Takes an observation into its landmark's extent, times and counts. Observations come in
+// the order of time, or near it.
+void CountObservation(const Rig& rig, const Observation& observation, MapState* state);
 
 }  // namespace plumbline

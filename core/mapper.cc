@@ -23,11 +23,7 @@ namespace {
 // Beyond these standard deviations, the planes given, the newest pose is lost.
 constexpr double kLostPosition = 0.5;                  // m
 constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
-// Scan planes tilted by less than this against each other and the body see no heights.
-constexpr double kPlanarTolerance = 2.0 * M_PI / 180.0;
 constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the model frame
-
-Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class Follower {
@@ -180,22 +176,8 @@ bool Follower::Start(const Scan& scan) {
 }
 
 void Follower::Accept(int observation_index, bool tracked) {
-  const Observation& observation =
-      state_->observations[static_cast<size_t>(observation_index)];
-  Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
-  const Rigid3d world_from_scanner =
-      state_->trajectory.WorldFromBody(observation.middle_time_ns()) *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  landmark.extent.AddSegment(world_from_scanner * Lift(observation.start),
-                             world_from_scanner * Lift(observation.end));
-  if (landmark.num_segments == 0) {
-    landmark.first_scan = observation.scan_index;
-    landmark.first_time_ns = observation.start_time_ns;
-  }
-  landmark.last_scan = std::max(landmark.last_scan, observation.scan_index);
-  landmark.last_time_ns = std::max(landmark.last_time_ns, observation.end_time_ns);
-  ++landmark.num_segments;
-  landmark.num_points += observation.num_points;
+  CountObservation(
+      rig_, state_->observations[static_cast<size_t>(observation_index)], state_.get());
   window_->Add(observation_index);
   if (!tracked) tracker_->Add(observation_index);
 }
@@ -353,9 +335,7 @@ MapResult MapRecording(const Rig& rig,
                        int num_threads,
                        const ProgressCallback& progress,
                        RecordingReader* recording) {
-  const bool planar =
-      rig.motion == MotionModel::kPlanar ||
-      (rig.motion == MotionModel::kAutomatic && AllScannersHorizontal(rig, kPlanarTolerance));
+  const bool planar = IsPlanar(rig);
   std::vector<std::string> warnings;
   if (planar) {
     LOG(INFO)

@@ -132,6 +132,13 @@ void WriteRig(const Rig& rig, const std::string& path) {
   WriteFileAtomically(path, out.str());
 }
 
+bool IsPlanar(const Rig& rig) {
+  // Scan planes tilted by less than this against each other and the body see no heights.
+  constexpr double kTolerance = 2.0 * M_PI / 180.0;
+  return rig.motion == MotionModel::kPlanar ||
+         (rig.motion == MotionModel::kAutomatic && AllScannersHorizontal(rig, kTolerance));
+}
+
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
   for (const Scanner& scanner : rig.scanners) {
     const Eigen::Vector3d normal_body =

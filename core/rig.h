@@ -47,6 +47,9 @@ Rig ReadRig(const std::string& path);
 void WriteRig(const Rig& rig, const std::string& path);
 
 // True when every scan plane is horizontal in the body frame to within tolerance_rad.
+// Whether only the planar motion is estimated: by the rig file, or because all scan planes are
+// horizontal and see no heights.
+bool IsPlanar(const Rig& rig);
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
 }  // namespace plumbline

@@ -91,10 +91,12 @@ TEST_F(MapJobTest, LeavesNothingButTheResult) {
             (std::set<std::string>{"config_used.yaml",
                                    "map.pcd",
                                    "map.ply",
+                                   "plane_covariance.csv",
                                    "planes.json",
                                    "planes.ply",
                                    "summary.json",
-                                   "trajectory.tum"}));
+                                   "trajectory.tum",
+                                   "trajectory_covariance.csv"}));
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+// States how precise a map of an experiment can be at best, without estimating one.
+
+#include <gflags/gflags.h>
+
+#include <iostream>
+
+#include "apps/app.h"
+#include "apps/progress.h"
+#include "core/config.h"
+#include "simulation/bound.h"
+
+DEFINE_string(experiment, "", "experiment file (YAML)");
+DEFINE_string(config, "", "mapper settings (YAML), in place of the experiment's own");
+DEFINE_string(output, "", "directory for the planes, the trajectory and their covariances");
+
+int main(int argc, char** argv) {
+  return plumbline::RunApp(
+      argc,
+      argv,
+      "the Cramer-Rao bound of an experiment: standard deviations of planes and poses",
+      __FILE__,
+      {"experiment", "output"},
+      [] {
+        const plumbline::Experiment experiment = plumbline::ReadExperiment(FLAGS_experiment);
+        const plumbline::MapperOptions options = plumbline::ReadMapperOptions(
+            FLAGS_config.empty() ? FLAGS_experiment : FLAGS_config);
+        plumbline::Progress progress("bound");
+        const plumbline::Bound bound = plumbline::ComputeBound(
+            experiment, options, [&](double share_done) { progress.Report(share_done); });
+        plumbline::WriteBound(bound, FLAGS_output);
+        std::cout << plumbline::BoundTable(bound);
+      });
+}
