@@ -120,6 +120,7 @@ class EstimationProblem {
   NormalEquations Linearise();
   FullJacobian Jacobian();
   bool planar() const { return planar_; }
+  ceres::Problem* ceres_problem() { return &problem_; }
   int TangentSize(const BlockId& block) const;
   int AmbientSize(const BlockId& block) const;
   LinearPrior::Kind KindOf(const BlockId& block) const;

@@ -58,6 +58,19 @@ TEST(FormatPlanesTest, HasTheAgreedKeys) {
   EXPECT_EQ(json[0]["outline"][2], nlohmann::ordered_json({1.0, 1.0, 0.0}));
 }
 
+TEST(FormatTrajectoryCovarianceTest, WritesTheUpperTriangle) {
+  StampedCovariance pose;
+  pose.time_ns = 1'600'000'000'123'456'789;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) pose.covariance(i, j) = 10 * std::min(i, j) + std::max(i, j);
+  }
+  const std::string text = FormatTrajectoryCovariance({pose});
+  EXPECT_THAT(text, HasSubstr("t,px_px,px_py,px_pz,px_rx,px_ry,px_rz,py_py,"));
+  EXPECT_THAT(text, HasSubstr(",rz_rz\n1600000000.123456789,0.000000e+00,1.000000e+00,"));
+  EXPECT_THAT(text, HasSubstr(",4.500000e+01,5.500000e+01\n"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), ','), 2 * 21);
+}
+
 TEST(FormatPlanesTest, NoPlanesAreAnEmptyArray) {
   EXPECT_TRUE(nlohmann::json::parse(FormatPlanes({})).empty());
 }
@@ -84,6 +97,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   summary.points = int64_t{1} << 40;
   summary.residual_rms_m = 0.0217;
   summary.stages = {{"read", 0.5}, {"batch", 2.0}, {"read", 0.25}};
+  summary.largest_correlations = {{"this with that", -0.5}};
   summary.motion = "planar";
   summary.reference_plane_id = 4;
   summary.warnings = {"a \"quoted\" name", "not UTF-8: \xff"};
@@ -105,6 +119,8 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
                           "stages",
                           "real_time_factor",
                           "peak_memory_mb",
+                          "largest_correlations",
+                          "weakest_directions",
                           "motion",
                           "reference_plane_id",
                           "warnings"));

@@ -1,0 +1,145 @@
+#include <ceres/covariance.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "core/config.h"
+#include "core/estimation_problem.h"
+#include "core/map_covariance.h"
+#include "core/mapper.h"
+#include "core/recording.h"
+#include "factors/spline.h"
+#include "test/mapping/scenario.h"
+
+namespace plumbline {
+namespace {
+
+// The final problem of a mapped scenario, at its solution.
+class CovarianceTest : public MappingTest {
+ protected:
+  void MapScenario(const std::vector<ScenarioScanner>& scanners) {
+    Scenario scenario;
+    scenario.building = PillarRoom();
+    scenario.scanners = scanners;
+    scenario.path = PillarWalk(1.5, 1.0);
+    WriteRecording(Simulate(scenario));
+    rig_ = ReadRig(Path("rig.yaml"));
+    RecordingReader recording(Path("recording.bag"), rig_);
+    result_ = std::make_unique<MapResult>(
+        MapRecording(rig_, options_, 1, [](const std::string&, double) {}, &recording));
+    MapState& state = result_->state;
+    problem_ = std::make_unique<EstimationProblem>(
+        rig_, result_->planar, &state.trajectory, &state.landmarks);
+    problem_->AddStartVelocityPrior(options_.trajectory);
+    problem_->AddOrigin(state.origin_time_ns);
+    for (int i = 0; i + 2 < state.trajectory.num_control_points(); ++i) {
+      problem_->AddMotionPrior(i, options_.trajectory);
+    }
+    std::vector<const Observation*> associated;
+    for (const Observation& observation : state.observations) {
+      if (observation.landmark_id >= 0) associated.push_back(&observation);
+    }
+    problem_->AddSegments(associated, 0.0);
+  }
+
+  Rig rig_;
+  MapperOptions options_;
+  std::unique_ptr<MapResult> result_;
+  std::unique_ptr<EstimationProblem> problem_;
+};
+
+TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
+  MapScenario(TiltedRig());
+  const MapCovariance covariance = MapCovariance::Of(problem_.get());
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  ceres::Covariance oracle(options);
+  std::vector<std::pair<const double*, const double*>> pairs;
+  std::vector<const double*> blocks;
+  for (const int id : covariance.landmark_ids()) {
+    blocks.push_back(problem_->Data(LandmarkBlock(id)));
+  }
+  for (const double* a : blocks) {
+    for (const double* b : blocks) pairs.emplace_back(a, b);
+  }
+  ASSERT_TRUE(oracle.Compute(pairs, problem_->ceres_problem()));
+  ASSERT_GE(blocks.size(), 6u);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    for (size_t j = 0; j < blocks.size(); ++j) {
+      const int rows = covariance.offsets()[i + 1] - covariance.offsets()[i];
+      const int cols = covariance.offsets()[j + 1] - covariance.offsets()[j];
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> expected(rows,
+                                                                                      cols);
+      ASSERT_TRUE(oracle.GetCovarianceBlock(blocks[i], blocks[j], expected.data()));
+      const Eigen::MatrixXd found = covariance.landmarks().block(
+          covariance.offsets()[i], covariance.offsets()[j], rows, cols);
+      EXPECT_LT((found - expected).norm(), 1e-5 * expected.norm() + 1e-14)
+          << i << " " << j << "\n"
+          << found << "\n"
+          << expected;
+    }
+  }
+}
+
+// Against the dense inverse, whose rows are known; planar rigs have four rows a control point.
+TEST_F(CovarianceTest, PosesAgreeWithTheDenseInverse) {
+  std::vector<ScenarioScanner> horizontal = TiltedRig();
+  for (ScenarioScanner& scanner : horizontal) scanner.rotation_deg = "0, 0, 20";
+  for (const auto& scanners : {TiltedRig(), horizontal}) {
+    MapScenario(scanners);
+    const NormalEquations equations = problem_->Linearise();
+    std::vector<int> rows;
+    for (int i = 0; i < equations.size(); ++i) {
+      if (equations.hessian(i, i) > 0.0) rows.push_back(i);
+    }
+    const Eigen::MatrixXd free = equations.hessian(rows, rows).inverse();
+    Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+    inverse(rows, rows) = free;
+    const MapCovariance covariance = MapCovariance::Of(problem_.get());
+    const Trajectory& trajectory = result_->state.trajectory;
+    const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
+    const Matrix6d found = covariance.PoseAt(trajectory, time_ns);
+    // The position's part is linear in the control points: p = sum b_j p_j.
+    const Trajectory::Location at = trajectory.Locate(time_ns);
+    const std::array<double, 4> basis = SplineBasis(at.u);
+    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+    const auto row_of = [&](int control_point) {
+      for (size_t b = 0; b < equations.blocks.size(); ++b) {
+        if (equations.blocks[b] == PositionBlock(control_point)) return equations.offsets[b];
+      }
+      return -1;
+    };
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        expected += basis[static_cast<size_t>(i)] * basis[static_cast<size_t>(j)] *
+                    inverse.block<3, 3>(row_of(at.first + i), row_of(at.first + j));
+      }
+    }
+    EXPECT_LT((found.bottomRightCorner<3, 3>() - expected).norm(), 1e-4 * expected.norm());
+    EXPECT_EQ(result_->planar, found(0, 0) == 0.0);
+    EXPECT_GT(found(2, 2), 0.0);
+  }
+}
+
+TEST_F(CovarianceTest, FindsTheSmallestEigenvalue) {
+  MapScenario(TiltedRig());
+  const NormalEquations equations = problem_->Linearise();
+  std::vector<int> rows;
+  for (int i = 0; i < equations.size(); ++i) {
+    if (equations.hessian(i, i) > 0.0) rows.push_back(i);
+  }
+  Eigen::MatrixXd scaled = equations.hessian(rows, rows);
+  const Eigen::VectorXd scale = scaled.diagonal().cwiseSqrt().cwiseInverse();
+  scaled = scale.asDiagonal() * scaled * scale.asDiagonal();
+  const Eigen::VectorXd expected =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
+  const MapCovariance covariance = MapCovariance::Of(problem_.get());
+  const std::vector<WeakDirection>& weak = covariance.weak_directions();
+  ASSERT_EQ(weak.size(), 3u);
+  EXPECT_NEAR(weak[0].eigenvalue / expected[0], 1.0, 1e-3);
+  EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
+}
+
+}  // namespace
+}  // namespace plumbline
