@@ -418,7 +418,7 @@ def add_arguments(parser):
     parser.add_argument("--binaries", type=resolved, default=ROOT / "build" / "bin",
                         metavar="DIR", help="where the programs are (default build/bin)")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--jobs", type=positive, default=len(os.sched_getaffinity(0)), metavar="N",
+    where.add_argument("--jobs", type=positive, metavar="N",
                        help="jobs at the same time on this machine (default: all cores)")
     where.add_argument("--scheduler", metavar="tcp://HOST:PORT",
                        help="have the jobs done by the workers of this Dask scheduler, see "
@@ -430,7 +430,7 @@ def add_arguments(parser):
 def open_executor(arguments):
     if arguments.scheduler:
         return DaskExecutor(arguments.scheduler)
-    return LocalExecutor(arguments.jobs)
+    return LocalExecutor(arguments.jobs or len(os.sched_getaffinity(0)))
 
 
 def run_main(main):
