@@ -31,7 +31,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 POLL_S = 0.5             # how soon a job notices that it shall give up
 REPORT_INTERVAL_S = 10   # between lines of progress where these are not on a terminal
 STDERR_LINES = 20        # of a failed command that are kept
-MAX_SUBMISSIONS = 5      # of a job whose workers die; each survives a few of them
+MAX_SUBMISSIONS = 5      # of a job to Dask, which itself tries it on a few workers if they die
 
 
 class InputError(Exception):
@@ -343,6 +343,9 @@ class DaskExecutor:
                 again = self._submit(job, work_root)
                 futures[again] = job, num_submissions + 1
                 ended.add(again)
+            elif killed:
+                yield job, {**job.info, "error": "each worker that took it died, time and again; "
+                            "see their logs"}
             else:
                 yield job, outcome(job, future)
 

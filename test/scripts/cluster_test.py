@@ -69,7 +69,7 @@ class ClusterTest(ScriptTest):
         self.set_control("hold")
         process = self.start_runs(3)
         wait_until(lambda: len(self.attempts()) == 2)
-        process.send_signal(signal.SIGINT)
+        os.killpg(process.pid, signal.SIGINT)
         process.communicate()
         self.assertEqual(process.returncode, 130)
         wait_until(lambda: not self.programs_running())

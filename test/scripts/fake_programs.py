@@ -11,6 +11,7 @@ They write small files at once. A test steers and watches them by files in the d
 
 import os
 import pathlib
+import signal
 import stat
 import subprocess
 import sys
@@ -102,13 +103,16 @@ class ScriptTest(unittest.TestCase):
         return [sys.executable, SCRIPTS / self.script, "--output", self.output,
                 "--binaries", self.binaries, *arguments]
 
-    def run_script(self, *arguments):
+    def run_script(self, *arguments, **options):
         return subprocess.run(self.command(*arguments), capture_output=True, text=True,
-                              check=False)
+                              check=False, timeout=PATIENCE_S, **options)
 
     def start_script(self, *arguments):
-        process = subprocess.Popen(self.command(*arguments), stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
+        """The script as in a terminal: a process group that Ctrl-C reaches as a whole."""
+        process = subprocess.Popen(
+            self.command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
         return process

@@ -2,6 +2,7 @@
 """Tests scripts/map_all.py with stand-ins for the programs."""
 
 import json
+import os
 import signal
 import unittest
 
@@ -46,12 +47,13 @@ class MapAllTest(ScriptTest):
         row = [line.split() for line in result.stdout.splitlines() if "hall" in line][0]
         self.assertEqual(row, ["hall", "1.0", "4", "20.00", "1.00", "5.0", "0"])
 
-    def test_goes_on_after_an_interruption(self):
+    def test_goes_on_when_a_batch_system_has_ended_it(self):
         self.set_control("hold")
         process = self.start_script(self.folder, "--rig", self.rig, "--jobs", "1")
         wait_until(self.attempts)
-        process.send_signal(signal.SIGINT)
-        process.wait()
+        os.killpg(process.pid, signal.SIGTERM)
+        self.assertEqual(process.wait(), 130)
+        self.assertFalse(self.programs_running())
         self.assertEqual(self.entries(), ["setup.json"])
         self.unset_control("hold")
         self.check_done(self.map_all())

@@ -2,6 +2,7 @@
 """Tests scripts/monte_carlo.py with stand-ins for the programs."""
 
 import json
+import os
 import signal
 import sys
 import unittest
@@ -93,7 +94,7 @@ class MonteCarloTest(ScriptTest):
         wait_until(lambda: len(self.attempts()) == 3)
         self.assertEqual(self.entries(), ["run_0001", "setup.json", "summary.json"])
         self.assertTrue(self.programs_running())
-        process.send_signal(number)
+        os.killpg(process.pid, number)
         process.wait()
         wait_until(lambda: not self.programs_running())
         self.assertEqual(self.entries(), ["run_0001", "setup.json", "summary.json"])
@@ -106,18 +107,12 @@ class MonteCarloTest(ScriptTest):
         self.assertEqual(self.summary()["runs"], 4)
         self.assertEqual(self.entries(hidden=True), [])
 
-    def check_interruption(self, number):
-        process = self.stop_in_the_middle(number)
+    def test_interrupted(self):
+        process = self.stop_in_the_middle(signal.SIGINT)
         self.assertEqual(process.returncode, 130)
         self.assertIn("interrupted", process.stderr.read())
         self.assertEqual(self.entries(hidden=True), [])
         self.check_goes_on()
-
-    def test_interrupted_by_ctrl_c(self):
-        self.check_interruption(signal.SIGINT)
-
-    def test_interrupted_by_a_batch_system(self):
-        self.check_interruption(signal.SIGTERM)
 
     def test_killed(self):
         self.stop_in_the_middle(signal.SIGKILL)
@@ -159,6 +154,14 @@ class MonteCarloTest(ScriptTest):
         (self.binaries / "plumbline_map").unlink()
         self.check_error("plumbline_map", "room")
         self.assertFalse(self.output.exists())
+
+    def test_without_dask(self):
+        (self.directory / "distributed.py").write_text("raise ImportError")
+        result = self.run_script(self.experiment, "--scheduler", "tcp://127.0.0.1:1",
+                                 env={**os.environ, "PYTHONPATH": str(self.directory)})
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertIn("python3-distributed", result.stderr)
 
     def test_usage(self):
         self.check_usage_error()
