@@ -9,7 +9,7 @@ import subprocess
 import sys
 import unittest
 
-from fake_programs import ScriptTest, wait_until
+from fake_programs import PATIENCE_S, ScriptTest, wait_until
 
 HAVE_DASK = importlib.util.find_spec("distributed") is not None
 
@@ -31,9 +31,11 @@ class ClusterTest(ScriptTest):
         self.address = json.loads(self.contact.read_text())["address"]
 
     def start(self, module, *arguments):
+        # Dask itself would do a killed worker's run again. Not here, to see that the script does.
         process = subprocess.Popen(
             [sys.executable, "-m", f"distributed.cli.{module}", "--scheduler-file", self.contact,
              "--no-dashboard", *arguments], cwd=self.directory,
+            env={**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"},
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
@@ -54,7 +56,7 @@ class ClusterTest(ScriptTest):
         lost_seed, victim = self.attempts()[0]
         os.kill(int(victim), signal.SIGKILL)
         self.unset_control("hold")
-        stdout, stderr = process.communicate()
+        stdout, stderr = process.communicate(timeout=PATIENCE_S)
         self.assertEqual(process.returncode, 1, stderr)
         self.assertIn("5 runs done, 1 failed", stdout)
         self.assertIn("failed: seed 3: plumbline_map: lost in 3", stdout)
@@ -70,12 +72,12 @@ class ClusterTest(ScriptTest):
         process = self.start_runs(3)
         wait_until(lambda: len(self.attempts()) == 2)
         os.killpg(process.pid, signal.SIGINT)
-        process.communicate()
+        process.communicate(timeout=PATIENCE_S)
         self.assertEqual(process.returncode, 130)
         wait_until(lambda: not self.programs_running())
         self.unset_control("hold")
         process = self.start_runs(3)
-        stdout, stderr = process.communicate()
+        stdout, stderr = process.communicate(timeout=PATIENCE_S)
         self.assertEqual(process.returncode, 0, stderr)
         self.assertIn("3 runs done, 0 failed", stdout)
 
@@ -84,7 +86,7 @@ class ClusterTest(ScriptTest):
         process = self.start_runs(3)
         wait_until(lambda: len(self.attempts()) == 2)
         self.scheduler.kill()
-        _, stderr = process.communicate()
+        _, stderr = process.communicate(timeout=PATIENCE_S)
         self.assertEqual(process.returncode, 1)
         self.assertIn("lost the Dask scheduler", stderr.splitlines()[-1])
         self.assertEqual(self.entries(), ["setup.json"])

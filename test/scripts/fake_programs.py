@@ -21,7 +21,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SCRIPTS = ROOT / "scripts"
-PATIENCE_S = 20
+PATIENCE_S = 60
 
 PROGRAM = '''#!/usr/bin/python3 -ES
 import json, os, pathlib, sys, time

@@ -2,11 +2,10 @@
 """Tests scripts/map_all.py with stand-ins for the programs."""
 
 import json
-import os
 import signal
 import unittest
 
-from fake_programs import ScriptTest, wait_until
+from fake_programs import PATIENCE_S, ScriptTest, wait_until
 
 RESULTS = ["config_used.yaml", "map.ply", "planes.json", "summary.json", "trajectory.tum",
            "trajectory_covariance.csv"]
@@ -51,8 +50,8 @@ class MapAllTest(ScriptTest):
         self.set_control("hold")
         process = self.start_script(self.folder, "--rig", self.rig, "--jobs", "1")
         wait_until(self.attempts)
-        os.killpg(process.pid, signal.SIGTERM)
-        self.assertEqual(process.wait(), 130)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(PATIENCE_S), 130)
         self.assertFalse(self.programs_running())
         self.assertEqual(self.entries(), ["setup.json"])
         self.unset_control("hold")

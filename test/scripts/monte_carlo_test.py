@@ -7,7 +7,7 @@ import signal
 import sys
 import unittest
 
-from fake_programs import SCRIPTS, ScriptTest, wait_until
+from fake_programs import PATIENCE_S, SCRIPTS, ScriptTest, wait_until
 
 sys.path.insert(0, str(SCRIPTS))
 import job_runner  # noqa: E402
@@ -83,7 +83,7 @@ class MonteCarloTest(ScriptTest):
         self.set_control("forget_planes")
         result = self.run_seeds(1, 1)
         self.assertEqual(result.returncode, 1)
-        self.assertIn("planes.json", result.stdout)
+        self.assertIn("did not write result/planes.json", result.stdout)
         self.assertNotIn("run_0001", self.entries())
 
     def stop_in_the_middle(self, number):
@@ -95,7 +95,7 @@ class MonteCarloTest(ScriptTest):
         self.assertEqual(self.entries(), ["run_0001", "setup.json", "summary.json"])
         self.assertTrue(self.programs_running())
         os.killpg(process.pid, number)
-        process.wait()
+        process.wait(PATIENCE_S)
         wait_until(lambda: not self.programs_running())
         self.assertEqual(self.entries(), ["run_0001", "setup.json", "summary.json"])
         return process
