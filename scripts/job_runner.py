@@ -1,8 +1,8 @@
 """Runs many jobs of the plumbline programs, on this machine or, by Dask, on many.
 
-A job is a sequence of commands that work in a directory of its own. What it leaves is one directory
-below the output directory, which appears complete or not at all. So a job whose directory exists is
-done, and after any interruption the same command goes on where it stopped.
+A job is a sequence of commands that work in a directory of its own. What it leaves is one
+directory below the output directory, which appears complete or not at all. So a job whose
+directory exists is done, and after any interruption the same command goes on where it stopped.
 
 Below the output directory, besides the results:
 

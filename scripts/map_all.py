@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Maps every recording (*.bag) below a folder.
 
-Each recording becomes one directory below --output with all that plumbline_map writes. It is named
-as the recording without .bag, and with the folders above it where there are any: a/b.bag becomes
-a_b. What is there already is not mapped again, so the same command goes on after an interruption. A
-recording that can not be mapped is listed with its error and counted.
+Each recording becomes one directory below --output with all that plumbline_map writes. It is
+named as the recording without .bag, and with the folders above it where there are any: a/b.bag
+becomes a_b. What is there already is not mapped again, so the same command goes on after an
+interruption. A recording that can not be mapped is listed with its error and counted.
 """
 
 import argparse

@@ -2,9 +2,10 @@
 """Simulates, maps and evaluates an experiment many times, each time with another seed, and prints
 the spread of the main figures over all runs.
 
-Each run is one directory below --output, named by its seed (run_0001, run_0002, ...). Runs that are
-there already are not done again, so the same command goes on after an interruption, and one with
-more runs or another first seed adds to them. A run that fails is listed with its error and counted.
+Each run is one directory below --output, named by its seed (run_0001, run_0002, ...). Runs that
+are there already are not done again, so the same command goes on after an interruption, and one
+with more runs or another first seed adds to them. A run that fails is listed with its error and
+counted.
 """
 
 import argparse
