@@ -7,14 +7,11 @@ is not done again. A run that fails is listed with its error.
 """
 
 import argparse
-import concurrent.futures
-import json
-import pathlib
-import shutil
-import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+import job_runner
+
+ROOT = job_runner.ROOT
 EXPERIMENTS = ROOT / "configs" / "experiments"
 
 # Name of the case: experiment that is simulated, file with the mapper's settings.
@@ -29,45 +26,49 @@ CASES = {
 }
 
 
-def run(command):
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    if result.returncode != 0:
-        lines = result.stderr.strip().splitlines() or ["no message"]
-        raise RuntimeError(lines[-1])
-
-
-def run_one(case, seed, binaries, output):
-    """Result of one run, or its error message."""
+def make_job(case, seed, arguments):
     experiment, config = CASES[case]
-    directory = output / case.replace(", ", "-").replace(" ", "_") / f"seed_{seed}"
-    evaluation = directory / "evaluation.json"
-    summary = directory / "summary.json"
-    try:
-        if not evaluation.exists():
-            work = directory / "work"
-            run([binaries / "plumbline_simulate",
-                 f"--experiment={EXPERIMENTS / experiment}.yaml", f"--seed={seed}",
-                 f"--output={work / 'truth'}"])
-            run([binaries / "plumbline_map", f"--recording={work / 'truth' / 'recording.bag'}",
-                 f"--rig={work / 'truth' / 'rig.yaml'}",
-                 f"--config={EXPERIMENTS / config}.yaml", f"--output={work / 'map'}"])
-            shutil.copy(work / "map" / "summary.json", summary)
-            run([binaries / "plumbline_evaluate", f"--result={work / 'map'}",
-                 f"--truth={work / 'truth'}", f"--output={work / 'evaluation.json'}"])
-            (work / "evaluation.json").rename(evaluation)
-            shutil.rmtree(work)
-        return json.loads(evaluation.read_text()), json.loads(summary.read_text())
-    except RuntimeError as error:
-        return str(error)
+    case_directory = arguments.output / case.replace(", ", "-").replace(" ", "_")
+    return job_runner.Job(
+        destination=case_directory / f"seed_{seed}",
+        commands=job_runner.simulated_run(EXPERIMENTS / f"{experiment}.yaml",
+                                          EXPERIMENTS / f"{config}.yaml", seed,
+                                          arguments.binaries),
+        required=("result/evaluation.json", "result/summary.json"))
+
+
+def is_done(job):
+    return (job.destination / "evaluation.json").exists()
+
+
+def run_missing(jobs, arguments):
+    """Error messages by the destination of the jobs that failed."""
+    missing = [job for job in jobs if not is_done(job)]
+    errors = {}
+    progress = job_runner.Progress(len(jobs), len(missing), "runs")
+    with job_runner.LocalExecutor(arguments.jobs) as executor, \
+            job_runner.WorkDirectory(arguments.output) as work:
+        for job in missing:
+            if job.destination.exists():  # without an evaluation: interrupted
+                job_runner.discard(job.destination)
+        for job, failure in executor.run(missing, work):
+            if failure is not None:
+                errors[job.destination] = failure["error"]
+            progress.count(failure is not None)
+    return errors
+
+
+def read_result(job):
+    return (job_runner.read_json(job.destination / "evaluation.json"),
+            job_runner.read_json(job.destination / "summary.json"))
 
 
 def span(values, digits):
     return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
 
 
-def row(case, results):
-    good = [result for result in results if not isinstance(result, str)]
-    cells = [case, f"{len(good)} of {len(results)}"]
+def row(case, good, num_runs):
+    cells = [case, f"{len(good)} of {num_runs}"]
     if good:
         trajectories = [e["trajectory"]["unaligned"] for e, _ in good]
         planes = [e["planes"] for e, _ in good]
@@ -94,34 +95,27 @@ def main():
     parser.add_argument("--jobs", type=int, default=1, help="runs at the same time (default 1)")
     parser.add_argument("--case", action="append", choices=sorted(CASES),
                         help="only this case; may be repeated")
-    parser.add_argument("--binaries", type=pathlib.Path, default=ROOT / "build" / "bin")
-    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "out" / "results")
+    parser.add_argument("--binaries", type=job_runner.resolved, default=ROOT / "build" / "bin")
+    parser.add_argument("--output", type=job_runner.resolved, default=ROOT / "out" / "results")
     arguments = parser.parse_args()
     if not (arguments.binaries / "plumbline_map").exists():
         sys.exit(f"results.py: no plumbline_map in {arguments.binaries}; build first")
     cases = arguments.case or list(CASES)
-    jobs = [(case, seed) for seed in range(1, arguments.seeds + 1) for case in cases]
-    found = {case: [] for case in cases}
-    errors = []
-    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        futures = [pool.submit(run_one, case, seed, arguments.binaries, arguments.output)
-                   for case, seed in jobs]
-        for number, ((case, seed), future) in enumerate(zip(jobs, futures), start=1):
-            result = future.result()
-            found[case].append(result)
-            if isinstance(result, str):
-                errors.append(f"{case}, seed {seed}: {result}")
-            print(f"{number} of {len(jobs)} runs done", file=sys.stderr)
+    jobs = {(case, seed): make_job(case, seed, arguments)
+            for seed in range(1, arguments.seeds + 1) for case in cases}
+    errors = run_missing(list(jobs.values()), arguments)
     print("| case | mapped | position RMSE / mm | rotation RMSE / deg | planes on true faces | "
           "wrong | doubled | missed | largest angle error / deg | largest distance error / mm | "
           "the same, aligned / mm | residual RMS / mm | times real time | memory / MB |")
     print("|" + "---|" * 14)
     for case in cases:
-        print(row(case, found[case]))
-    for error in errors:
-        print(f"\nfailed: {error}")
+        case_jobs = [jobs[case, seed] for seed in range(1, arguments.seeds + 1)]
+        print(row(case, [read_result(job) for job in case_jobs if is_done(job)], len(case_jobs)))
+    for (case, seed), job in jobs.items():
+        if job.destination in errors:
+            print(f"\nfailed: {case}, seed {seed}: {errors[job.destination]}")
     return 1 if errors else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(job_runner.run_main(main))

@@ -22,6 +22,7 @@ packages=(
   nlohmann-json3-dev
   pkg-config
   python3
+  python3-distributed
   python3-matplotlib
   python3-numpy
   python3-yaml
