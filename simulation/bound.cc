@@ -110,6 +110,9 @@ class BoundComputer {
     }
     Bound bound;
     bound.planes = PlaneCovariance(PlanePatches(*state_), covariance.landmarks());
+    for (const PlanePatch& plane : bound.planes.planes()) {
+      bound.face_ids.push_back(face_of_landmark_[static_cast<size_t>(plane.id)]);
+    }
     const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
     for (const int64_t time_ns : scan_times_ns_) {
       bound.trajectory.push_back({time_ns, state_->trajectory.WorldFromBody(time_ns)});
@@ -218,6 +221,7 @@ class BoundComputer {
     landmark.first_scan = landmark.last_scan = scan_index;
     landmark_of_plane_[plane] = landmark.id;
     state_->landmarks.push_back(std::move(landmark));
+    face_of_landmark_.push_back(plane);
     return state_->landmarks.back().id;
   }
 
@@ -253,7 +257,8 @@ class BoundComputer {
   std::vector<int> plane_of_face_;
   bool planar_;
   std::vector<std::pair<ScanLine, std::vector<BeamRun>>> first_lines_;  // before the start
-  std::map<int, int> landmark_of_plane_;                                // the newest
+  std::vector<int> face_of_landmark_;
+  std::map<int, int> landmark_of_plane_;  // the newest
   Rigid3d model_from_world_;
   std::unique_ptr<MapState> state_;
   std::vector<int64_t> scan_times_ns_;
@@ -310,6 +315,12 @@ void WriteBound(const Bound& bound, const std::string& directory) {
   WriteFileAtomically((path / "trajectory_covariance.csv").string(),
                       FormatTrajectoryCovariance(bound.poses));
   WriteFileAtomically((path / "planes.json").string(), FormatPlanes(bound.planes.planes()));
+  std::string faces = "plane,face\n";
+  for (size_t i = 0; i < bound.face_ids.size(); ++i) {
+    faces += std::to_string(bound.planes.planes()[i].id) + "," +
+             std::to_string(bound.face_ids[i]) + "\n";
+  }
+  WriteFileAtomically((path / "faces.csv").string(), faces);
   WriteFileAtomically((path / "plane_covariance.csv").string(),
                       FormatPlaneCovariance(bound.planes));
 }

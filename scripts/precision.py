@@ -1,0 +1,362 @@
+#!/usr/bin/python3
+"""Holds the runs of scripts/monte_carlo.py against the Cramer-Rao bound of plumbline_bound and
+against the covariances that the runs state themselves.
+
+Quantities that do not depend on the model frame: angles between walls, distances between what
+different loops saw of one wall. For a building whose walls follow each other round a corridor,
+walls are counted by the corners between them. Prints Markdown tables and writes precision.json.
+"""
+
+import argparse
+import collections
+import json
+import pathlib
+import sys
+
+import numpy as np
+
+MIN_POINTS = 2000  # of a plane that takes part: the paper's walls have many thousands
+
+
+def read_json(path):
+    return json.loads(path.read_text())
+
+
+def read_covariance(path):
+    """Row of each (plane, parameter), and the matrix."""
+    lines = path.read_text().splitlines()
+    rows = {}
+    matrix = []
+    for row, line in enumerate(lines[1:]):
+        fields = line.split(",")
+        rows[int(fields[0]), fields[1]] = row
+        matrix.append([float(field) for field in fields[2:]])
+    return rows, np.array(matrix)
+
+
+def azimuth(normal):
+    return np.arctan2(normal[1], normal[0])
+
+
+def wrap(angle):
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def rotation_matrix(xyzw):
+    x, y, z, w = xyzw
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def rotation_vector(matrix):
+    angle = np.arccos(np.clip((np.trace(matrix) - 1) / 2, -1, 1))
+    axis = np.array([matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0],
+                     matrix[1, 0] - matrix[0, 1]])
+    return axis / 2 if angle < 1e-6 else axis * angle / (2 * np.sin(angle))
+
+
+class Planes:
+    """The planes of a result or of a bound with their covariance, each with its true face."""
+
+    def __init__(self, directory, face_of_plane):
+        self.planes = {plane["id"]: plane for plane in read_json(directory / "planes.json")
+                       if plane["num_points"] >= MIN_POINTS and plane["id"] in face_of_plane}
+        self.face_of_plane = face_of_plane
+        self.rows, self.covariance = read_covariance(directory / "plane_covariance.csv")
+
+    def angle_row(self, plane):
+        row = np.zeros(len(self.covariance))
+        row[self.rows[plane, "angle"]] = 1.0
+        return row
+
+    def distance_row(self, plane, point):
+        """Derivative of the signed distance of a point."""
+        row = np.zeros(len(self.covariance))
+        normal = self.planes[plane]["normal"]
+        row[self.rows[plane, "d"]] = -1.0
+        if (plane, "angle") in self.rows:
+            row[self.rows[plane, "angle"]] = normal[0] * point[1] - normal[1] * point[0]
+        return row
+
+    def variance(self, row):
+        return row @ self.covariance @ row
+
+    def signed_distance(self, plane, point):
+        return np.dot(self.planes[plane]["normal"], point) - self.planes[plane]["distance"]
+
+
+class Truth:
+    """True faces and what of them does not depend on the frame."""
+
+    def __init__(self, directory):
+        self.faces = {face["id"]: face for face in read_json(directory / "truth_planes.json")}
+        poses = np.loadtxt(directory / "truth_trajectory.tum")
+        self.poses = poses
+        forward = np.stack([1 - 2 * (poses[:, 5] ** 2 + poses[:, 6] ** 2),
+                            2 * (poses[:, 4] * poses[:, 5] + poses[:, 6] * poses[:, 7])], axis=1)
+        self.heading = np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
+        self.turn = np.sign(self.heading[-1] - self.heading[0]) or 1.0
+        walls = [face for face in self.faces.values() if face["type"] == "vertical"]
+        self.centre = np.mean([corner for face in walls for corner in face["outline"]], axis=0)
+
+    def is_outer(self, face):
+        wall = self.faces[face]
+        return np.dot(self.centre - np.array(wall["centre"]), wall["normal"]) > 0
+
+    def corner_index(self, face, first_time, last_time):
+        """Number of corners from the start of the path to where the wall was seen."""
+        side = self.turn if self.is_outer(face) else -self.turn
+        along = azimuth(self.faces[face]["normal"]) - side * np.pi / 2
+        heading = np.interp((first_time + last_time) / 2, self.poses[:, 0], self.heading)
+        return int(round(self.turn * (heading + wrap(along - heading) - self.heading[0]) /
+                         (np.pi / 2)))
+
+    def corners(self, face):
+        """The wall's two ends, in the building's frame, at half height."""
+        outline = np.array(self.faces[face]["outline"])
+        along = np.cross([0.0, 0.0, 1.0], self.faces[face]["normal"])
+        position = outline @ along
+        height = (outline[:, 2].min() + outline[:, 2].max()) / 2
+        ends = []
+        for index in (position.argmin(), position.argmax()):
+            end = outline[index].copy()
+            end[2] = height
+            ends.append(end)
+        return ends
+
+
+def wall_instances(planes, truth):
+    """(outer?, corner index) -> plane id; the plane with most points where there are several."""
+    found = {}
+    for plane in planes.planes.values():
+        face = planes.face_of_plane[plane["id"]]
+        if plane["type"] != "vertical":
+            continue
+        key = (truth.is_outer(face),
+               truth.corner_index(face, plane["first_time"], plane["last_time"]))
+        other = found.get(key)
+        if other is None or planes.planes[other]["num_points"] < plane["num_points"]:
+            found[key] = plane["id"]
+    return found
+
+
+def pair_quantities(planes, truth, model_from_truth):
+    """(category, pair) -> (error or None, variance): angles in rad, separations in m."""
+    rotation, translation = model_from_truth
+    walls = wall_instances(planes, truth)
+    result = {}
+    for (outer_a, index_a), a in walls.items():
+        for (outer_b, index_b), b in walls.items():
+            corners = index_b - index_a
+            if outer_a != outer_b or corners <= 0:
+                continue
+            side = "outer" if outer_a else "inner"
+            face_a, face_b = planes.face_of_plane[a], planes.face_of_plane[b]
+            true_angle = (azimuth(truth.faces[face_b]["normal"]) -
+                          azimuth(truth.faces[face_a]["normal"]))
+            angle = (azimuth(planes.planes[b]["normal"]) -
+                     azimuth(planes.planes[a]["normal"]))
+            key = (f"angle, {side}, {corners} corners", (index_a, index_b))
+            result[key] = (wrap(angle - true_angle),
+                           planes.variance(planes.angle_row(b) - planes.angle_row(a)))
+            if face_a != face_b:
+                continue
+            loops = corners // 4
+            ends = truth.corners(face_a)
+            for where, points in (("centre", [(ends[0] + ends[1]) / 2]), ("corners", ends)):
+                for number, point in enumerate(points):
+                    at = rotation @ point + translation
+                    row = planes.distance_row(b, at) - planes.distance_row(a, at)
+                    error = planes.signed_distance(b, at) - planes.signed_distance(a, at)
+                    key = (f"distance, {side}, {loops} loops, {where}",
+                           (index_a, index_b, number))
+                    result[key] = (error, planes.variance(row))
+    return result
+
+
+def model_frame(evaluation):
+    frame = evaluation["model_from_truth"]
+    return rotation_matrix(frame["rotation_xyzw"]), np.array(frame["translation"])
+
+
+def plane_nees(planes, truth, frame):
+    """Normalised squared error of all planes together, and its degrees of freedom."""
+    rotation, translation = frame
+    errors, rows = [], []
+    for plane in planes.planes.values():
+        face = truth.faces[planes.face_of_plane[plane["id"]]]
+        normal = rotation @ np.array(face["normal"])
+        distance = face["distance"] + normal @ translation
+        at = np.array(plane["centre"])
+        row = planes.distance_row(plane["id"], at)
+        errors.append(planes.signed_distance(plane["id"], at) - (normal @ at - distance))
+        rows.append(row)
+        if plane["type"] == "vertical":
+            row = planes.angle_row(plane["id"])
+            if planes.variance(row) > 0:
+                errors.append(wrap(azimuth(plane["normal"]) - azimuth(normal)))
+                rows.append(row)
+    rows = np.array(rows)
+    covariance = rows @ planes.covariance @ rows.T
+    scale = 1 / np.sqrt(np.diag(covariance))
+    white = np.array(errors) * scale
+    return white @ np.linalg.solve(covariance * np.outer(scale, scale), white), len(white)
+
+
+def pose_nees(directory, truth, frame, count=20):
+    """Normalised squared errors of poses spread over the path, 6 degrees of freedom each."""
+    rotation, translation = frame
+    poses = np.loadtxt(directory / "trajectory.tum")
+    covariances = np.loadtxt(directory / "trajectory_covariance.csv", delimiter=",", skiprows=1)
+    values = []
+    for index in np.linspace(0.02 * len(poses), 0.98 * len(poses), count).astype(int):
+        true = truth.poses[np.argmin(np.abs(truth.poses[:, 0] - poses[index, 0]))]
+        turn = rotation_matrix(poses[index, 4:8]) @ (
+            rotation @ rotation_matrix(true[4:8])).T
+        error = np.concatenate([poses[index, 1:4] - rotation @ true[1:4] - translation,
+                                rotation_vector(turn)])
+        covariance = np.zeros((6, 6))
+        covariance[np.triu_indices(6)] = covariances[index, 1:]
+        covariance = covariance + covariance.T - np.diag(np.diag(covariance))
+        values.append(error @ np.linalg.solve(covariance, error))
+    return np.array(values)
+
+
+def read_run(directory):
+    """All that one run says: pairs, NEES of planes and of poses."""
+    evaluation = read_json(directory / "evaluation.json")
+    truth = Truth(directory)
+    face_of_plane = {entry["id"]: min(entry["true_faces"])
+                     for entry in evaluation["planes"]["list"] if entry["status"] != "wrong"}
+    planes = Planes(directory, face_of_plane)
+    frame = model_frame(evaluation)
+    return (pair_quantities(planes, truth, frame), plane_nees(planes, truth, frame),
+            pose_nees(directory, truth, frame), truth)
+
+
+def bound_variances(bound_directory, truth):
+    """Pair -> variance, as the bound has it."""
+    lines = (bound_directory / "faces.csv").read_text().splitlines()[1:]
+    face_of_plane = dict(tuple(map(int, line.split(","))) for line in lines)
+    planes = Planes(bound_directory, face_of_plane)
+    # The frame from one wall's normal and the first pose, which is its origin.
+    plane = next(p for p in planes.planes.values() if p["type"] == "vertical")
+    turn = azimuth(plane["normal"]) - azimuth(truth.faces[face_of_plane[plane["id"]]]["normal"])
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0],
+                         [0, 0, 1.0]])
+    return {key: variance for key, (_, variance) in pair_quantities(
+        planes, truth, (rotation, -rotation @ truth.poses[0, 1:4])).items()}
+
+
+def summarise_pairs(runs, bound):
+    """Category -> figures, over the pairs that the bound knows."""
+    by_category = collections.defaultdict(list)  # one entry a run: list of (error^2, ...)
+    errors_of_pair = collections.defaultdict(list)
+    for pairs in runs:
+        of_run = collections.defaultdict(list)
+        for key, (error, variance) in pairs.items():
+            if key in bound:
+                of_run[key[0]].append((error ** 2, variance, bound[key]))
+                errors_of_pair[key].append(error)
+        for category, values in of_run.items():
+            by_category[category].append(np.mean(values, axis=0))
+    result = {}
+    for category, values in by_category.items():
+        values = np.array(values)
+        square, stated, best = values.mean(axis=0)
+        spread = values[:, 0].std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
+        bias = [np.mean(errors) / (np.std(errors, ddof=1) / np.sqrt(len(errors)))
+                for key, errors in errors_of_pair.items()
+                if key[0] == category and len(errors) > 2]
+        result[category] = {
+            "runs": len(values), "pairs": sum(key[0] == category for key in errors_of_pair),
+            "stddev": np.sqrt(square), "bound": np.sqrt(best), "stated": np.sqrt(stated),
+            "ratio": np.sqrt(square / best), "ratio_error": 0.5 * spread / square *
+            np.sqrt(square / best),
+            "nees": square / stated, "nees_error": spread / stated,
+            "largest_bias": max(map(abs, bias)) if bias else None}
+    return result
+
+
+def growth_exponent(summary, prefix, suffix, unit):
+    """Exponent of the growth of a standard deviation with the number of corners or loops."""
+    points = [(int(name[len(prefix):].split()[0]), figures["stddev"])
+              for name, figures in summary.items()
+              if name.startswith(prefix) and name.endswith(suffix) and unit in name]
+    if len(points) < 2:
+        return None
+    numbers, values = np.array(sorted(points)).T
+    return np.polyfit(np.log(numbers), np.log(values), 1)[0]
+
+
+def natural(name):
+    """Sorts numbers within names as numbers."""
+    return [part.rjust(6, "0") if part.isdigit() else part for part in name.split(" ")]
+
+
+def table(summary):
+    lines = ["| quantity | runs | empirical | bound | empirical / bound | NEES "
+             "| largest bias, in standard errors |", "|---|---|---|---|---|---|---|"]
+    for name in sorted(summary, key=natural):
+        figures = summary[name]
+        scale, unit = (180 / np.pi, "deg") if name.startswith("angle") else (1e3, "mm")
+        lines.append(
+            "| {} | {} | {:.4f} {} | {:.4f} {} | {:.3f} +- {:.3f} | {:.2f} +- {:.2f} "
+            "| {} |".format(
+                name, figures["runs"], scale * figures["stddev"], unit,
+                scale * figures["bound"], unit, figures["ratio"], figures["ratio_error"],
+                figures["nees"], figures["nees_error"],
+                "" if figures["largest_bias"] is None else
+                "{:.1f} of {} pairs".format(figures["largest_bias"], figures["pairs"])))
+    return "\n".join(lines)
+
+
+def nees_line(what, values, freedom):
+    """Mean of NEES / freedom over independent values with its 95 % interval."""
+    half = 1.96 * np.sqrt(2.0 / np.sum(freedom))
+    mean = np.sum(values) / np.sum(freedom)
+    return {"what": what, "mean": mean, "low": 1 - half, "high": 1 + half,
+            "inside": bool(abs(mean - 1) <= half)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("runs", type=pathlib.Path, help="directory of scripts/monte_carlo.py")
+    parser.add_argument("--bound", type=pathlib.Path, required=True,
+                        help="directory of plumbline_bound for the same experiment")
+    parser.add_argument("--output", type=pathlib.Path, help="file for the figures (JSON)")
+    arguments = parser.parse_args()
+    directories = sorted(arguments.runs.glob("run_*"))
+    if len(directories) < 2:
+        sys.exit(f"precision.py: {arguments.runs}: at least two runs (run_*) expected")
+    try:
+        runs = [read_run(directory) for directory in directories]
+        bound = bound_variances(arguments.bound, runs[0][3])
+    except (OSError, KeyError, ValueError) as error:
+        sys.exit(f"precision.py: {error}")
+    summary = summarise_pairs([run[0] for run in runs], bound)
+    plane_values = np.array([run[1] for run in runs])
+    pose_values = np.array([run[2] for run in runs])
+    nees = [nees_line("all planes of a run", plane_values[:, 0], plane_values[:, 1]),
+            nees_line("poses, each of its own", pose_values, np.full(pose_values.shape, 6))]
+    growth = {what: growth_exponent(summary, what, suffix, "")
+              for what, suffix in (("angle, outer, ", "corners"), ("distance, outer, ", "centre"),
+                                   ("distance, outer, ", "corners"))}
+    print(table(summary))
+    print()
+    for line in nees:
+        print("NEES of {what}: {mean:.3f} per degree of freedom, 95 % interval "
+              "{low:.3f} to {high:.3f}".format(**line))
+    for what, exponent in growth.items():
+        if exponent is not None:
+            print(f"growth of {what.strip(', ')}: exponent {exponent:.2f}")
+    if arguments.output:
+        temporary = arguments.output.with_name(arguments.output.name + ".part")
+        temporary.write_text(json.dumps({"pairs": summary, "nees": nees, "growth": growth},
+                                        indent=1) + "\n")
+        temporary.rename(arguments.output)
+
+
+if __name__ == "__main__":
+    main()
