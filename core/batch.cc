@@ -11,6 +11,7 @@
 #include "core/duplicates.h"
 #include "core/estimation_problem.h"
 #include "core/map_covariance.h"
+#include "core/observation_groups.h"
 #include "core/stopwatch.h"
 #include "core/visibility.h"
 
@@ -170,12 +171,19 @@ class Batch {
     return covariance;
   }
 
-  double VarianceFactor(const ceres::Solver::Summary& summary) const {
+  double VarianceFactor(const ceres::Solver::Summary& summary, FactorKind factor) const {
     double num_points = 0.0;
+    double constant = 0.0;
     for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id >= 0) num_points += observation.num_points;
+      if (observation.landmark_id < 0) continue;
+      num_points += observation.num_points;
+      if (factor == FactorKind::kPoint) continue;  // its residuals hold everything
+      const double offset =
+          ObservationWeights(rig_, state_->trajectory, state_->landmarks, observation).offset;
+      constant += offset * offset * observation.measurement.constant;
     }
-    return 2.0 * summary.final_cost / (num_points - summary.num_effective_parameters_reduced);
+    return (2.0 * summary.final_cost + constant) /
+           (num_points - summary.num_effective_parameters_reduced);
   }
 
  private:
@@ -231,7 +239,7 @@ BatchReport EstimateBatch(const Rig& rig,
     const ceres::Solver::Summary summary =
         batch.Solve(last ? kFinalTolerance : kRoundTolerance, problem.get());
     if (!last) continue;
-    report.variance_factor = batch.VarianceFactor(summary);
+    report.variance_factor = batch.VarianceFactor(summary, options.batch.factor);
     const Stopwatch::Running running(&report.covariance_watch);
     report.covariance = batch.SetCovariances(problem.get());
     break;

@@ -141,12 +141,15 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const double scale = WeightScale(rig_, *trajectory_, *landmarks_, observation);
+  const SegmentWeights weights =
+      ObservationWeights(rig_, *trajectory_, *landmarks_, observation);
   Register(LandmarkBlock(landmark.id));
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
-    const PointMeasurement measurement{
-        observation.points[i], at.u, scale * observation.point_whitening[i]};
+    const PointMeasurement measurement{observation.points[i],
+                                       at.u,
+                                       weights.scale * observation.point_whitening[i],
+                                       weights.offset * observation.point_offsets[i]};
     std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());

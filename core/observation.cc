@@ -9,6 +9,43 @@
 #include "core/time.h"
 
 namespace plumbline {
+namespace {
+
+// normal . p = distance
+struct Line {
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
+  double distance = 0.0;
+
+  // Where the beam meets the line; the measured range where it runs along it.
+  double RangeAlong(const Eigen::Vector2d& direction, double measured) const {
+    const double cosine = normal.dot(direction);
+    const double range = distance / cosine;
+    return std::abs(cosine) > 1e-3 && range > 0.0 ? range : measured;
+  }
+};
+
+// The line nearest to the points, each weighted by the slant at which its beam meets the line
+// whose normal is given.
+Line FitLine(const Eigen::Matrix2Xd& directions,
+             const Eigen::VectorXd& ranges,
+             const Eigen::Vector2d& normal) {
+  const Eigen::ArrayXd weights =
+      (directions.transpose() * normal).array().square().max(1e-4).inverse();
+  const Eigen::Matrix2Xd points = directions * ranges.asDiagonal();
+  const Eigen::Vector2d centroid = points * weights.matrix() / weights.sum();
+  const Eigen::Matrix2Xd centred = points.colwise() - centroid;
+  const Eigen::Matrix2d scatter =
+      centred * weights.matrix().asDiagonal() * centred.transpose();
+  // The direction of largest scatter, of the two the one nearer to the given line's.
+  const double twice = std::atan2(2.0 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
+  Line line;
+  line.normal = {-std::sin(0.5 * twice), std::cos(0.5 * twice)};
+  if (line.normal.dot(normal) < 0.0) line.normal = -line.normal;
+  line.distance = line.normal.dot(centroid);
+  return line;
+}
+
+}  // namespace
 
 Observation MakeObservation(const ScanLine& scan_line,
                             const Scanner& scanner,
@@ -25,15 +62,9 @@ Observation MakeObservation(const ScanLine& scan_line,
 
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
   const Eigen::Index num_points = segment.num_points;
-  Eigen::Matrix2Xd points(2, num_points);
+  Eigen::Matrix2Xd directions(2, num_points);
+  Eigen::VectorXd ranges(num_points);
   std::vector<int64_t> times(static_cast<size_t>(num_points));
-  Eigen::VectorXd whitening(num_points);
-  const Eigen::Vector2d tangent(-segment.normal.y(), segment.normal.x());
-  const double range_variance = scanner.range_noise_m * scanner.range_noise_m;
-  const double angle_variance = scanner.angle_noise_rad * scanner.angle_noise_rad;
-  double sum_weights = 0.0;
-  double out_of_plane = 0.0;
-  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   Eigen::Index next = 0;
   auto excluded = segment.excluded_beams.begin();
   for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam) {
@@ -41,21 +72,37 @@ Observation MakeObservation(const ScanLine& scan_line,
       ++excluded;
       continue;
     }
-    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-    const double range = scan_line.ranges[static_cast<size_t>(beam)];
-    const double cosine = segment.normal.dot(direction);
-    const double sine = tangent.dot(direction);
-    const double across_variance = range * range * angle_variance;
-    const double variance = range_variance * cosine * cosine + across_variance * sine * sine;
-    points.col(next) = range * direction;
+    CHECK_LT(next, num_points) << "segment and its beams disagree";
+    directions.col(next) = scan_line.BeamDirection(beam);
+    ranges[next] = scan_line.ranges[static_cast<size_t>(beam)];
     times[static_cast<size_t>(next)] = scan_line.BeamTime(beam) + offset_ns;
-    whitening[next] = 1.0 / std::sqrt(variance);
-    centroid += points.col(next) / variance;
-    sum_weights += 1.0 / variance;
-    out_of_plane += across_variance / variance;
     ++next;
   }
   CHECK_EQ(next, num_points) << "segment and its beams disagree";
+
+  const Line line = FitLine(directions, ranges, segment.normal);
+  const Eigen::Vector2d tangent(-line.normal.y(), line.normal.x());
+  const double range_variance = scanner.range_noise_m * scanner.range_noise_m;
+  const double angle_variance = scanner.angle_noise_rad * scanner.angle_noise_rad;
+  Eigen::Matrix2Xd points(2, num_points);  // on the line
+  Eigen::VectorXd whitening(num_points);
+  Eigen::VectorXd offsets(num_points);
+  double sum_weights = 0.0;
+  double out_of_plane = 0.0;
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  for (Eigen::Index i = 0; i < num_points; ++i) {
+    const double cosine = line.normal.dot(directions.col(i));
+    const double sine = tangent.dot(directions.col(i));
+    const double range = line.RangeAlong(directions.col(i), ranges[i]);
+    const double across_variance = range * range * angle_variance;
+    const double variance = range_variance * cosine * cosine + across_variance * sine * sine;
+    points.col(i) = range * directions.col(i);
+    whitening[i] = 1.0 / std::sqrt(variance);
+    offsets[i] = whitening[i] * cosine * (ranges[i] - range);
+    centroid += points.col(i) / variance;
+    sum_weights += 1.0 / variance;
+    out_of_plane += across_variance / variance;
+  }
   observation.centroid = centroid / sum_weights;
   observation.tangent = tangent;
   observation.out_of_plane_ratio = out_of_plane / static_cast<double>(num_points);
@@ -63,11 +110,12 @@ Observation MakeObservation(const ScanLine& scan_line,
   observation.end = points.col(num_points - 1);
   observation.start_time_ns = times.front();
   observation.end_time_ns = times.back();
-  observation.measurement = CompressSegment(points, times, whitening);
+  observation.measurement = CompressSegment(points, times, whitening, offsets);
   if (keep_points) {
     for (Eigen::Index i = 0; i < num_points; ++i) {
       observation.points.push_back(points.col(i));
       observation.point_whitening.push_back(whitening[i]);
+      observation.point_offsets.push_back(offsets[i]);
     }
     observation.point_times_ns = times;
   }
@@ -81,13 +129,14 @@ ObservationPoses::ObservationPoses(const Trajectory& trajectory,
   }
 }
 
-double WhiteningScale(const Observation& observation,
-                      const Eigen::Quaterniond& world_from_scanner,
-                      const Eigen::Vector3d& normal_world) {
+SegmentWeights WeightsOn(const Observation& observation,
+                         const Eigen::Quaterniond& world_from_scanner,
+                         const Eigen::Vector3d& normal_world) {
   const Eigen::Vector3d normal_scanner = world_from_scanner.conjugate() * normal_world;
   const double across = normal_scanner.z() * normal_scanner.z();
   const double along = 1.0 - across;
-  return 1.0 / std::sqrt(along + observation.out_of_plane_ratio * across);
+  const double scale = 1.0 / std::sqrt(along + observation.out_of_plane_ratio * across);
+  return {scale, scale * std::sqrt(std::max(0.0, along))};
 }
 
 LineDeviation DeviationFromPlane(const Observation& observation,
@@ -114,15 +163,17 @@ LineDeviation DeviationFromPlane(const Observation& observation,
         1.0, -observation.tangent.dot(observation.centroid);
   }
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
-  const double scale = WhiteningScale(observation, world_from_scanner.rotation, normal);
-  const Eigen::VectorXd residuals = scale * (root * g);
-  const Eigen::MatrixXd design = scale * (root * shift);
+  const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
+  const Eigen::VectorXd residuals =
+      weights.scale * (root * g) + weights.offset * observation.measurement.offset;
+  const Eigen::MatrixXd design = weights.scale * (root * shift);
   const Eigen::Matrix2d information = design.transpose() * design;
 
   LineDeviation deviation;
   deviation.covariance = information.inverse();
   deviation.value = deviation.covariance * (design.transpose() * residuals);
-  deviation.chi2 = residuals.squaredNorm();
+  deviation.chi2 = residuals.squaredNorm() +
+                   weights.offset * weights.offset * observation.measurement.constant;
   deviation.remaining_chi2 =
       std::max(0.0, deviation.chi2 - deviation.value.dot(information * deviation.value));
   deviation.num_residuals = static_cast<int>(residuals.size());

@@ -33,12 +33,13 @@ struct Observation {
   Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
   double sigma_offset_m = 0.0;  // of the line, along its normal at the centroid
   double sigma_direction_rad = 0.0;
-  double out_of_plane_ratio = 0.0;  // see WhiteningScale
+  double out_of_plane_ratio = 0.0;  // see WeightsOn
   int landmark_id = -1;
   // Single beams, kept only for the per-point factor.
   std::vector<Eigen::Vector2d> points;
   std::vector<int64_t> point_times_ns;
   std::vector<double> point_whitening;
+  std::vector<double> point_offsets;
 
   int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
   double length_m() const { return (end - start).norm(); }
@@ -58,13 +59,13 @@ struct ObservationPoses {
   const Rigid3d& middle() const { return world_from_body[1]; }
 };
 
-// Factor from the whitening in the scan plane to that of point-to-plane distances. With c the
+// Factors from the whitening in the scan plane to that of point-to-plane distances. With c the
 // length of the plane normal's part in the scan plane, a distance's standard deviation is c
 // times the one in the scan plane (the beam meets the plane at a slant), plus what the beams'
 // angular noise across the scan plane adds.
-double WhiteningScale(const Observation& observation,
-                      const Eigen::Quaterniond& world_from_scanner,
-                      const Eigen::Vector3d& normal_world);
+SegmentWeights WeightsOn(const Observation& observation,
+                         const Eigen::Quaterniond& world_from_scanner,
+                         const Eigen::Vector3d& normal_world);
 
 // How far an observed line deviates from a plane: signed distance at the centroid (m) and its
 // change along the tangent (rad), estimated from the compressed beams, with their covariance.

@@ -40,7 +40,7 @@ ObservationGroup MakeGroup(const Rig& rig,
     segment.scanner = observation->scanner_index;
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
-    segment.weight_scale = WeightScale(rig, trajectory, landmarks, *observation);
+    segment.weights = ObservationWeights(rig, trajectory, landmarks, *observation);
     segments.push_back(segment);
   }
   return {
@@ -52,18 +52,17 @@ ObservationGroup MakeGroup(const Rig& rig,
 
 }  // namespace
 
-double WeightScale(const Rig& rig,
-                   const Trajectory& trajectory,
-                   const std::deque<Landmark>& landmarks,
-                   const Observation& observation) {
+SegmentWeights ObservationWeights(const Rig& rig,
+                                  const Trajectory& trajectory,
+                                  const std::deque<Landmark>& landmarks,
+                                  const Observation& observation) {
   const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
   const Rigid3d world_from_body =
       trajectory.WorldFromBody(observation.measurement.node_times_ns[1]);
-  return WhiteningScale(
-      observation,
-      world_from_body.rotation * rig.scanners[scanner].body_from_scanner.rotation,
-      landmark.Normal());
+  return WeightsOn(observation,
+                   world_from_body.rotation * rig.scanners[scanner].body_from_scanner.rotation,
+                   landmark.Normal());
 }
 
 std::vector<ObservationGroup> GroupObservations(

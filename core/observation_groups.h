@@ -20,7 +20,7 @@ struct ObservationGroup {
 };
 
 // Groups observations that have a landmark, weighted for the poses and planes as they stand
-// (WhiteningScale). huber_width: see SegmentGroup. The observations outlive the groups.
+// (WeightsOn). huber_width: see SegmentGroup. The observations outlive the groups.
 std::vector<ObservationGroup> GroupObservations(
     const Rig& rig,
     const Trajectory& trajectory,
@@ -28,10 +28,10 @@ std::vector<ObservationGroup> GroupObservations(
     const std::vector<const Observation*>& observations,
     double huber_width);
 
-// WhiteningScale of an observation on its landmark.
-double WeightScale(const Rig& rig,
-                   const Trajectory& trajectory,
-                   const std::deque<Landmark>& landmarks,
-                   const Observation& observation);
+// WeightsOn an observation's landmark.
+SegmentWeights ObservationWeights(const Rig& rig,
+                                  const Trajectory& trajectory,
+                                  const std::deque<Landmark>& landmarks,
+                                  const Observation& observation);
 
 }  // namespace plumbline

@@ -41,7 +41,8 @@ struct PointFunctor {
         Eigen::Map<const Eigen::Quaternion<T>>(body_from_scanner_q) * point_scanner +
         Eigen::Map<const Vector>(body_from_scanner_t);
     const Vector point_world = world_from_body * point_body + position;
-    *residual = measurement.whitening * (normal.dot(point_world) - distance);
+    *residual =
+        measurement.whitening * (normal.dot(point_world) - distance) + T(measurement.offset);
     return true;
   }
 };

@@ -34,11 +34,13 @@ Eigen::Index NumSignificantRows(const Eigen::MatrixXd& triangular) {
 
 SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
                                    const std::vector<int64_t>& times_ns,
-                                   const Eigen::VectorXd& whitening) {
+                                   const Eigen::VectorXd& whitening,
+                                   const Eigen::VectorXd& offsets) {
   const Eigen::Index num_points = points_scanner.cols();
   CHECK_GE(num_points, 1);
   CHECK_EQ(num_points, static_cast<Eigen::Index>(times_ns.size()));
   CHECK_EQ(num_points, whitening.size());
+  CHECK(offsets.size() == 0 || offsets.size() == num_points) << offsets.size();
   CHECK_LE(times_ns.front(), times_ns.back());
 
   SegmentMeasurement measurement;
@@ -78,6 +80,12 @@ SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
   const Eigen::MatrixXd rows = triangular.topRows(num_rows) *
                                qr.colsPermutation().transpose() *
                                scale.head(num_columns).cwiseInverse().asDiagonal();
+  measurement.offset.setZero(num_rows);
+  if (offsets.size() > 0) {
+    const Eigen::VectorXd rotated = qr.householderQ().transpose() * offsets;
+    measurement.offset = rotated.head(num_rows);
+    measurement.constant = rotated.tail(num_points - num_rows).squaredNorm();
+  }
   measurement.root.setZero(num_rows, 9);
   if (measurement.num_nodes == 1) {
     measurement.root.leftCols<3>() = rows;

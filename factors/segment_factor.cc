@@ -27,8 +27,9 @@ class SegmentCost final : public ceres::CostFunction {
               const std::array<SplineNode, kNumNodes>& nodes,
               int num_control_points,
               const Plane& plane,
-              double weight_scale)
-      : root_(weight_scale * measurement.root),
+              const SegmentWeights& weights)
+      : root_(weights.scale * measurement.root),
+        offset_(Eigen::VectorXd::Zero(measurement.root.rows())),
         nodes_(nodes),
         num_nodes_(measurement.num_nodes),
         num_control_points_(num_control_points),
@@ -43,6 +44,7 @@ class SegmentCost final : public ceres::CostFunction {
     sizes->insert(sizes->end(), num_control_points, 4);
     sizes->insert(sizes->end(), num_control_points, 3);
     sizes->insert(sizes->end(), {4, 3, Plane::kSize});
+    if (measurement.offset.size() > 0) offset_ = weights.offset * measurement.offset;
     distance_root_.resize(root_.rows(), kNumNodes);
     for (int k = 0; k < kNumNodes; ++k) distance_root_.col(k) = root_.col(3 * k + 2);
     set_num_residuals(static_cast<int>(root_.rows()));
@@ -225,7 +227,7 @@ class SegmentCost final : public ceres::CostFunction {
 
   void WriteResiduals(const Eigen::Matrix<double, 9, 1>& g, double* residuals) const {
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResiduals, 1>>(
-        residuals, root_.rows()) = root_.lazyProduct(g);
+        residuals, root_.rows()) = root_.lazyProduct(g) + offset_;
   }
 
   // root times derivative, where Ceres asks for it.
@@ -242,6 +244,7 @@ class SegmentCost final : public ceres::CostFunction {
   }
 
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, kMaxResiduals, 9> root_;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResiduals, 1> offset_;
   // The columns of root_ for the distances g_k(2), all that depends on the position.
   Eigen::Matrix<double, Eigen::Dynamic, kNumNodes, Eigen::RowMajor, kMaxResiduals, kNumNodes>
       distance_root_;
@@ -259,11 +262,11 @@ std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
     int num_control_points,
     PlaneModel model,
     double sign,
-    double weight_scale) {
+    const SegmentWeights& weights) {
   return VisitPlaneModel(
       model, sign, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         return std::make_unique<SegmentCost<std::decay_t<decltype(plane)>>>(
-            measurement, nodes, num_control_points, plane, weight_scale);
+            measurement, nodes, num_control_points, plane, weights);
       });
 }
 

@@ -81,7 +81,7 @@ void WriteRows(const SegmentGroup::Segment& segment,
                const NodeDerivatives<kPlaneSize>& derivatives,
                Eigen::Ref<RowMajorMatrix> rows) {
   const auto& root = segment.measurement->root;
-  const double scale = segment.weight_scale;
+  const double scale = segment.weights.scale;
   const Eigen::Index num_rows = root.rows();
   const int positions = 3 * num_control_points;
   for (int k = 0; k < segment.measurement->num_nodes; ++k) {
@@ -196,7 +196,10 @@ void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadrat
         WriteRows(segment, num_control_points_, derivatives, rows);
         auto segment_residuals = residuals.segment(at, count);
         segment_residuals =
-            segment.weight_scale * segment.measurement->root.lazyProduct(derivatives.g);
+            segment.weights.scale * segment.measurement->root.lazyProduct(derivatives.g);
+        if (segment.measurement->offset.size() > 0) {
+          segment_residuals += segment.weights.offset * segment.measurement->offset;
+        }
         const double squared = segment_residuals.squaredNorm();
         if (huber_width_ > 0.0 && squared > huber_width_ * huber_width_) {
           const double norm = std::sqrt(squared);

@@ -36,7 +36,7 @@ class SegmentGroup {
     std::array<SplineNode, 3> nodes;
     int scanner = 0;  // position in scanners
     int plane = 0;    // position in planes
-    double weight_scale = 1.0;
+    SegmentWeights weights;
   };
 
   // Quadratic model at some parameters: cost(delta) = cost + gradient.delta + delta^T hessian

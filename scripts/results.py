@@ -74,6 +74,7 @@ def row(case, good, num_runs):
         planes = [e["planes"] for e, _ in good]
         cells += [
             span([1e3 * t["position_m"]["rmse"] for t in trajectories], 2),
+            span([1e3 * e["trajectory"]["aligned"]["position_m"]["rmse"] for e, _ in good], 2),
             span([t["rotation_deg"]["rmse"] for t in trajectories], 3),
             span([p["matched"] + p["doubled"] for p in planes], 0),
             span([p["wrong"] for p in planes], 0),
@@ -104,10 +105,11 @@ def main():
     jobs = {(case, seed): make_job(case, seed, arguments)
             for seed in range(1, arguments.seeds + 1) for case in cases}
     errors = run_missing(list(jobs.values()), arguments)
-    print("| case | mapped | position RMSE / mm | rotation RMSE / deg | planes on true faces | "
+    print("| case | mapped | position RMSE / mm | the same, aligned / mm | "
+          "rotation RMSE / deg | planes on true faces | "
           "wrong | doubled | missed | largest angle error / deg | largest distance error / mm | "
           "the same, aligned / mm | residual RMS / mm | times real time | memory / MB |")
-    print("|" + "---|" * 14)
+    print("|" + "---|" * 15)
     for case in cases:
         case_jobs = [jobs[case, seed] for seed in range(1, arguments.seeds + 1)]
         print(row(case, [read_result(job) for job in case_jobs if is_done(job)], len(case_jobs)))

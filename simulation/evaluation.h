@@ -67,8 +67,8 @@ struct Evaluation {
   ModelFrame frame;
   TrajectoryEvaluation trajectory;
   PlaneEvaluation planes;
-  // The planes moved by the trajectory's alignment: the error of the model frame's origin, which
-  // is the first pose, taken out.
+  // The planes moved by the trajectory's alignment: the error of the model frame's origin,
+  // which is the first pose, taken out.
   PlaneEvaluation planes_aligned;
 };
 

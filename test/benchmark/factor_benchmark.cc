@@ -89,7 +89,7 @@ void BM_SegmentFactor(benchmark::State& state) {
                           4,
                           PlaneModel::kVertical,
                           1.0,
-                          1.0);
+                          SegmentWeights{});
   if (state.range(1) != 0) {
     scene.jacobians[8] = scene.storage[8].data();
     scene.jacobians[9] = scene.storage[9].data();

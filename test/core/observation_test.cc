@@ -82,14 +82,40 @@ TEST_F(ObservationTest, KeepsWhatTheSegmentSays) {
   EXPECT_EQ(observation.start_time_ns, line.BeamTime(10) + 5'000'000);
   EXPECT_EQ(observation.end_time_ns, line.BeamTime(19) + 5'000'000);
   EXPECT_EQ(observation.sigma_direction_rad, 0.07);
-  EXPECT_LT((observation.start - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-12);
-  EXPECT_LT((observation.end - line.ranges[19] * line.BeamDirection(19)).norm(), 1e-12);
+  // Ranges without noise have single precision: that far the points lie off their line.
+  EXPECT_LT((observation.start - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-6);
+  EXPECT_LT((observation.end - line.ranges[19] * line.BeamDirection(19)).norm(), 1e-6);
   ASSERT_EQ(observation.points.size(), 7u);
   ASSERT_EQ(observation.point_times_ns.size(), 7u);
   ASSERT_EQ(observation.point_whitening.size(), 7u);
-  EXPECT_LT((observation.points[2] - line.ranges[14] * line.BeamDirection(14)).norm(), 1e-12);
+  EXPECT_LT((observation.points[2] - line.ranges[14] * line.BeamDirection(14)).norm(), 1e-6);
   EXPECT_EQ(observation.point_times_ns[2], line.BeamTime(14) + 5'000'000);
   EXPECT_TRUE(MakeObservation(line, scanner_, segment, false).points.empty());
+}
+
+// The beams' noise leaves their places on the line: points lie on it, offsets hold the rest.
+TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
+  const ScanLine line = TakeScanLine(
+      {wall_}, scanner_, 0, kStart, [](int64_t) { return BodyPose(); }, 0.02, &random_);
+  const Observation observation =
+      ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
+  const Eigen::Vector2d normal(observation.tangent.y(), -observation.tangent.x());
+  double sum_squares = 0.0;
+  for (size_t i = 0; i < observation.points.size(); ++i) {
+    const Eigen::Vector2d& point = observation.points[i];
+    EXPECT_NEAR(normal.dot(point), normal.dot(observation.points[0]), 1e-9);
+    const int beam = kFirstBeam + static_cast<int>(i);
+    const double range = line.ranges[static_cast<size_t>(beam)];
+    const Eigen::Vector2d direction = line.BeamDirection(beam);
+    EXPECT_LT(std::abs(point.x() * direction.y() - point.y() * direction.x()), 1e-9);
+    const double whitened = observation.point_whitening[i] * std::abs(normal.dot(direction)) *
+                            (range - point.norm());
+    EXPECT_NEAR(observation.point_offsets[i], whitened, 1e-6);
+    sum_squares += whitened * whitened;
+  }
+  const double num_points = static_cast<double>(observation.points.size());
+  // Range noise of 0.02 m, as the scanner states it: chi-square of num_points - 2.
+  EXPECT_NEAR(sum_squares, num_points - 2.0, 4.5 * std::sqrt(2.0 * num_points));
 }
 
 TEST_F(ObservationTest, DoesNotDeviateFromItsPlane) {
@@ -170,7 +196,8 @@ TEST_F(ObservationTest, JacobianByPlaneAgreesWithFiniteDifferences) {
 TEST_F(ObservationTest, ValueAndCovarianceAreThoseOfALineFit) {
   const Observation observation = Observe(0.02);
   const Rigid3d world_from_scanner = BodyPose() * scanner_.body_from_scanner;
-  const double scale = WhiteningScale(observation, world_from_scanner.rotation, wall_.normal);
+  const SegmentWeights weights =
+      WeightsOn(observation, world_from_scanner.rotation, wall_.normal);
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right_side = Eigen::Vector2d::Zero();
   double chi2 = 0.0;
@@ -180,10 +207,12 @@ TEST_F(ObservationTest, ValueAndCovarianceAreThoseOfALineFit) {
         wall_.normal.dot(world_from_scanner * Eigen::Vector3d(s.x(), s.y(), 0.0)) -
         wall_.distance;
     const Eigen::Vector2d row(1.0, observation.tangent.dot(s - observation.centroid));
-    const double weight = std::pow(scale * observation.point_whitening[i], 2);
-    information += weight * row * row.transpose();
-    right_side += weight * row * distance;
-    chi2 += weight * distance * distance;
+    const double whitening = weights.scale * observation.point_whitening[i];
+    const double residual =
+        whitening * distance + weights.offset * observation.point_offsets[i];
+    information += whitening * whitening * row * row.transpose();
+    right_side += whitening * row * residual;
+    chi2 += residual * residual;
   }
   const Eigen::Matrix2d covariance = information.inverse();
   const Eigen::Vector2d value = covariance * right_side;
@@ -218,7 +247,7 @@ TEST_F(ObservationTest, WhiteningIsThatOfTheDistanceToThePlane) {
   const double variance = std::pow(0.02 * by_range, 2) + std::pow(0.01 * by_angle, 2) +
                           std::pow(0.01 * by_tilt, 2);
   // The three beams differ a little in range.
-  EXPECT_NEAR(WhiteningScale(observation, world_from_scanner, wall_.normal) *
+  EXPECT_NEAR(WeightsOn(observation, world_from_scanner, wall_.normal).scale *
                   observation.point_whitening[1],
               1.0 / std::sqrt(variance),
               2e-3 / std::sqrt(variance));

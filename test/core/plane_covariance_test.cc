@@ -71,12 +71,11 @@ constexpr double kTolerance = 0.02;
 
 TEST(PlaneCovariance, AngleBetweenWalls) {
   const PlaneCovariance example = Example();
-  const double expected =
-      SampledStddev(example, [](const PlanePatch& a, const PlanePatch& b) {
-        const double angle = std::atan2(b.normal.y(), b.normal.x()) -
-                             std::atan2(a.normal.y(), a.normal.x());
-        return std::remainder(angle - M_PI, 2.0 * M_PI);
-      });
+  const double expected = SampledStddev(example, [](const PlanePatch& a, const PlanePatch& b) {
+    const double angle =
+        std::atan2(b.normal.y(), b.normal.x()) - std::atan2(a.normal.y(), a.normal.x());
+    return std::remainder(angle - M_PI, 2.0 * M_PI);
+  });
   EXPECT_NEAR(example.AngleStddev(2, 9) / expected, 1.0, kTolerance);
   EXPECT_EQ(example.AngleStddev(2, 5), 0.0);
 }
@@ -84,13 +83,11 @@ TEST(PlaneCovariance, AngleBetweenWalls) {
 TEST(PlaneCovariance, DistanceOfAPoint) {
   const PlaneCovariance example = Example();
   const Eigen::Vector3d point(1.0, 7.0, 2.0);
-  const double expected =
-      SampledStddev(example, [&](const PlanePatch&, const PlanePatch& b) {
-        return b.SignedDistance(point);
-      });
+  const double expected = SampledStddev(example, [&](const PlanePatch&, const PlanePatch& b) {
+    return b.SignedDistance(point);
+  });
   EXPECT_NEAR(example.DistanceStddev(point, 9) / expected, 1.0, kTolerance);
-  EXPECT_NEAR(
-      example.DistanceStddev(point, 5), std::sqrt(example.covariance()(2, 2)), 1e-12);
+  EXPECT_NEAR(example.DistanceStddev(point, 5), std::sqrt(example.covariance()(2, 2)), 1e-12);
 }
 
 TEST(PlaneCovariance, SeparationOfWalls) {

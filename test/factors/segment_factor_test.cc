@@ -180,8 +180,12 @@ TEST(SegmentFactor, OnePointByHand) {
       Eigen::Vector2d(2.0, 0.0), {50000000}, Eigen::VectorXd::Constant(1, 10.0));
   EXPECT_EQ(measurement.num_nodes, 1);
   EXPECT_EQ(measurement.num_points, 1);
-  const auto factor = CreateSegmentFactor(
-      measurement, NodesOf(measurement), 4, PlaneModel::kVertical, 1.0, 2.0);
+  const auto factor = CreateSegmentFactor(measurement,
+                                          NodesOf(measurement),
+                                          4,
+                                          PlaneModel::kVertical,
+                                          1.0,
+                                          SegmentWeights{2.0, 2.0});
   ASSERT_EQ(factor->num_residuals(), 1);
   EXPECT_NEAR(std::abs(blocks.Residuals(*factor)[0]), 5.0, 1e-12);
   blocks.ExpectGradientsCorrect(*factor);
@@ -196,8 +200,8 @@ TEST(SegmentFactor, EqualsSumOverPoints) {
       const SegmentMeasurement measurement = segment.Compress();
       const TestBlocks blocks =
           GentleMotion(5, model, PlaneParameters(model, &random), &random);
-      const auto factor =
-          CreateSegmentFactor(measurement, NodesOf(measurement), 5, model, 1.0, 1.0);
+      const auto factor = CreateSegmentFactor(
+          measurement, NodesOf(measurement), 5, model, 1.0, SegmentWeights{1.0, 1.0});
       const double expected = SumOfPointFactors(segment, blocks, 5, model);
       // The interpolation of g over a span of 7.3 ms leaves out its third derivative, at most
       // about (2 rad/s)^3 (jumps of it at a knot included): 0.064 * 8 / s^3 * (3.7 ms)^3 of
@@ -206,6 +210,46 @@ TEST(SegmentFactor, EqualsSumOverPoints) {
       EXPECT_LE(factor->num_residuals(), 9);
     }
   }
+}
+
+// Offsets of the points move into b and the constant: nothing is lost of the sum of squares.
+TEST(SegmentFactor, EqualsSumOverPointsWithOffsets) {
+  TestRandom random(8);
+  const TestSegment segment = TestSegment::Line(80, 20000000, 92593, &random);
+  Eigen::VectorXd offsets(80);
+  for (double& offset : offsets) offset = random.Uniform(-2.0, 2.0);
+  const SegmentMeasurement measurement =
+      CompressSegment(segment.points, segment.times_ns, segment.whitening, offsets);
+  ASSERT_EQ(measurement.offset.size(), measurement.root.rows());
+  const TestBlocks blocks = GentleMotion(
+      5, PlaneModel::kVertical, PlaneParameters(PlaneModel::kVertical, &random), &random);
+  const std::vector<const double*> all = blocks.pointers();
+  constexpr double kScale = 1.3;
+  constexpr double kOffset = 0.7;
+  double expected = 0.0;
+  for (Eigen::Index i = 0; i < 80; ++i) {
+    const SplineNode node = NodeAt(segment.times_ns[static_cast<size_t>(i)]);
+    const auto factor = CreatePointFactor(
+        {segment.points.col(i), node.u, kScale * segment.whitening[i], kOffset * offsets[i]},
+        PlaneModel::kVertical,
+        1.0);
+    std::vector<const double*> pointers(all.begin(), all.begin() + 4);
+    pointers.insert(pointers.end(), all.begin() + 5, all.begin() + 9);
+    pointers.insert(pointers.end(), all.end() - 3, all.end());
+    double residual;
+    factor->Evaluate(pointers.data(), &residual, nullptr);
+    expected += residual * residual;
+  }
+  const auto factor = CreateSegmentFactor(measurement,
+                                          NodesOf(measurement),
+                                          5,
+                                          PlaneModel::kVertical,
+                                          1.0,
+                                          SegmentWeights{kScale, kOffset});
+  blocks.ExpectGradientsCorrect(*factor);
+  const double found =
+      blocks.Residuals(*factor).squaredNorm() + kOffset * kOffset * measurement.constant;
+  EXPECT_NEAR(found / expected, 1.0, 2e-6);
 }
 
 // Without rotation and with evenly accelerated control points g is a quadratic in time: what
@@ -223,8 +267,12 @@ TEST(SegmentFactor, EqualsSumOverPointsExactlyWhereInterpolationIsExact) {
   for (const int num_points : {2, 5, 8, 9, 200}) {
     const TestSegment segment = TestSegment::Line(num_points, 118000000, 92593, &random);
     const SegmentMeasurement measurement = segment.Compress();
-    const auto factor = CreateSegmentFactor(
-        measurement, NodesOf(measurement), 5, PlaneModel::kVertical, 1.0, 1.0);
+    const auto factor = CreateSegmentFactor(measurement,
+                                            NodesOf(measurement),
+                                            5,
+                                            PlaneModel::kVertical,
+                                            1.0,
+                                            SegmentWeights{1.0, 1.0});
     const double expected = SumOfPointFactors(segment, blocks, 5, PlaneModel::kVertical);
     EXPECT_NEAR(blocks.Residuals(*factor).squaredNorm(), expected, 1e-6 + 1e-10 * expected);
     EXPECT_LE(factor->num_residuals(), std::min(num_points, 9));
@@ -246,7 +294,8 @@ TEST(SegmentFactor, MatchesFullAutomaticDifferentiation) {
         blocks.AddRotation(random.Rotation(2.0));
         blocks.AddEuclidean(random.Vector(1.0));
         blocks.AddPlane(model, PlaneParameters(model, &random));
-        const auto factor = CreateSegmentFactor(measurement, nodes, m, model, -1.0, 0.7);
+        const auto factor =
+            CreateSegmentFactor(measurement, nodes, m, model, -1.0, SegmentWeights{0.7, 0.7});
         const auto oracle = CreateOracle(measurement, nodes, m, model, -1.0, 0.7);
         EXPECT_LT((blocks.Residuals(*factor) - blocks.Residuals(*oracle)).norm(), 1e-11);
         const Eigen::MatrixXd expected = blocks.TangentJacobian(*oracle);
@@ -263,8 +312,8 @@ TEST(SegmentFactor, GradientsOfAMeasuredSegment) {
     const TestSegment segment = TestSegment::Line(60, 120000000, 92593, &random);
     const SegmentMeasurement measurement = segment.Compress();
     const TestBlocks blocks = GentleMotion(5, model, PlaneParameters(model, &random), &random);
-    blocks.ExpectGradientsCorrect(
-        *CreateSegmentFactor(measurement, NodesOf(measurement), 5, model, 1.0, 1.0));
+    blocks.ExpectGradientsCorrect(*CreateSegmentFactor(
+        measurement, NodesOf(measurement), 5, model, 1.0, SegmentWeights{1.0, 1.0}));
   }
 }
 
@@ -284,8 +333,12 @@ TEST(SegmentFactor, ZeroOnPerfectDataWithCorrectGradients) {
   blocks.AddEuclidean(Eigen::Vector3d(0.5, 0.0, 0.0));
   blocks.AddPlane(PlaneModel::kVertical, Eigen::Vector2d(0.0, 4.0));
   const SegmentMeasurement measurement = segment.Compress();
-  const auto factor = CreateSegmentFactor(
-      measurement, NodesOf(measurement), 4, PlaneModel::kVertical, 1.0, 1.0);
+  const auto factor = CreateSegmentFactor(measurement,
+                                          NodesOf(measurement),
+                                          4,
+                                          PlaneModel::kVertical,
+                                          1.0,
+                                          SegmentWeights{1.0, 1.0});
   EXPECT_LT(blocks.Residuals(*factor).norm(), 1e-10);
   blocks.ExpectGradientsCorrect(*factor);
 }
@@ -296,8 +349,12 @@ TEST(SegmentFactor, ControlPointsOutsideTheSupportHaveNoEffect) {
   const SegmentMeasurement measurement = segment.Compress();
   TestBlocks blocks =
       GentleMotion(6, PlaneModel::kVertical, Eigen::Vector2d(0.3, 2.0), &random);
-  const auto factor = CreateSegmentFactor(
-      measurement, NodesOf(measurement), 6, PlaneModel::kVertical, 1.0, 1.0);
+  const auto factor = CreateSegmentFactor(measurement,
+                                          NodesOf(measurement),
+                                          6,
+                                          PlaneModel::kVertical,
+                                          1.0,
+                                          SegmentWeights{1.0, 1.0});
   const Eigen::VectorXd residuals = blocks.Residuals(*factor);
   const Eigen::MatrixXd jacobian = blocks.TangentJacobian(*factor);
   // Tangents: six rotations, six positions, extrinsics, plane. The segment uses the first
@@ -318,8 +375,12 @@ TEST(SegmentFactor, EachJacobianAloneIsTheSame) {
   const SegmentMeasurement measurement = segment.Compress();
   const TestBlocks blocks =
       GentleMotion(5, PlaneModel::kVertical, Eigen::Vector2d(0.3, 2.0), &random);
-  const auto factor = CreateSegmentFactor(
-      measurement, NodesOf(measurement), 5, PlaneModel::kVertical, 1.0, 1.0);
+  const auto factor = CreateSegmentFactor(measurement,
+                                          NodesOf(measurement),
+                                          5,
+                                          PlaneModel::kVertical,
+                                          1.0,
+                                          SegmentWeights{1.0, 1.0});
   const int rows = factor->num_residuals();
   Eigen::VectorXd residuals(rows);
   const std::vector<int>& sizes = factor->parameter_block_sizes();
@@ -356,8 +417,8 @@ TEST(SegmentFactor, GeometryGivesTheFactorsChiSquared) {
   const Eigen::Vector3d normal(std::cos(0.3), std::sin(0.3), 0.0);
   const Eigen::Matrix<double, 9, 1> g = SegmentGeometry(
       poses, Eigen::Quaterniond(Eigen::Vector4d(blocks[8])), blocks[9], normal, 2.0);
-  const auto factor =
-      CreateSegmentFactor(measurement, nodes, 4, PlaneModel::kVertical, 1.0, 1.0);
+  const auto factor = CreateSegmentFactor(
+      measurement, nodes, 4, PlaneModel::kVertical, 1.0, SegmentWeights{1.0, 1.0});
   EXPECT_LT((measurement.root * g - blocks.Residuals(*factor)).norm(), 1e-10);
 }
 

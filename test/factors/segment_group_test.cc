@@ -46,13 +46,15 @@ struct Scene {
       for (double& value : measurement.root.leftCols(3 * measurement.num_nodes).reshaped()) {
         value = random.Uniform(-1.0, 1.0);
       }
+      measurement.offset = Eigen::VectorXd(measurement.root.rows());
+      for (double& value : measurement.offset) value = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
       segment.measurement = &measurement;
       const double u = random.Uniform(0.0, 0.8);
       segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
       segment.scanner = i % 2;
       segment.plane = i % 3;
-      segment.weight_scale = random.Uniform(0.5, 2.0);
+      segment.weights = {random.Uniform(0.5, 2.0), random.Uniform(0.5, 1.0)};
       segments.push_back(segment);
     }
   }
@@ -92,7 +94,7 @@ Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
                                             kNumControlPoints,
                                             scene.planes[plane].model,
                                             scene.planes[plane].sign,
-                                            segment.weight_scale);
+                                            segment.weights);
     const Eigen::VectorXd residuals = blocks.Residuals(*factor);
     const Eigen::MatrixXd all = blocks.TangentJacobian(*factor);
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residuals.size(), size);

@@ -182,12 +182,15 @@ class Estimate {
       const int num_control_points = nodes[2].first - first + 4;
       for (SplineNode& node : nodes) node.first -= first;
       const RoomPlane& plane = room_[segment.plane];
-      problem_.AddResidualBlock(
-          CreateSegmentFactor(
-              measurement, nodes, num_control_points, plane.model, plane.sign, 1.0)
-              .release(),
-          nullptr,
-          Blocks(first, num_control_points, segment));
+      problem_.AddResidualBlock(CreateSegmentFactor(measurement,
+                                                    nodes,
+                                                    num_control_points,
+                                                    plane.model,
+                                                    plane.sign,
+                                                    SegmentWeights{})
+                                    .release(),
+                                nullptr,
+                                Blocks(first, num_control_points, segment));
     }
   }
 
