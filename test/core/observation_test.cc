@@ -108,8 +108,9 @@ TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
     const double range = line.ranges[static_cast<size_t>(beam)];
     const Eigen::Vector2d direction = line.BeamDirection(beam);
     EXPECT_LT(std::abs(point.x() * direction.y() - point.y() * direction.x()), 1e-9);
-    const double whitened = observation.point_whitening[i] * std::abs(normal.dot(direction)) *
-                            (range - point.norm());
+    // The line's normal points to the scanner, as that of a plane that is seen does.
+    const double whitened = -observation.point_whitening[i] *
+                            std::abs(normal.dot(direction)) * (range - point.norm());
     EXPECT_NEAR(observation.point_offsets[i], whitened, 1e-6);
     sum_squares += whitened * whitened;
   }
