@@ -1,0 +1,111 @@
+#include "simulation/bound.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/result_writer.h"
+#include "simulation/experiment.h"
+#include "test/mapping/scenario.h"
+
+namespace plumbline {
+namespace {
+
+class BoundTest : public MappingTest {
+ protected:
+  BoundTest() {
+    scenario_.building = PillarRoom();
+    scenario_.scanners = TiltedRig();
+    scenario_.path = PillarWalk(4.0, 1.0);
+  }
+
+  Bound Compute(const MapperOptions& options = {}) {
+    Simulate(scenario_);  // writes the experiment's files
+    return ComputeBound(ReadExperiment(Path("experiment.yaml")), options, [](double) {});
+  }
+
+  // Of the vertical plane with most beams but the reference.
+  static const PlanePatch& LargestWall(const Bound& bound) {
+    const PlanePatch* largest = nullptr;
+    for (const PlanePatch& plane : bound.planes.planes()) {
+      if (plane.type != PlaneType::kVertical || plane.sigma_angle_rad == 0.0) continue;
+      if (largest == nullptr || plane.num_points > largest->num_points) largest = &plane;
+    }
+    return *largest;
+  }
+
+  Scenario scenario_;
+};
+
+TEST_F(BoundTest, KnowsEveryPlaneAndEveryScan) {
+  const Bound bound = Compute();
+  EXPECT_EQ(bound.planes.planes().size(), 10u);  // 4 walls, 4 sides of the pillar, 2 levels
+  EXPECT_EQ(bound.face_ids.size(), 10u);
+  EXPECT_EQ(bound.poses.size(), bound.trajectory.size());
+  EXPECT_NEAR(static_cast<double>(bound.poses.size()), 4.0 * 20.0, 2.0);
+  // The origin is the first pose.
+  EXPECT_LT(bound.trajectory.front().world_from_body.translation.norm(), 0.02);
+  EXPECT_LT(bound.poses.front().covariance.topLeftCorner<3, 3>().trace(), 1e-6);
+}
+
+// All measurements are ranges: twice the noise, twice the standard deviations (but for the
+// weak motion prior and the noise of the beams' directions).
+TEST_F(BoundTest, ScalesWithTheRangeNoise) {
+  const double sigma_rad = LargestWall(Compute()).sigma_angle_rad;
+  for (ScenarioScanner& scanner : scenario_.scanners) scanner.range_noise_m *= 2.0;
+  EXPECT_NEAR(LargestWall(Compute()).sigma_angle_rad / sigma_rad, 2.0, 0.02);
+}
+
+TEST_F(BoundTest, FourTimesTheBeamsHalveTheStandardDeviation) {
+  const double sigma_rad = LargestWall(Compute()).sigma_angle_rad;
+  for (ScenarioScanner& scanner : scenario_.scanners) scanner.beams *= 4;
+  EXPECT_NEAR(LargestWall(Compute()).sigma_angle_rad / sigma_rad, 0.5, 0.02);
+}
+
+TEST_F(BoundTest, WithoutClosureAPlaneComesBackAsAnother) {
+  scenario_.path = PillarWalk(16.0, 1.0);  // more than once around
+  MapperOptions options;
+  options.loop_closure.enabled = false;
+  options.loop_closure.max_gap_scans = 10;
+  EXPECT_GT(Compute(options).planes.planes().size(), Compute().planes.planes().size());
+}
+
+// The mapper's own statement about its result can not be better than the bound, and should be
+// near it.
+TEST_F(BoundTest, MapperStatesWhatTheBoundSays) {
+  const Bound bound = Compute();
+  Run(scenario_);
+  const PlaneCovariance result = ReadPlaneCovariance(Path("result"));
+  // Angles between walls do not depend on the model frame's reference: the two largest ones.
+  const auto two_largest = [](const std::vector<PlanePatch>& planes) {
+    std::vector<PlanePatch> walls;
+    for (const PlanePatch& plane : planes) {
+      if (plane.type == PlaneType::kVertical) walls.push_back(plane);
+    }
+    std::sort(walls.begin(), walls.end(), [](const PlanePatch& a, const PlanePatch& b) {
+      return a.num_points > b.num_points;
+    });
+    return std::pair(walls[0].id, walls[1].id);
+  };
+  const auto [bound_a, bound_b] = two_largest(bound.planes.planes());
+  const auto [result_a, result_b] = two_largest(result.planes());
+  const double ratio =
+      result.AngleStddev(result_a, result_b) / bound.planes.AngleStddev(bound_a, bound_b);
+  EXPECT_GT(ratio, 0.99);
+  EXPECT_LT(ratio, 1.1);  // beams at the segments' ends are left out
+}
+
+TEST_F(BoundTest, WritesWhatCanBeReadBack) {
+  const Bound bound = Compute();
+  WriteBound(bound, Path("bound"));
+  const PlaneCovariance read = ReadPlaneCovariance(Path("bound"));
+  EXPECT_EQ(read.planes().size(), bound.planes.planes().size());
+  EXPECT_EQ(ReadTrajectory(Path("bound/trajectory.tum")).size(), bound.trajectory.size());
+  EXPECT_TRUE(std::filesystem::exists(Path("bound/faces.csv")));
+  EXPECT_NE(BoundTable(bound).find("poses: position"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline

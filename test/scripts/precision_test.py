@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Tests scripts/precision.py on runs whose errors are drawn here."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "precision.py"
+SIGMA_RAD = 2e-4
+SIGMA_M = 1e-3
+# Walls of a square, seen from inside on a way round it: normal, distance.
+WALLS = [([0.0, 1.0, 0.0], -5.0), ([-1.0, 0.0, 0.0], -5.0),
+         ([0.0, -1.0, 0.0], -5.0), ([1.0, 0.0, 0.0], -5.0)]
+
+
+def plane(number, normal, distance, first_time, points=10000):
+    normal = np.array(normal)
+    along = np.cross([0, 0, 1.0], normal)
+    corners = [distance * normal + a * along + [0, 0, z]
+               for a, z in ((-5, 0), (5, 0), (5, 3), (-5, 3))]
+    return {"id": number, "type": "vertical", "normal": list(normal), "distance": distance,
+            "centre": list(np.mean(corners, axis=0)), "outline": [list(c) for c in corners],
+            "num_points": points, "first_time": first_time, "last_time": first_time + 8}
+
+
+def trajectory():
+    """Eight sides of a square of 8 m, 10 s each, heading along the side."""
+    lines = []
+    for step in range(81):
+        time, side = float(step), min(step // 10, 7)
+        yaw = side * np.pi / 2
+        lines.append(f"{time:.1f} {step % 10} 0 0 0 0 {np.sin(yaw / 2):.9f} {np.cos(yaw / 2):.9f}")
+    return "\n".join(lines) + "\n"
+
+
+def covariance_text(num_planes):
+    names = [f"{i}:{name}" for i in range(num_planes) for name in ("angle", "d")]
+    lines = ["plane,parameter," + ",".join(names)]
+    for row, name in enumerate(names):
+        values = np.zeros(len(names))
+        values[row] = SIGMA_RAD ** 2 if name.endswith("angle") else SIGMA_M ** 2
+        lines.append(name.replace(":", ",") + "," + ",".join(map(str, values)))
+    return "\n".join(lines) + "\n"
+
+
+def pose_covariances():
+    upper = [1e-6 if i == j else 0.0 for i in range(6) for j in range(i, 6)]
+    row = ",".join(map(str, upper))
+    return "t\n" + "".join(f"{float(step)},{row}\n" for step in range(81))
+
+
+class PrecisionTest(unittest.TestCase):
+    def setUp(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        self.directory = pathlib.Path(directory.name)
+        self.random = np.random.default_rng(1)
+
+    def write_planes(self, directory, errors):
+        """Two rounds past the four walls."""
+        directory.mkdir(parents=True)
+        planes = []
+        for number in range(8):
+            normal, distance = WALLS[number % 4]
+            angle = np.arctan2(normal[1], normal[0]) + errors[number, 0]
+            planes.append(plane(number, [np.cos(angle), np.sin(angle), 0.0],
+                                distance + errors[number, 1], 10.0 * number))
+        (directory / "planes.json").write_text(json.dumps(planes))
+        (directory / "plane_covariance.csv").write_text(covariance_text(8))
+
+    def write_run(self, number, scale):
+        directory = self.directory / "runs" / f"run_{number:04d}"
+        self.write_planes(directory, scale * self.random.normal(size=(8, 2)) *
+                          [SIGMA_RAD, SIGMA_M])
+        truth = [plane(number, normal, distance, 0.0)
+                 for number, (normal, distance) in enumerate(WALLS)]
+        (directory / "truth_planes.json").write_text(json.dumps(truth))
+        (directory / "truth_trajectory.tum").write_text(trajectory())
+        (directory / "trajectory.tum").write_text(trajectory())
+        (directory / "trajectory_covariance.csv").write_text(pose_covariances())
+        (directory / "evaluation.json").write_text(json.dumps({
+            "model_from_truth": {"translation": [0, 0, 0], "rotation_xyzw": [0, 0, 0, 1]},
+            "planes": {"list": [{"id": i, "status": "matched", "true_faces": [i % 4]}
+                                for i in range(8)]}}))
+
+    def write_bound(self):
+        directory = self.directory / "bound"
+        self.write_planes(directory, np.zeros((8, 2)))
+        (directory / "faces.csv").write_text(
+            "plane,face\n" + "".join(f"{i},{i % 4}\n" for i in range(8)))
+
+    def run_script(self):
+        return subprocess.run(
+            [sys.executable, SCRIPT, self.directory / "runs", "--bound", self.directory / "bound",
+             "--output", self.directory / "precision.json"],
+            capture_output=True, text=True, check=False)
+
+    def figures(self, scale):
+        for number in range(100):
+            self.write_run(number, scale)
+        self.write_bound()
+        result = self.run_script()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads((self.directory / "precision.json").read_text())
+
+    def test_errors_as_stated_have_ratio_and_nees_one(self):
+        figures = self.figures(1.0)
+        neighbours = figures["pairs"]["angle, outer, 1 corners"]
+        self.assertAlmostEqual(neighbours["bound"], np.sqrt(2) * SIGMA_RAD, places=9)
+        self.assertEqual(neighbours["pairs"], 7)
+        for name in ("angle, outer, 1 corners", "distance, outer, 1 loops, centre"):
+            pair = figures["pairs"][name]
+            self.assertLess(abs(pair["ratio"] - 1), 4 * pair["ratio_error"], name)
+            self.assertLess(abs(pair["nees"] - 1), 4 * pair["nees_error"], name)
+        self.assertLess(abs(figures["nees"][0]["mean"] - 1), 0.15)
+
+    def test_larger_errors_show(self):
+        figures = self.figures(2.0)
+        pair = figures["pairs"]["angle, outer, 1 corners"]
+        self.assertLess(abs(pair["ratio"] - 2), 4 * pair["ratio_error"])
+        self.assertFalse(figures["nees"][0]["inside"])
+
+    def test_missing_file_is_named(self):
+        for number in range(2):
+            self.write_run(number, 1.0)
+        self.write_bound()
+        (self.directory / "bound" / "faces.csv").unlink()
+        result = self.run_script()
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("faces.csv", result.stderr)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 1)
+        self.assertFalse((self.directory / "precision.json").exists())
+
+    def test_too_few_runs_is_an_error(self):
+        self.write_run(1, 1.0)
+        self.assertIn("at least two runs", self.run_script().stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
