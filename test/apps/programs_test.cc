@@ -72,12 +72,16 @@ TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
   ExpectFailure(
       "plumbline_simulate --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
       Path("no.yaml"));
+  ExpectFailure(
+      "plumbline_bound --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
+      Path("no.yaml"));
   ExpectFailure("plumbline_evaluate --result=" + Path("no") + " --truth=" + Path("no"),
                 Path("no"));
 }
 
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
-  for (const char* program : {"plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
+  for (const char* program :
+       {"plumbline_bound", "plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
     EXPECT_EQ(Run(program).exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --no_such_flag").exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --help").exit_code, 0) << program;
