@@ -179,9 +179,8 @@ class BoundComputer {
     Trajectory trajectory(earliest_ns, interval_ns, Rigid3d());
     trajectory.ExtendTo(latest_ns);
     for (int i = 0; i < trajectory.num_control_points(); ++i) {
-      const int64_t time_ns = std::clamp(
-          trajectory.start_ns() + (i - 1) * interval_ns, path.start_ns(), path.end_ns());
-      const Rigid3d pose = model_from_world_ * path.PoseAt(time_ns);
+      const Rigid3d pose =
+          model_from_world_ * PathPose(trajectory.start_ns() + (i - 1) * interval_ns);
       ControlPoint& control_point = trajectory.control_point(i);
       Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = pose.rotation;
       Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = pose.translation;
@@ -190,6 +189,18 @@ class BoundComputer {
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
     return true;
+  }
+
+  // The path, continued beyond its ends as its mirror image there.
+  Rigid3d PathPose(int64_t time_ns) const {
+    const Path& path = simulator_.path();
+    const int64_t inside_ns = std::clamp(time_ns, path.start_ns(), path.end_ns());
+    const Rigid3d end = path.PoseAt(inside_ns);
+    if (inside_ns == time_ns) return end;
+    const Rigid3d mirrored =
+        path.PoseAt(std::clamp(2 * inside_ns - time_ns, path.start_ns(), path.end_ns()));
+    return {end.rotation * mirrored.rotation.conjugate() * end.rotation,
+            2.0 * end.translation - mirrored.translation};
   }
 
   double MaxScanRate() const {
