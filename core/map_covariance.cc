@@ -115,14 +115,7 @@ MapCovariance MapCovariance::Of(EstimationProblem* problem) {
 
 Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);
-  const double* rotations[kSplineOrder];
-  const double* positions[kSplineOrder];
-  for (int j = 0; j < kSplineOrder; ++j) {
-    rotations[j] = trajectory.control_point(at.first + j).rotation.data();
-    positions[j] = trajectory.control_point(at.first + j).position.data();
-  }
-  SplinePoseJacobian spline;
-  EvaluatePose(rotations, positions, at.u, &spline);
+  const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
   const int rotation_size = planar_ ? 1 : 3;
   const int block_size = rotation_size + 3;
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, kSplineOrder * block_size);

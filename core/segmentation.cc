@@ -10,27 +10,11 @@
 
 #include "core/beam_fan.h"
 #include "core/line_grower.h"
+#include "core/quantiles.h"
+#include "core/segment_piece.h"
 
 namespace plumbline {
 namespace {
-
-// x with P(|z| > x) = probability for a standard normal z.
-double TwoSidedNormalQuantile(double probability) {
-  double low = 0.0;
-  double high = 40.0;
-  while (high - low > 1e-6) {
-    const double middle = 0.5 * (low + high);
-    (std::erfc(middle * M_SQRT1_2) > probability ? low : high) = middle;
-  }
-  return high;
-}
-
-// Upper quantile of the chi square distribution by Wilson and Hilferty's approximation.
-double Chi2Quantile(int degrees, double normal_quantile) {
-  const double a = 2.0 / (9.0 * degrees);
-  const double root = 1.0 - a + normal_quantile * std::sqrt(a);
-  return degrees * root * root * root;
-}
 
 struct Limits {
   Limits(const SegmentationOptions& options, int num_beams) {
@@ -48,32 +32,6 @@ struct Limits {
   double run = 0.0;           // of the statistic of a run
   double sum_quantile = 0.0;  // normal quantile for the chi square of a whole segment
 };
-
-// A segment in the making.
-struct Piece {
-  int first = 0;
-  int last = 0;                   // inclusive
-  bool starts_at_change = false;  // a test has proved that the line before ends there
-  Eigen::Vector2d q = Eigen::Vector2d::Zero();
-  NormalEquations information;  // of the last fit or, while growing, of the points taken up
-  int num_points = 0;           // likewise
-  double chi2 = 0.0;            // after the last fit
-};
-
-// (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if both are
-// one line.
-double Difference(const Piece& a, const Piece& b) {
-  const NormalEquations& m = a.information;
-  const NormalEquations& n = b.information;
-  const double scale_m = 1.0 / m.Determinant();
-  const double scale_n = 1.0 / n.Determinant();
-  const double xx = scale_m * m.yy + scale_n * n.yy;
-  const double xy = -scale_m * m.xy - scale_n * n.xy;
-  const double yy = scale_m * m.xx + scale_n * n.xx;
-  const Eigen::Vector2d d = a.q - b.q;
-  return (yy * d.x() * d.x() - 2.0 * xy * d.x() * d.y() + xx * d.y() * d.y()) /
-         (xx * yy - xy * xy);
-}
 
 class Segmenter {
  public:

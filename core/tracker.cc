@@ -1,21 +1,15 @@
 #include "core/tracker.h"
 
-#include <ceres/cost_function.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
 #include "core/joint_association.h"
-#include "factors/manifolds.h"
-#include "factors/motion_factor.h"
-#include "factors/position_factor.h"
 #include "factors/so3.h"
-#include "factors/spline.h"
 
 namespace plumbline {
 namespace {
@@ -53,70 +47,11 @@ constexpr MotionRegime kMotionRegimes[] = {
 
 }  // namespace
 
-// One residual block of Ceres on control points, in the tracker's rows.
-struct Tracker::Term {
-  struct Block {
-    int row = 0;  // of the tangent
-    bool is_rotation = false;
-    double* data = nullptr;
-  };
-  std::shared_ptr<ceres::CostFunction> cost;
-  std::vector<Block> blocks;
-};
-
 struct Tracker::System {
   double cost = 0.0;
   Eigen::MatrixXd hessian;
   Eigen::VectorXd gradient;
 };
-
-PoseUncertainty::Local PoseUncertainty::LocalJacobian(const Trajectory& trajectory,
-                                                      int64_t time_ns) const {
-  const Trajectory::Location at = trajectory.Locate(time_ns);
-  const double* rotations[kSplineOrder];
-  const double* positions[kSplineOrder];
-  for (int j = 0; j < kSplineOrder; ++j) {
-    rotations[j] = trajectory.control_point(at.first + j).rotation.data();
-    positions[j] = trajectory.control_point(at.first + j).position.data();
-  }
-  SplinePoseJacobian spline;
-  EvaluatePose(rotations, positions, at.u, &spline);
-  Local local;
-  // A pose before the first control point that is known depends on given ones as well.
-  const int known = std::max(at.first, first_);
-  const int last = static_cast<int>(covariance_.cols()) / kPoseSize + first_ - kSplineOrder;
-  const int begin = std::min(known, last);
-  local.column = kPoseSize * (begin - first_);
-  local.jacobian.setZero();
-  for (int j = 0; j < kSplineOrder; ++j) {
-    const int column = kPoseSize * (at.first + j - begin);
-    if (column < 0 || column >= local.jacobian.cols()) continue;
-    const auto index = static_cast<size_t>(j);
-    local.jacobian.block<3, 3>(0, column) = spline.rotation_wrt_control[index];
-    local.jacobian.block<3, 3>(3, column + 3)
-        .diagonal()
-        .setConstant(spline.position_weights[index]);
-  }
-  return local;
-}
-
-Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
-  const Local local = LocalJacobian(trajectory, time_ns);
-  const Eigen::Matrix<double, 6, 24> cross =
-      local.jacobian * covariance_.block<24, 24>(local.column, local.column);
-  return cross * local.jacobian.transpose();
-}
-
-Eigen::Matrix<double, 12, 12> PoseUncertainty::AtBoth(const Trajectory& trajectory,
-                                                      int64_t first_ns,
-                                                      int64_t second_ns) const {
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(12, covariance_.cols());
-  const Local first = LocalJacobian(trajectory, first_ns);
-  const Local second = LocalJacobian(trajectory, second_ns);
-  jacobian.block<6, 24>(0, first.column) = first.jacobian;
-  jacobian.block<6, 24>(6, second.column) = second.jacobian;
-  return jacobian * covariance_ * jacobian.transpose();
-}
 
 Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
     : rig_(rig), planar_(planar), options_(options), state_(state) {}
@@ -145,55 +80,17 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   return covariance;
 }
 
-std::vector<Tracker::Term> Tracker::MotionTerms() const {
-  const double interval_s = state_->trajectory.knot_interval_s();
-  const TrajectoryOptions& options = options_.trajectory;
-  std::vector<Term> terms;
-  const auto add = [&](std::unique_ptr<ceres::CostFunction> cost,
-                       bool is_rotation,
-                       int first_control_point,
-                       int count) {
-    Term term;
-    term.cost = std::move(cost);
-    for (int i = first_control_point; i < first_control_point + count; ++i) {
-      ControlPoint& control_point = state_->trajectory.control_point(i);
-      term.blocks.push_back(
-          {kPoseSize * (i - first()) + (is_rotation ? 0 : 3),
-           is_rotation,
-           is_rotation ? control_point.rotation.data() : control_point.position.data()});
-    }
-    terms.push_back(std::move(term));
-  };
+std::vector<MotionTerm> Tracker::MotionTerms() const {
   const bool at_start = gaussian_.mean.empty();
-  const int known = at_start ? 0 : gaussian_.end();
-  for (int i = std::max(first(), known - 2); i + 2 < state_->trajectory.num_control_points();
-       ++i) {
-    add(CreateRotationAccelerationFactor(
-            options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s),
-        true,
-        i,
-        3);
-    add(CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s),
-        false,
-        i,
-        3);
-  }
-  if (!at_start) return terms;
-  add(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
-                                   interval_s),
-      true,
-      0,
-      2);
-  add(CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s), false, 0, 2);
-  const Trajectory::Location origin = state_->trajectory.Locate(state_->origin_time_ns);
-  add(CreatePositionFactor(Eigen::Vector3d::Zero(), origin.u, kOriginSigma),
-      false,
-      origin.first,
-      kSplineOrder);
-  return terms;
+  return MakeMotionTerms(
+      options_.trajectory,
+      first(),
+      at_start ? 0 : gaussian_.end(),
+      at_start ? std::optional<int64_t>(state_->origin_time_ns) : std::nullopt,
+      &state_->trajectory);
 }
 
-Tracker::System Tracker::Linearise(const std::vector<Term>& terms,
+Tracker::System Tracker::Linearise(const std::vector<MotionTerm>& terms,
                                    const std::vector<ObservationGroup>& groups) const {
   const Eigen::Index size = kPoseSize * (state_->trajectory.num_control_points() - first());
   System system;
@@ -217,78 +114,50 @@ Tracker::System Tracker::Linearise(const std::vector<Term>& terms,
     system.gradient.head(num_known) = gradient;
     system.cost = 0.5 * moved.dot(gradient);
   }
-  for (const Term& term : terms) {
-    using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, 4>;
-    constexpr size_t kMaxBlocks = 4;
-    std::array<const double*, kMaxBlocks> parameters{};
-    std::array<std::array<double, 12>, kMaxBlocks> storage{};
-    std::array<double*, kMaxBlocks> jacobians{};
-    for (size_t b = 0; b < term.blocks.size(); ++b) {
-      parameters[b] = term.blocks[b].data;
-      jacobians[b] = storage[b].data();
-    }
-    Eigen::Vector3d residuals;
-    term.cost->Evaluate(parameters.data(), residuals.data(), jacobians.data());
-    std::array<Eigen::Matrix3d, kMaxBlocks> tangent;
-    for (size_t b = 0; b < term.blocks.size(); ++b) {
-      const bool is_rotation = term.blocks[b].is_rotation;
-      const Eigen::Map<const RowMajor> ambient(storage[b].data(), 3, is_rotation ? 4 : 3);
-      if (is_rotation) {
-        tangent[b] = ambient * RotationPlusJacobian(parameters[b]);
-      } else {
-        tangent[b] = ambient;
-      }
-    }
-    system.cost += 0.5 * residuals.squaredNorm();
-    for (size_t a = 0; a < term.blocks.size(); ++a) {
-      const int row = term.blocks[a].row;
-      system.gradient.segment<3>(row) += tangent[a].transpose() * residuals;
-      for (size_t b = 0; b < term.blocks.size(); ++b) {
-        system.hessian.block<3, 3>(row, term.blocks[b].row) +=
-            tangent[a].transpose() * tangent[b];
-      }
-    }
+  for (const MotionTerm& term : terms) {
+    term.AddTo(&system.cost, &system.gradient, &system.hessian);
+  }
+  for (const ObservationGroup& group : groups) AddGroup(group, &system);
+  return system;
+}
+
+void Tracker::AddGroup(const ObservationGroup& group, System* system) const {
+  const int count = group.group.num_control_points();
+  std::vector<const double*> parameters;
+  for (int j = 0; j < count; ++j) {
+    parameters.push_back(
+        state_->trajectory.control_point(group.first_control_point + j).rotation.data());
+  }
+  for (int j = 0; j < count; ++j) {
+    parameters.push_back(
+        state_->trajectory.control_point(group.first_control_point + j).position.data());
+  }
+  for (const int id : group.landmark_ids) {
+    parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
   }
   SegmentGroup::Quadratic quadratic;
-  std::vector<const double*> parameters;
-  for (const ObservationGroup& group : groups) {
-    const int count = group.group.num_control_points();
-    parameters.clear();
-    for (int j = 0; j < count; ++j) {
-      parameters.push_back(
-          state_->trajectory.control_point(group.first_control_point + j).rotation.data());
-    }
-    for (int j = 0; j < count; ++j) {
-      parameters.push_back(
-          state_->trajectory.control_point(group.first_control_point + j).position.data());
-    }
-    for (const int id : group.landmark_ids) {
-      parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
-    }
-    group.group.Linearise(parameters.data(), &quadratic);
-    system.cost += quadratic.cost;
-    // Of the control points before first() and of the planes nothing is asked.
-    std::vector<int> from;
-    std::vector<int> to;
-    for (int row = 0; row < kPoseSize * count; ++row) {
-      const int j = row / 3 % count;
-      const bool is_rotation = row < 3 * count;
-      const int target = kPoseSize * (group.first_control_point + j - first()) + row % 3 +
-                         (is_rotation ? 0 : 3);
-      if (target < 0) continue;
-      from.push_back(row);
-      to.push_back(target);
-    }
-    for (size_t a = 0; a < from.size(); ++a) {
-      system.gradient[to[a]] += quadratic.gradient[from[a]];
-      for (size_t b = 0; b <= a; ++b) {
-        const double value = quadratic.hessian(from[a], from[b]);
-        system.hessian(to[a], to[b]) += value;
-        if (a != b) system.hessian(to[b], to[a]) += value;
-      }
+  group.group.Linearise(parameters.data(), &quadratic);
+  system->cost += quadratic.cost;
+  // Of the control points before first() and of the planes nothing is asked.
+  std::vector<int> from;
+  std::vector<int> to;
+  for (int row = 0; row < kPoseSize * count; ++row) {
+    const int j = row / 3 % count;
+    const bool is_rotation = row < 3 * count;
+    const int target = kPoseSize * (group.first_control_point + j - first()) + row % 3 +
+                       (is_rotation ? 0 : 3);
+    if (target < 0) continue;
+    from.push_back(row);
+    to.push_back(target);
+  }
+  for (size_t a = 0; a < from.size(); ++a) {
+    system->gradient[to[a]] += quadratic.gradient[from[a]];
+    for (size_t b = 0; b <= a; ++b) {
+      const double value = quadratic.hessian(from[a], from[b]);
+      system->hessian(to[a], to[b]) += value;
+      if (a != b) system->hessian(to[b], to[a]) += value;
     }
   }
-  return system;
 }
 
 std::vector<ControlPoint> Tracker::ControlPoints() const {
@@ -313,7 +182,7 @@ void Tracker::Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd&
   }
 }
 
-Tracker::System Tracker::Estimate(const std::vector<Term>& terms,
+Tracker::System Tracker::Estimate(const std::vector<MotionTerm>& terms,
                                   const std::vector<ObservationGroup>& groups) {
   System system = Linearise(terms, groups);
   const std::vector<int> rows = FreeRows(system.gradient.size());
@@ -486,7 +355,7 @@ Tracker::Association Tracker::ChooseUnder(
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const std::vector<LandmarkCandidate>& candidates) {
-  const std::vector<Term> terms = MotionTerms();
+  const std::vector<MotionTerm> terms = MotionTerms();
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
   if (has_new_control_points) {

@@ -7,7 +7,9 @@
 #include "core/association.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
+#include "core/motion_terms.h"
 #include "core/observation_groups.h"
+#include "core/pose_uncertainty.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
 
@@ -22,32 +24,6 @@ struct PoseGaussian {
   Eigen::MatrixXd information;
 
   int end() const { return first + static_cast<int>(mean.size()); }
-};
-
-// Joint covariance of the newest control points, from which that of a pose follows.
-class PoseUncertainty {
- public:
-  PoseUncertainty() = default;
-  PoseUncertainty(int first, Eigen::MatrixXd covariance)
-      : first_(first), covariance_(std::move(covariance)) {}
-
-  // World-frame rotation (rad) and position (m) of the body.
-  Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
-  // The same of two poses together.
-  Eigen::Matrix<double, 12, 12> AtBoth(const Trajectory& trajectory,
-                                       int64_t first_ns,
-                                       int64_t second_ns) const;
-
- private:
-  // The control points that a pose depends on: first column, derivative.
-  struct Local {
-    Eigen::Index column = 0;
-    Eigen::Matrix<double, 6, 24> jacobian;
-  };
-  Local LocalJacobian(const Trajectory& trajectory, int64_t time_ns) const;
-
-  int first_ = 0;  // control point of the first six rows
-  Eigen::MatrixXd covariance_;
 };
 
 // The light step of every scan: estimates the newest control points alone, the planes given,
@@ -74,7 +50,6 @@ class Tracker {
 
  private:
   struct System;
-  struct Term;
 
   // A scan's segments and their planes, chosen together. How the rig's poses differ from their
   // prediction is an error of the control points and, where the motion is `unsteady`, what
@@ -89,13 +64,15 @@ class Tracker {
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
   std::vector<int> FreeRows(Eigen::Index size) const;
   Eigen::MatrixXd Covariance(const Eigen::MatrixXd& information) const;
-  std::vector<Term> MotionTerms() const;
-  System Linearise(const std::vector<Term>& terms,
+  std::vector<MotionTerm> MotionTerms() const;
+  System Linearise(const std::vector<MotionTerm>& terms,
                    const std::vector<ObservationGroup>& groups) const;
+  void AddGroup(const ObservationGroup& group, System* system) const;
   std::vector<ControlPoint> ControlPoints() const;
   void Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step);
   // Gauss-Newton from where the control points are; returns the system where they end.
-  System Estimate(const std::vector<Term>& terms, const std::vector<ObservationGroup>& groups);
+  System Estimate(const std::vector<MotionTerm>& terms,
+                  const std::vector<ObservationGroup>& groups);
   std::vector<ObservationGroup> Groups(int first_observation, int last_observation) const;
   // What a motion of the prior's accelerations does between two knots: as rotation and
   // position of the body.

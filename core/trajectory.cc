@@ -76,6 +76,13 @@ Rigid3d Trajectory::WorldFromBody(int64_t time_ns) const {
   return {pose.world_from_body, pose.position};
 }
 
+SplinePoseJacobian Trajectory::PoseJacobian(const Location& at) const {
+  const Support support = SupportAt(*this, at.first);
+  SplinePoseJacobian jacobian;
+  EvaluatePose(support.rotations, support.positions, at.u, &jacobian);
+  return jacobian;
+}
+
 void Trajectory::Velocity(int64_t time_ns,
                           Eigen::Vector3d* angular_world,
                           Eigen::Vector3d* linear_world) const {

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "core/rigid3.h"
+#include "factors/spline.h"
 
 namespace plumbline {
 
@@ -44,6 +45,8 @@ class Trajectory {
   // Throws Error when the instant lies outside [start, end).
   Location Locate(int64_t time_ns) const;
   Rigid3d WorldFromBody(int64_t time_ns) const;
+  // Derivative of the pose by the four control points it depends on.
+  SplinePoseJacobian PoseJacobian(const Location& at) const;
   // Angular velocity in rad/s and linear velocity in m/s, both in the world frame.
   void Velocity(int64_t time_ns,
                 Eigen::Vector3d* angular_world,
