@@ -239,6 +239,9 @@ def bound_variances(bound_directory, truth):
     """Pair -> variance, as the bound has it."""
     lines = (bound_directory / "faces.csv").read_text().splitlines()[1:]
     face_of_plane = dict(tuple(map(int, line.split(","))) for line in lines)
+    # A face that no noisy beam hit is not in the truth.
+    face_of_plane = {plane: face for plane, face in face_of_plane.items()
+                     if face in truth.faces}
     planes = Planes(bound_directory, face_of_plane)
     # The frame from one wall's normal and the first pose, which is its origin.
     plane = next(p for p in planes.planes.values() if p["type"] == "vertical")
