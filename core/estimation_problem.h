@@ -87,8 +87,8 @@ struct FullJacobian {
 };
 
 // A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold,
-// and is the one place that turns observations, motion priors, marginalised history and gauge
-// into residual blocks. Window, tracking and batch differ only in what they add and hold.
+// and turns observations, motion priors, marginalised history and gauge into residual blocks.
+// Window, batch and bound differ only in what they add.
 class EstimationProblem {
  public:
   EstimationProblem(const Rig& rig,

@@ -45,6 +45,34 @@ Line FitLine(const Eigen::Matrix2Xd& directions,
   return line;
 }
 
+// The beams of a segment that count.
+struct Beams {
+  Eigen::Matrix2Xd directions;
+  Eigen::VectorXd ranges;
+  std::vector<int64_t> times_ns;  // the scanner's time offset included
+};
+
+Beams BeamsOf(const ScanLine& scan_line, const Scanner& scanner, const Segment& segment) {
+  const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  const Eigen::Index num_points = segment.num_points;
+  Beams beams{Eigen::Matrix2Xd(2, num_points), Eigen::VectorXd(num_points), {}};
+  Eigen::Index next = 0;
+  auto excluded = segment.excluded_beams.begin();
+  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam) {
+    if (excluded != segment.excluded_beams.end() && *excluded == beam) {
+      ++excluded;
+      continue;
+    }
+    CHECK_LT(next, num_points) << "segment and its beams disagree";
+    beams.directions.col(next) = scan_line.BeamDirection(beam);
+    beams.ranges[next] = scan_line.ranges[static_cast<size_t>(beam)];
+    beams.times_ns.push_back(scan_line.BeamTime(beam) + offset_ns);
+    ++next;
+  }
+  CHECK_EQ(next, num_points) << "segment and its beams disagree";
+  return beams;
+}
+
 }  // namespace
 
 Observation MakeObservation(const ScanLine& scan_line,
@@ -60,26 +88,8 @@ Observation MakeObservation(const ScanLine& scan_line,
   observation.sigma_offset_m = segment.sigma_offset_m;
   observation.sigma_direction_rad = segment.sigma_direction_rad;
 
-  const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  const auto [directions, ranges, times] = BeamsOf(scan_line, scanner, segment);
   const Eigen::Index num_points = segment.num_points;
-  Eigen::Matrix2Xd directions(2, num_points);
-  Eigen::VectorXd ranges(num_points);
-  std::vector<int64_t> times(static_cast<size_t>(num_points));
-  Eigen::Index next = 0;
-  auto excluded = segment.excluded_beams.begin();
-  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam) {
-    if (excluded != segment.excluded_beams.end() && *excluded == beam) {
-      ++excluded;
-      continue;
-    }
-    CHECK_LT(next, num_points) << "segment and its beams disagree";
-    directions.col(next) = scan_line.BeamDirection(beam);
-    ranges[next] = scan_line.ranges[static_cast<size_t>(beam)];
-    times[static_cast<size_t>(next)] = scan_line.BeamTime(beam) + offset_ns;
-    ++next;
-  }
-  CHECK_EQ(next, num_points) << "segment and its beams disagree";
-
   const Line line = FitLine(directions, ranges, segment.normal);
   const Eigen::Vector2d tangent(-line.normal.y(), line.normal.x());
   const double range_variance = scanner.range_noise_m * scanner.range_noise_m;

@@ -156,39 +156,87 @@ Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) co
   return Log(Quaternion(now) * Quaternion(at.data()).conjugate());
 }
 
-PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
-  // Planes that are not in view follow what the others do; they take no part in the
-  // iterations.
+Window::Dormant Window::EliminateDormant() const {
   const std::set<int> in_view = LandmarksInWindow();
-  const auto is_dormant = [&](const BlockId& block) {
-    return IsLandmark(block) && in_view.count(block.index) == 0;
-  };
   const NormalEquations& past = history_.equations;
-  const std::vector<int> active_rows =
-      RowsOf(past, [&](const BlockId& block) { return !is_dormant(block); });
-  std::vector<int> order = RowsOf(past, is_dormant);
+  Dormant dormant;
+  std::vector<int> order;
+  std::vector<int> active_rows;
+  for (size_t i = 0; i < past.blocks.size(); ++i) {
+    const BlockId& block = past.blocks[i];
+    const bool is_dormant = IsLandmark(block) && in_view.count(block.index) == 0;
+    (is_dormant ? dormant.blocks : dormant.active_blocks).push_back(i);
+    for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
+      (is_dormant ? order : active_rows).push_back(row);
+    }
+  }
   const auto num_dormant = static_cast<Eigen::Index>(order.size());
   order.insert(order.end(), active_rows.begin(), active_rows.end());
-  const std::optional<Elimination> dormant =
+  dormant.elimination =
       Elimination::Make(past.hessian(order, order), past.gradient(order), num_dormant);
-  if (!dormant) throw Error(kNotDetermined);
+  if (!dormant.elimination) throw Error(kNotDetermined);
+  return dormant;
+}
 
-  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  if (!active_rows.empty()) {
-    Prior prior;
-    for (size_t i = 0; i < past.blocks.size(); ++i) {
-      const BlockId& block = past.blocks[i];
-      if (is_dormant(block)) continue;
-      prior.blocks.push_back(block);
-      prior.linear.blocks.push_back(
-          {problem.KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
-    }
-    const MarginalisedSystem root =
-        plumbline::Marginalise(dormant->hessian(), dormant->gradient(), 0);
-    prior.linear.root = root.root;
-    prior.linear.offset = root.offset;
-    problem.AddPrior(prior);
+void Window::AddHistory(const Dormant& dormant, EstimationProblem* problem) const {
+  if (dormant.active_blocks.empty()) return;
+  Prior prior;
+  for (const size_t i : dormant.active_blocks) {
+    const BlockId& block = history_.equations.blocks[i];
+    prior.blocks.push_back(block);
+    prior.linear.blocks.push_back(
+        {problem->KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
   }
+  const MarginalisedSystem root = plumbline::Marginalise(
+      dormant.elimination->hessian(), dormant.elimination->gradient(), 0);
+  prior.linear.root = root.root;
+  prior.linear.offset = root.offset;
+  problem->AddPrior(prior);
+}
+
+void Window::MoveDormant(const Dormant& dormant,
+                         const EstimationProblem& problem,
+                         const NormalEquations& equations,
+                         const Eigen::MatrixXd& covariance) {
+  if (dormant.blocks.empty()) return;
+  const NormalEquations& past = history_.equations;
+  std::vector<int> rows;  // of the history's active blocks in the solution
+  std::vector<double> moved;
+  for (const size_t i : dormant.active_blocks) {
+    const auto at =
+        std::lower_bound(equations.blocks.begin(), equations.blocks.end(), past.blocks[i]);
+    const int offset = equations.offsets[static_cast<size_t>(at - equations.blocks.begin())];
+    const Eigen::VectorXd step = Moved(problem, i);
+    for (int k = 0; k < Size(past, i); ++k) {
+      rows.push_back(offset + k);
+      moved.push_back(step[k]);
+    }
+  }
+  const Eigen::VectorXd step =
+      dormant.elimination->BackSubstitute(Eigen::Map<const Eigen::VectorXd>(
+          moved.data(), static_cast<Eigen::Index>(moved.size())));
+  const Eigen::MatrixXd gain = dormant.elimination->Gain();
+  const Eigen::MatrixXd root = dormant.elimination->ConditionalRoot();
+  const Eigen::MatrixXd spread = gain * covariance(rows, rows);
+  Eigen::Index row = 0;
+  for (const size_t i : dormant.blocks) {
+    const int size = Size(past, i);
+    Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
+    for (int k = 0; k < size; ++k) {
+      landmark.parameters[static_cast<size_t>(k)] = history_.at[i][k] + step[row + k];
+    }
+    const auto columns = root.middleCols(row, size);
+    SetCovariance(columns.transpose() * columns +
+                      spread.middleRows(row, size) * gain.middleRows(row, size).transpose(),
+                  &landmark);
+    row += size;
+  }
+}
+
+PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
+  const Dormant dormant = EliminateDormant();
+  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  AddHistory(dormant, &problem);
   if (start_ == 0) AddStart(&problem);
   AddMotionPriors(&problem, start_, state_->trajectory.num_control_points() - 3);
   std::vector<const Observation*> in_window;
@@ -207,42 +255,14 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
       InverseOn(equations, RowsOf(equations, [&](const BlockId& block) {
                   return IsLandmark(block) || block.index < newest;
                 }));
-  std::map<BlockId, int> row_of;
   for (size_t i = 0; i < equations.blocks.size(); ++i) {
     const BlockId& block = equations.blocks[i];
     const int row = equations.offsets[i];
-    row_of.emplace(block, row);
     if (!IsLandmark(block)) continue;
     SetCovariance(covariance.block(row, row, Size(equations, i), Size(equations, i)),
                   &state_->landmarks[static_cast<size_t>(block.index)]);
   }
-  if (num_dormant > 0) {
-    std::vector<int> rows;  // of the history's active blocks in the solution
-    Eigen::VectorXd moved(static_cast<Eigen::Index>(active_rows.size()));
-    for (size_t i = 0; i < past.blocks.size(); ++i) {
-      if (is_dormant(past.blocks[i])) continue;
-      moved.segment(static_cast<Eigen::Index>(rows.size()), Size(past, i)) = Moved(problem, i);
-      for (int k = 0; k < Size(past, i); ++k) rows.push_back(row_of.at(past.blocks[i]) + k);
-    }
-    const Eigen::VectorXd step = dormant->BackSubstitute(moved);
-    const Eigen::MatrixXd gain = dormant->Gain();
-    const Eigen::MatrixXd root = dormant->ConditionalRoot();
-    const Eigen::MatrixXd spread = gain * covariance(rows, rows);
-    Eigen::Index row = 0;
-    for (size_t i = 0; i < past.blocks.size(); ++i) {
-      if (!is_dormant(past.blocks[i])) continue;
-      const int size = Size(past, i);
-      Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
-      for (int k = 0; k < size; ++k) {
-        landmark.parameters[static_cast<size_t>(k)] = history_.at[i][k] + step[row + k];
-      }
-      const auto columns = root.middleCols(row, size);
-      SetCovariance(columns.transpose() * columns +
-                        spread.middleRows(row, size) * gain.middleRows(row, size).transpose(),
-                    &landmark);
-      row += size;
-    }
-  }
+  MoveDormant(dormant, problem, equations, covariance);
   const int64_t oldest_ns =
       std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
   Marginalise(state_->trajectory.Locate(oldest_ns).first);

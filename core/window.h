@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/mapper_options.h"
 #include "core/rig.h"
 #include "core/tracker.h"
+#include "factors/elimination.h"
 
 namespace plumbline {
 
@@ -39,6 +41,23 @@ class Window {
     std::vector<Eigen::VectorXd> at;  // parallel to equations.blocks
   };
 
+  // The history's planes that are not in view, eliminated: they take no part in the window's
+  // iterations and follow what the other blocks do. Positions in history_.equations.blocks.
+  struct Dormant {
+    std::vector<size_t> blocks;
+    std::vector<size_t> active_blocks;  // the others
+    std::optional<Elimination> elimination;
+  };
+
+  Dormant EliminateDormant() const;
+  // What the history says of the active blocks, as a square-root prior.
+  void AddHistory(const Dormant& dormant, EstimationProblem* problem) const;
+  // Estimates and covariances of the dormant planes from the solution of the others, whose
+  // covariance is in the rows of `equations`.
+  void MoveDormant(const Dormant& dormant,
+                   const EstimationProblem& problem,
+                   const NormalEquations& equations,
+                   const Eigen::MatrixXd& covariance);
   void AddStart(EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;

@@ -144,6 +144,70 @@ SegmentGroup::SegmentGroup(int num_control_points,
   });
 }
 
+namespace {
+
+// Whitened Jacobian and residuals of the segments begin .. end - 1, which lie on one plane,
+// weighted by Huber's loss; returns their cost.
+template <typename PlaneType>
+double WriteSegments(const PlaneType& plane,
+                     const double* plane_parameters,
+                     const SegmentGroup::Segment* begin,
+                     const SegmentGroup::Segment* end,
+                     const std::vector<SegmentGroup::Scanner>& scanners,
+                     const Steps& steps,
+                     double const* const* q,
+                     double const* const* p,
+                     int num_control_points,
+                     double huber_width,
+                     RowMajorMatrix* jacobian,
+                     Eigen::VectorXd* residuals) {
+  constexpr int kPlaneSize = PlaneType::kSize;
+  using T = ceres::Jet<double, kPoseSize + kPlaneSize>;
+  T plane_jets[kPlaneSize], normal[3], distance;
+  for (int i = 0; i < kPlaneSize; ++i) {
+    plane_jets[i] = T(plane_parameters[i], kPoseSize + i);
+  }
+  plane.Evaluate(plane_jets, normal, &distance);
+  NodeDerivatives<kPlaneSize> derivatives;
+  double cost = 0.0;
+  Eigen::Index at = 0;
+  for (const SegmentGroup::Segment* segment = begin; segment != end; ++segment) {
+    const SegmentMeasurement& measurement = *segment->measurement;
+    const Eigen::Index count = measurement.root.rows();
+    derivatives.g.setZero();
+    derivatives.by_node.setZero();
+    Differentiate<PlaneType>(*segment,
+                             scanners[static_cast<size_t>(segment->scanner)],
+                             steps,
+                             q,
+                             p,
+                             normal,
+                             distance,
+                             &derivatives);
+    auto rows = jacobian->middleRows(at, count);
+    WriteRows(*segment, num_control_points, derivatives, rows);
+    auto segment_residuals = residuals->segment(at, count);
+    segment_residuals = segment->weights.scale * measurement.root.lazyProduct(derivatives.g);
+    if (measurement.offset.size() > 0) {
+      segment_residuals += segment->weights.offset * measurement.offset;
+    }
+    const double squared = segment_residuals.squaredNorm();
+    if (huber_width > 0.0 && squared > huber_width * huber_width) {
+      const double norm = std::sqrt(squared);
+      cost += huber_width * (norm - 0.5 * huber_width);
+      const double weight = std::sqrt(huber_width / norm);
+      segment_residuals *= weight;
+      rows *= weight;
+    } else {
+      cost += 0.5 * squared;
+    }
+    at += count;
+  }
+  return cost;
+}
+
+}  // namespace
+
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
   const int num_poses = 6 * num_control_points_;
   double const* const* const q = parameters;
@@ -165,67 +229,37 @@ void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadrat
       num_rows += segments_[end].measurement->root.rows();
     }
     const Plane& description = planes_[static_cast<size_t>(plane_index)];
-    const double* const plane_parameters = parameters[2 * num_control_points_ + plane_index];
-    VisitPlaneModel(description.model, description.sign, [&](const auto& plane) {
-      using PlaneType = std::decay_t<decltype(plane)>;
-      constexpr int kPlaneSize = PlaneType::kSize;
-      using T = ceres::Jet<double, kPoseSize + kPlaneSize>;
-      T plane_jets[kPlaneSize], normal[3], distance;
-      for (int i = 0; i < kPlaneSize; ++i) {
-        plane_jets[i] = T(plane_parameters[i], kPoseSize + i);
-      }
-      plane.Evaluate(plane_jets, normal, &distance);
-      jacobian.setZero(num_rows, num_poses + kPlaneSize);
-      residuals.resize(num_rows);
-      NodeDerivatives<kPlaneSize> derivatives;
-      Eigen::Index at = 0;
-      for (size_t i = begin; i < end; ++i) {
-        const Segment& segment = segments_[i];
-        const Eigen::Index count = segment.measurement->root.rows();
-        derivatives.g.setZero();
-        derivatives.by_node.setZero();
-        Differentiate<PlaneType>(segment,
-                                 scanners_[static_cast<size_t>(segment.scanner)],
-                                 steps,
-                                 q,
-                                 p,
-                                 normal,
-                                 distance,
-                                 &derivatives);
-        auto rows = jacobian.middleRows(at, count);
-        WriteRows(segment, num_control_points_, derivatives, rows);
-        auto segment_residuals = residuals.segment(at, count);
-        segment_residuals =
-            segment.weights.scale * segment.measurement->root.lazyProduct(derivatives.g);
-        if (segment.measurement->offset.size() > 0) {
-          segment_residuals += segment.weights.offset * segment.measurement->offset;
-        }
-        const double squared = segment_residuals.squaredNorm();
-        if (huber_width_ > 0.0 && squared > huber_width_ * huber_width_) {
-          const double norm = std::sqrt(squared);
-          quadratic->cost += huber_width_ * (norm - 0.5 * huber_width_);
-          const double weight = std::sqrt(huber_width_ / norm);
-          segment_residuals *= weight;
-          rows *= weight;
-        } else {
-          quadratic->cost += 0.5 * squared;
-        }
-        at += count;
-      }
-      const int offset = plane_offsets_[static_cast<size_t>(plane_index)];
-      Eigen::MatrixXd product =
-          Eigen::MatrixXd::Zero(num_poses + kPlaneSize, num_poses + kPlaneSize);
-      product.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-      const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
-      quadratic->hessian.topLeftCorner(num_poses, num_poses) +=
-          product.topLeftCorner(num_poses, num_poses);
-      quadratic->hessian.block(offset, 0, kPlaneSize, num_poses) +=
-          product.bottomLeftCorner(kPlaneSize, num_poses);
-      quadratic->hessian.block(offset, offset, kPlaneSize, kPlaneSize) +=
-          product.bottomRightCorner(kPlaneSize, kPlaneSize);
-      quadratic->gradient.head(num_poses) += gradient.head(num_poses);
-      quadratic->gradient.segment(offset, kPlaneSize) += gradient.tail(kPlaneSize);
-    });
+    const int plane_size = PlaneModelSize(description.model);
+    const int num_columns = num_poses + plane_size;
+    jacobian.setZero(num_rows, num_columns);
+    residuals.resize(num_rows);
+    quadratic->cost +=
+        VisitPlaneModel(description.model, description.sign, [&](const auto& plane) {
+          return WriteSegments(plane,
+                               parameters[2 * num_control_points_ + plane_index],
+                               segments_.data() + begin,
+                               segments_.data() + end,
+                               scanners_,
+                               steps,
+                               q,
+                               p,
+                               num_control_points_,
+                               huber_width_,
+                               &jacobian,
+                               &residuals);
+        });
+    const int offset = plane_offsets_[static_cast<size_t>(plane_index)];
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(num_columns, num_columns);
+    product.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+    const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
+    quadratic->hessian.topLeftCorner(num_poses, num_poses) +=
+        product.topLeftCorner(num_poses, num_poses);
+    quadratic->hessian.block(offset, 0, plane_size, num_poses) +=
+        product.bottomLeftCorner(plane_size, num_poses);
+    quadratic->hessian.block(offset, offset, plane_size, plane_size) +=
+        product.bottomRightCorner(plane_size, plane_size);
+    quadratic->gradient.head(num_poses) += gradient.head(num_poses);
+    quadratic->gradient.segment(offset, plane_size) += gradient.tail(plane_size);
     begin = end;
   }
 }

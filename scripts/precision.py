@@ -260,15 +260,15 @@ def summarise_pairs(runs, bound):
         of_run = collections.defaultdict(list)
         for key, (error, variance) in pairs.items():
             if key in bound:
-                of_run[key[0]].append((error ** 2, variance, bound[key]))
+                of_run[key[0]].append((error ** 2, variance, bound[key], error))
                 errors_of_pair[key].append(error)
         for category, values in of_run.items():
             by_category[category].append(np.mean(values, axis=0))
     result = {}
     for category, values in by_category.items():
         values = np.array(values)
-        square, stated, best = values.mean(axis=0)
-        spread = values[:, 0].std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
+        square, stated, best, mean = values.mean(axis=0)
+        spread, _, _, mean_error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
         bias = [np.mean(errors) / (np.std(errors, ddof=1) / np.sqrt(len(errors)))
                 for key, errors in errors_of_pair.items()
                 if key[0] == category and len(errors) > 2]
@@ -277,16 +277,16 @@ def summarise_pairs(runs, bound):
             "stddev": np.sqrt(square), "bound": np.sqrt(best), "stated": np.sqrt(stated),
             "ratio": np.sqrt(square / best), "ratio_error": 0.5 * spread / square *
             np.sqrt(square / best),
-            "nees": square / stated, "nees_error": spread / stated,
+            "mean": mean, "mean_error": mean_error, "nees": square / stated, "nees_error": spread / stated,
             "largest_bias": max(map(abs, bias)) if bias else None}
     return result
 
 
-def growth_exponent(summary, prefix, suffix, unit):
+def growth_exponent(summary, prefix, suffix):
     """Exponent of the growth of a standard deviation with the number of corners or loops."""
     points = [(int(name[len(prefix):].split()[0]), figures["stddev"])
               for name, figures in summary.items()
-              if name.startswith(prefix) and name.endswith(suffix) and unit in name]
+              if name.startswith(prefix) and name.endswith(suffix)]
     if len(points) < 2:
         return None
     numbers, values = np.array(sorted(points)).T
@@ -336,16 +336,19 @@ def main():
     try:
         runs = [read_run(directory) for directory in directories]
         bound = bound_variances(arguments.bound, runs[0][3])
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, ValueError) as error:
         sys.exit(f"precision.py: {error}")
+    except KeyError as error:
+        sys.exit(f"precision.py: an input file has no {error}")
     summary = summarise_pairs([run[0] for run in runs], bound)
     plane_values = np.array([run[1] for run in runs])
     pose_values = np.array([run[2] for run in runs])
     nees = [nees_line("all planes of a run", plane_values[:, 0], plane_values[:, 1]),
             nees_line("poses, each of its own", pose_values, np.full(pose_values.shape, 6))]
-    growth = {what: growth_exponent(summary, what, suffix, "")
-              for what, suffix in (("angle, outer, ", "corners"), ("distance, outer, ", "centre"),
-                                   ("distance, outer, ", "corners"))}
+    growth = {prefix + suffix: growth_exponent(summary, prefix, suffix)
+              for prefix, suffix in (("angle, outer, ", "corners"),
+                                     ("distance, outer, ", "centre"),
+                                     ("distance, outer, ", "corners"))}
     print(table(summary))
     print()
     for line in nees:
@@ -353,7 +356,7 @@ def main():
               "{low:.3f} to {high:.3f}".format(**line))
     for what, exponent in growth.items():
         if exponent is not None:
-            print(f"growth of {what.strip(', ')}: exponent {exponent:.2f}")
+            print(f"growth of {what}: exponent {exponent:.2f}")
     if arguments.output:
         temporary = arguments.output.with_name(arguments.output.name + ".part")
         temporary.write_text(json.dumps({"pairs": summary, "nees": nees, "growth": growth},
