@@ -12,6 +12,7 @@
 #include "core/estimation_problem.h"
 #include "core/map_covariance.h"
 #include "core/observation_groups.h"
+#include "core/segment_ends.h"
 #include "core/stopwatch.h"
 #include "core/visibility.h"
 
@@ -213,6 +214,7 @@ BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,
                           const std::function<void(const std::string&)>& progress,
+                          RecordingReader* recording,
                           MapState* state) {
   Batch batch(rig, planar, options, state);
   BatchReport report;
@@ -234,6 +236,11 @@ BatchReport EstimateBatch(const Rig& rig,
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
     const bool stands = num_merged == 0 && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
+    if (options.batch.recut_segments) {
+      batch.RebuildLandmarks();
+      const int num_recut = RecutSegments(rig, options, recording, state);
+      VLOG(1) << "ends of " << num_recut << " segments moved";
+    }
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
                                             last ? 0.0 : kHuberWidth);
     const ceres::Solver::Summary summary =

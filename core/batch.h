@@ -6,6 +6,7 @@
 #include "core/map_covariance.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
+#include "core/recording.h"
 #include "core/rig.h"
 #include "core/stopwatch.h"
 
@@ -21,14 +22,15 @@ struct BatchReport {
 
 // The final estimation: all segments, control points and planes together, no marginalised
 // history. Estimates and associates anew until the associations stand, merges planes that turn
-// out to be one, drops those that too few scans support, and ends as plain weighted least
-// squares over the segments that agree with their planes. Leaves each landmark's covariance
-// (absolute, in the model frame), extent and counts as they follow from the final
-// associations.
+// out to be one, drops those that too few scans support, cuts the segments anew where the
+// planes meet (a pass over the recording), and ends as plain weighted least squares over the
+// segments that agree with their planes. Leaves each landmark's covariance (absolute, in the
+// model frame), extent and counts as they follow from the final associations.
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,
                           const std::function<void(const std::string&)>& progress,
+                          RecordingReader* recording,
                           MapState* state);
 
 }  // namespace plumbline

@@ -52,6 +52,7 @@ void Visit(Options& o, Visitor& v) {
   v.Section("batch", [&](auto& s) {
     s.Choice("factor", o.batch.factor, {"segment", "point"});
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
+    s.Flag("recut_segments", o.batch.recut_segments);
   });
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }

@@ -363,6 +363,7 @@ MapResult MapRecording(const Rig& rig,
           LOG(INFO) << text;
           progress(text, 0.0);
         },
+        recording,
         &result.state);
   }
   result.stages = {

@@ -52,8 +52,9 @@ enum class FactorKind { kSegment, kPoint };
 
 struct BatchOptions {
   FactorKind factor =
-      FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
-  int max_rounds = 6;        // of estimation and renewed association
+      FactorKind::kSegment;    // kPoint: one residual per beam, slow; for comparison
+  int max_rounds = 6;          // of estimation and renewed association
+  bool recut_segments = true;  // cut segments anew where the estimated planes meet
 };
 
 struct MapperOptions {

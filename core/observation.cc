@@ -73,63 +73,120 @@ Beams BeamsOf(const ScanLine& scan_line, const Scanner& scanner, const Segment& 
   return beams;
 }
 
-}  // namespace
-
-Observation MakeObservation(const ScanLine& scan_line,
-                            const Scanner& scanner,
-                            const Segment& segment,
-                            bool keep_points) {
-  Observation observation;
-  observation.scanner_index = scan_line.scanner_index;
-  observation.first_beam = segment.first_beam;
-  observation.last_beam = segment.last_beam;
-  observation.excluded_beams = segment.excluded_beams;
-  observation.num_points = segment.num_points;
-  observation.sigma_offset_m = segment.sigma_offset_m;
-  observation.sigma_direction_rad = segment.sigma_direction_rad;
-
-  const auto [directions, ranges, times] = BeamsOf(scan_line, scanner, segment);
-  const Eigen::Index num_points = segment.num_points;
-  const Line line = FitLine(directions, ranges, segment.normal);
-  const Eigen::Vector2d tangent(-line.normal.y(), line.normal.x());
+// What MakeObservation and its variant have in common: lines[i] is the one that beam i is
+// taken to, tangent and weights follow from them.
+Observation ObserveBeams(const Beams& beams,
+                         const std::vector<Line>& lines,
+                         const Scanner& scanner,
+                         bool keep_points) {
+  const auto num_points = static_cast<Eigen::Index>(lines.size());
+  const Line& middle = lines[lines.size() / 2];
+  const Eigen::Vector2d tangent(-middle.normal.y(), middle.normal.x());
   const double range_variance = scanner.range_noise_m * scanner.range_noise_m;
   const double angle_variance = scanner.angle_noise_rad * scanner.angle_noise_rad;
-  Eigen::Matrix2Xd points(2, num_points);  // on the line
+  Eigen::Matrix2Xd points(2, num_points);  // on the lines
   Eigen::VectorXd whitening(num_points);
   Eigen::VectorXd offsets(num_points);
   double sum_weights = 0.0;
   double out_of_plane = 0.0;
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < num_points; ++i) {
-    const double cosine = line.normal.dot(directions.col(i));
-    const double sine = tangent.dot(directions.col(i));
-    const double range = line.RangeAlong(directions.col(i), ranges[i]);
+    const Line& line = lines[static_cast<size_t>(i)];
+    const Eigen::Vector2d direction = beams.directions.col(i);
+    const double cosine = line.normal.dot(direction);
+    const double sine = line.normal.x() * direction.y() - line.normal.y() * direction.x();
+    const double range = line.RangeAlong(direction, beams.ranges[i]);
     const double across_variance = range * range * angle_variance;
     const double variance = range_variance * cosine * cosine + across_variance * sine * sine;
-    points.col(i) = range * directions.col(i);
+    points.col(i) = range * direction;
     whitening[i] = 1.0 / std::sqrt(variance);
-    offsets[i] = whitening[i] * cosine * (ranges[i] - range);
+    offsets[i] = whitening[i] * cosine * (beams.ranges[i] - range);
     centroid += points.col(i) / variance;
     sum_weights += 1.0 / variance;
     out_of_plane += across_variance / variance;
   }
+  Observation observation;
+  observation.num_points = static_cast<int>(num_points);
   observation.centroid = centroid / sum_weights;
   observation.tangent = tangent;
   observation.out_of_plane_ratio = out_of_plane / static_cast<double>(num_points);
   observation.start = points.col(0);
   observation.end = points.col(num_points - 1);
-  observation.start_time_ns = times.front();
-  observation.end_time_ns = times.back();
-  observation.measurement = CompressSegment(points, times, whitening, offsets);
+  observation.start_time_ns = beams.times_ns.front();
+  observation.end_time_ns = beams.times_ns.back();
+  observation.measurement = CompressSegment(points, beams.times_ns, whitening, offsets);
   if (keep_points) {
     for (Eigen::Index i = 0; i < num_points; ++i) {
       observation.points.push_back(points.col(i));
       observation.point_whitening.push_back(whitening[i]);
       observation.point_offsets.push_back(offsets[i]);
     }
-    observation.point_times_ns = times;
+    observation.point_times_ns = beams.times_ns;
   }
   return observation;
+}
+
+void Describe(const Segment& segment, const ScanLine& scan_line, Observation* observation) {
+  observation->scanner_index = scan_line.scanner_index;
+  observation->first_beam = segment.first_beam;
+  observation->last_beam = segment.last_beam;
+  observation->excluded_beams = segment.excluded_beams;
+  observation->sigma_offset_m = segment.sigma_offset_m;
+  observation->sigma_direction_rad = segment.sigma_direction_rad;
+}
+
+}  // namespace
+
+Observation MakeObservation(const ScanLine& scan_line,
+                            const Scanner& scanner,
+                            const Segment& segment,
+                            bool keep_points) {
+  const Beams beams = BeamsOf(scan_line, scanner, segment);
+  const std::vector<Line> lines(beams.times_ns.size(),
+                                FitLine(beams.directions, beams.ranges, segment.normal));
+  Observation observation = ObserveBeams(beams, lines, scanner, keep_points);
+  Describe(segment, scan_line, &observation);
+  return observation;
+}
+
+Observation MakeObservationOn(const PlaneTrace& trace,
+                              const ScanLine& scan_line,
+                              const Scanner& scanner,
+                              const Segment& segment,
+                              bool keep_points) {
+  const Beams beams = BeamsOf(scan_line, scanner, segment);
+  std::vector<Line> lines;
+  lines.reserve(beams.times_ns.size());
+  for (const int64_t time_ns : beams.times_ns) {
+    const Eigen::Vector3d at = trace.At(time_ns);
+    const double length = at.head<2>().norm();
+    lines.push_back({at.head<2>() / length, at.z() / length});
+  }
+  Observation observation = ObserveBeams(beams, lines, scanner, keep_points);
+  Describe(segment, scan_line, &observation);
+  return observation;
+}
+
+PlaneTrace::PlaneTrace(const std::array<int64_t, 3>& times_ns,
+                       const std::array<Rigid3d, 3>& world_from_scanner,
+                       const Eigen::Vector3d& normal_world,
+                       double distance)
+    : middle_ns_(times_ns[1]),
+      half_span_ns_(std::max(1.0, static_cast<double>(times_ns[2] - times_ns[1]))) {
+  std::array<Eigen::Vector3d, 3> nodes;
+  for (size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d normal = world_from_scanner[k].rotation.conjugate() * normal_world;
+    nodes[k] << normal.head<2>(),
+        distance - normal_world.dot(world_from_scanner[k].translation);
+  }
+  constant_ = nodes[1];
+  linear_ = 0.5 * (nodes[2] - nodes[0]);
+  quadratic_ = 0.5 * (nodes[0] + nodes[2]) - nodes[1];
+}
+
+Eigen::Vector3d PlaneTrace::At(int64_t time_ns) const {
+  const double tau = static_cast<double>(time_ns - middle_ns_) / half_span_ns_;
+  return constant_ + tau * (linear_ + tau * quadratic_);
 }
 
 ObservationPoses::ObservationPoses(const Trajectory& trajectory,

@@ -35,6 +35,7 @@ struct Observation {
   double sigma_direction_rad = 0.0;
   double out_of_plane_ratio = 0.0;  // see WeightsOn
   int landmark_id = -1;
+  int taken_to = -1;  // landmark on whose trace the beams are; -1: on the segment's own line
   // Single beams, kept only for the per-point factor.
   std::vector<Eigen::Vector2d> points;
   std::vector<int64_t> point_times_ns;
@@ -50,6 +51,36 @@ Observation MakeObservation(const ScanLine& scan_line,
                             const Scanner& scanner,
                             const Segment& segment,
                             bool keep_points);
+
+// Trace of a plane in the moving scan plane, normal(t) . p = distance(t), by the quadratic
+// through three instants. Scanner frame; the normal's length is the sine of the angle between
+// plane and scan plane.
+class PlaneTrace {
+ public:
+  PlaneTrace(const std::array<int64_t, 3>& times_ns,
+             const std::array<Rigid3d, 3>& world_from_scanner,
+             const Eigen::Vector3d& normal_world,
+             double distance);
+
+  // ( normal, distance )
+  Eigen::Vector3d At(int64_t time_ns) const;
+
+ private:
+  int64_t middle_ns_;
+  double half_span_ns_;
+  Eigen::Vector3d constant_;
+  Eigen::Vector3d linear_;
+  Eigen::Vector3d quadratic_;
+};
+
+// The same, with the beams taken to the trace of a plane that is known better than the line of
+// the segment: lever arms and weights then carry none of the segment's own noise, whose
+// products with itself would turn the plane.
+Observation MakeObservationOn(const PlaneTrace& trace,
+                              const ScanLine& scan_line,
+                              const Scanner& scanner,
+                              const Segment& segment,
+                              bool keep_points);
 
 // The rig's poses at the three interpolation nodes of an observation.
 struct ObservationPoses {

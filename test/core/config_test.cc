@@ -37,7 +37,7 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 2.5};
   o.window.num_scans = 33;
   o.loop_closure = {false, 77};
-  o.batch = {FactorKind::kPoint, 3};
+  o.batch = {FactorKind::kPoint, 3, false};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -60,6 +60,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.loop_closure.max_gap_scans, 77);
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
+  EXPECT_FALSE(read.batch.recut_segments);
   EXPECT_EQ(read.max_gap_s, 0.6);
 }
 

@@ -1,0 +1,309 @@
+#include "core/segment_ends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/association.h"
+#include "core/scan_reader.h"
+
+namespace plumbline {
+namespace {
+
+// How near a patch's seen part has to come to a crossing: one cell of its grid.
+constexpr double kReach = 0.25;  // m
+// Planes farther than this from a segment's end do not bound it.
+constexpr double kMaxDistance = 1.0;  // m
+// Beyond so many standard deviations of a range two surfaces can be told apart by one beam.
+constexpr double kFarSigmas = 6.0;
+// A beam that a segment is given lies within so many of its plane.
+constexpr double kOutlierSigmas = 5.0;
+constexpr int kMinPoints = 2;
+// A surface shows single beams long before it shows segments: with loop closure off, a plane
+// bounds segments for so many times the gap after which it is not taken up again.
+constexpr int kGapFactor = 10;
+constexpr int kMaxInt = std::numeric_limits<int>::max();
+
+// Trace of a plane in the scan plane: normal . p = distance. The normal's length is the sine
+// of the angle between the planes.
+struct Trace {
+  Eigen::Vector2d normal;
+  double distance;
+
+  Trace(const Rigid3d& world_from_scanner, const LandmarkCandidate& plane) {
+    const Eigen::Vector3d normal_scanner =
+        world_from_scanner.rotation.conjugate() * plane.normal;
+    normal = normal_scanner.head<2>();
+    distance = plane.distance - plane.normal.dot(world_from_scanner.translation);
+  }
+
+  // Infinite where the beam does not meet the plane.
+  double RangeAlong(const Eigen::Vector2d& direction) const {
+    const double range = distance / normal.dot(direction);
+    return range > 0.0 ? range : std::numeric_limits<double>::infinity();
+  }
+};
+
+std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
+  constexpr double kMinSine = 0.02;
+  const double sine = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
+  if (std::abs(sine) < kMinSine) return std::nullopt;
+  return Eigen::Vector2d(a.distance * b.normal.y() - b.distance * a.normal.y(),
+                         b.distance * a.normal.x() - a.distance * b.normal.x()) /
+         sine;
+}
+
+// One end of a segment: its last beam, which way the beams leave it, and how far they are
+// free.
+struct End {
+  int beam = 0;
+  int step = 1;                 // +1 at the last beam, -1 at the first
+  int limit = 0;                // first beam beyond that is not the segment's to take
+  int middle = 0;               // of the segment: what lies beyond is the other end's
+  int neighbour_landmark = -1;  // of the segment that starts there
+};
+
+class Recutter {
+ public:
+  Recutter(const Rig& rig, const MapperOptions& options, MapState* state)
+      : rig_(rig), options_(options), state_(state) {}
+
+  // The observations [first, last) of a scan line; returns how many changed.
+  int Recut(const ScanLine& scan_line, size_t first, size_t last);
+
+ private:
+  struct Range {
+    int first;
+    int last;
+  };
+  struct Meeting {
+    int last;  // beam before it, counted outwards from the segment's end; inside: negative
+    Trace other;
+  };
+
+  const LandmarkCandidate* Find(int landmark_id) const;
+  int NewEnd(const ScanLine& scan_line, const Observation& observation, const End& end) const;
+  std::optional<Meeting> Meet(const ScanLine& scan_line,
+                              const Rigid3d& world_from_scanner,
+                              const Trace& trace,
+                              const LandmarkCandidate& other,
+                              const End& end) const;
+  int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
+  void Replace(const ScanLine& scan_line, const Range& range, Observation* observation) const;
+
+  const Rig& rig_;
+  const MapperOptions& options_;
+  MapState* state_;
+  std::vector<LandmarkCandidate> candidates_;
+  int candidates_scan_ = -1;
+};
+
+const LandmarkCandidate* Recutter::Find(int landmark_id) const {
+  for (const LandmarkCandidate& candidate : candidates_) {
+    if (candidate.landmark->id == landmark_id) return &candidate;
+  }
+  return nullptr;
+}
+
+// Where the trace meets the other plane's patch.
+std::optional<Recutter::Meeting> Recutter::Meet(const ScanLine& scan_line,
+                                                const Rigid3d& world_from_scanner,
+                                                const Trace& trace,
+                                                const LandmarkCandidate& other,
+                                                const End& end) const {
+  const Trace other_trace(world_from_scanner, other);
+  const std::optional<Eigen::Vector2d> at = Crossing(trace, other_trace);
+  if (!at) return std::nullopt;
+  const double turn =
+      std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
+  const double beyond = end.step * turn / scan_line.angle_increment;
+  if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
+  const bool is_free = beyond < end.step * (end.limit - end.beam);
+  if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
+  const Eigen::Vector3d at_world = world_from_scanner * Eigen::Vector3d(at->x(), at->y(), 0.0);
+  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
+  return Meeting{static_cast<int>(std::floor(beyond)), other_trace};
+}
+
+// The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
+int Recutter::Extend(const ScanLine& scan_line,
+                     const Trace& trace,
+                     const End& end,
+                     int to) const {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  int last = end.beam;
+  for (int beam = end.beam + end.step; end.step * (to - beam) >= 0; beam += end.step) {
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!scanner.IsValidRange(range)) break;
+    const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
+    if (!(std::abs(range - expected) < kOutlierSigmas * scanner.range_noise_m)) break;
+    last = beam;
+  }
+  return last;
+}
+
+int Recutter::NewEnd(const ScanLine& scan_line,
+                     const Observation& observation,
+                     const End& end) const {
+  const LandmarkCandidate* own = Find(observation.landmark_id);
+  if (own == nullptr) return end.beam;
+  const bool at_last = end.step > 0;
+  const Rigid3d world_from_scanner =
+      state_->trajectory.WorldFromBody(at_last ? observation.end_time_ns
+                                               : observation.start_time_ns) *
+      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
+  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  const Trace trace(world_from_scanner, *own);
+  std::vector<Meeting> meetings;
+  for (const LandmarkCandidate& other : candidates_) {
+    if (other.landmark == own->landmark ||
+        std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
+      continue;
+    }
+    const auto meeting = Meet(scan_line, world_from_scanner, trace, other, end);
+    if (meeting) meetings.push_back(*meeting);
+  }
+  // From outside inwards: where three planes meet, what lies beyond the first may be far from
+  // the second.
+  std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
+    return a.last > b.last;
+  });
+  const double far_m =
+      kFarSigmas * rig_.scanners[static_cast<size_t>(observation.scanner_index)].range_noise_m;
+  int last = end.beam;
+  int free = end.beam;  // innermost meeting outside
+  std::vector<Trace> outside;
+  for (const Meeting& meeting : meetings) {
+    const int at = end.beam + end.step * meeting.last;
+    if (meeting.last >= 0) {
+      free = at;
+      outside.push_back(meeting.other);
+      continue;
+    }
+    const Eigen::Vector2d direction = scan_line.BeamDirection(last);
+    const double own_range = trace.RangeAlong(direction);
+    double other_range = meeting.other.RangeAlong(direction);
+    // What lies behind may be hidden by a plane that meets this one farther out.
+    for (const Trace& nearer : outside) {
+      const double range = nearer.RangeAlong(direction);
+      if (range > own_range) other_range = std::min(other_range, range);
+    }
+    if (std::abs(own_range - other_range) < far_m) last = at;
+  }
+  return last == end.beam ? Extend(scan_line, trace, end, free) : last;
+}
+
+void Recutter::Replace(const ScanLine& scan_line,
+                       const Range& range,
+                       Observation* observation) const {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  std::vector<int> beams;  // that count
+  for (int beam = range.first; beam <= range.last; ++beam) {
+    const auto& excluded = observation->excluded_beams;
+    if (!std::binary_search(excluded.begin(), excluded.end(), beam)) beams.push_back(beam);
+  }
+  if (static_cast<int>(beams.size()) < kMinPoints) {
+    observation->landmark_id = -1;
+    return;
+  }
+  Segment segment;
+  segment.first_beam = beams.front();
+  segment.last_beam = beams.back();
+  for (const int beam : observation->excluded_beams) {
+    if (beam > beams.front() && beam < beams.back()) segment.excluded_beams.push_back(beam);
+  }
+  segment.num_points = static_cast<int>(beams.size());
+  segment.normal = {-observation->tangent.y(), observation->tangent.x()};
+  segment.sigma_offset_m = observation->sigma_offset_m;
+  segment.sigma_direction_rad = observation->sigma_direction_rad;
+  const LandmarkCandidate* own = Find(observation->landmark_id);
+  std::array<Rigid3d, 3> world_from_scanner;
+  for (size_t k = 0; k < 3; ++k) {
+    world_from_scanner[k] =
+        state_->trajectory.WorldFromBody(observation->measurement.node_times_ns[k]) *
+        scanner.body_from_scanner;
+  }
+  const PlaneTrace trace(
+      observation->measurement.node_times_ns, world_from_scanner, own->normal, own->distance);
+  Observation recut =
+      MakeObservationOn(trace, scan_line, scanner, segment, !observation->points.empty());
+  recut.scan_index = observation->scan_index;
+  recut.scan_line_index = observation->scan_line_index;
+  recut.landmark_id = observation->landmark_id;
+  recut.taken_to = observation->landmark_id;
+  *observation = std::move(recut);
+}
+
+int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
+  const auto& observations = state_->observations;
+  const int scan_index = observations[first].scan_index;
+  if (scan_index != candidates_scan_) {
+    LoopClosureOptions gap = options_.loop_closure;
+    gap.max_gap_scans = std::min(gap.max_gap_scans, kMaxInt / kGapFactor) * kGapFactor;
+    candidates_ = CandidatesWithinGap(state_->landmarks, scan_index, gap);
+    candidates_scan_ = scan_index;
+  }
+  std::vector<Range> ranges;
+  for (size_t i = first; i < last; ++i) {
+    const Observation& observation = observations[i];
+    Range range{observation.first_beam, observation.last_beam};
+    if (observation.landmark_id >= 0) {
+      const int middle = range.first + (range.last - range.first) / 2;
+      End start{range.first, -1, -1, middle, -1};
+      End end{range.last, 1, scan_line.num_beams(), middle, -1};
+      if (i > first) {
+        start.limit = observations[i - 1].last_beam;
+        start.neighbour_landmark = observations[i - 1].landmark_id;
+      }
+      if (i + 1 < last) {
+        end.limit = observations[i + 1].first_beam;
+        end.neighbour_landmark = observations[i + 1].landmark_id;
+      }
+      range = {NewEnd(scan_line, observation, start), NewEnd(scan_line, observation, end)};
+    }
+    // Each end has its own pose: neighbours may differ by a beam on where they meet.
+    if (!ranges.empty()) range.first = std::max(range.first, ranges.back().last + 1);
+    ranges.push_back(range);
+  }
+  int num_changed = 0;
+  for (size_t i = first; i < last; ++i) {
+    Observation& observation = state_->observations[i];
+    const Range& range = ranges[i - first];
+    const bool is_moved =
+        range.first != observation.first_beam || range.last != observation.last_beam;
+    num_changed += is_moved ? 1 : 0;
+    if (observation.landmark_id < 0) continue;
+    if (is_moved || observation.taken_to != observation.landmark_id) {
+      Replace(scan_line, range, &observation);
+    }
+  }
+  return num_changed;
+}
+
+}  // namespace
+
+int RecutSegments(const Rig& rig,
+                  const MapperOptions& options,
+                  RecordingReader* recording,
+                  MapState* state) {
+  Recutter recutter(rig, options, state);
+  recording->Rewind();
+  ScanLine scan_line;
+  size_t next = 0;
+  int num_changed = 0;
+  for (int index = 0; recording->Next(&scan_line); ++index) {
+    const size_t first = next;
+    while (next < state->observations.size() &&
+           state->observations[next].scan_line_index == index) {
+      ++next;
+    }
+    if (next > first) num_changed += recutter.Recut(scan_line, first, next);
+  }
+  return num_changed;
+}
+
+}  // namespace plumbline

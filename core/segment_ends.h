@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/map_state.h"
+#include "core/mapper_options.h"
+#include "core/recording.h"
+#include "core/rig.h"
+
+namespace plumbline {
+
+// Moves the ends of segments to where their planes meet others, and returns how many segments
+// changed. Segmentation knows a single scan line: near a corner the ranges alone can not tell
+// on which of two surfaces a beam lies, so that it leaves out good beams and now and then
+// takes in a few of a surface that has too few for a segment of its own. Such beams lie off
+// always to the same side, and far out, where they turn the plane most. With the planes
+// estimated, the crossing of two of them is known to millimetres, whatever a beam's own noise.
+//
+// An end is left alone where no other plane's patch reaches the segment's plane, and where the
+// segment still follows its plane when the other would be far off. Observations left with
+// fewer than two beams lose their landmark. Reads the recording once, from its beginning.
+int RecutSegments(const Rig& rig,
+                  const MapperOptions& options,
+                  RecordingReader* recording,
+                  MapState* state);
+
+}  // namespace plumbline
