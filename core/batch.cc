@@ -52,7 +52,7 @@ class Batch {
         associated.push_back(&observation);
       }
     }
-    problem->AddSegments(associated, huber_width);
+    problem->AddSegments(associated, huber_width, &groups_);
     return problem;
   }
 
@@ -206,6 +206,7 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  ObservationGroupCache groups_;
 };
 
 }  // namespace

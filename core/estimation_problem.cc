@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/map_state.h"
-#include "core/observation_groups.h"
 #include "factors/manifolds.h"
 #include "factors/motion_factor.h"
 #include "factors/point_factor.h"
@@ -163,16 +162,23 @@ void EstimationProblem::AddPoints(const Observation& observation) {
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  for (ObservationGroup& group :
-       GroupObservations(rig_, *trajectory_, *landmarks_, observations, huber_width)) {
-    std::vector<double*> blocks =
-        ControlPointBlocks(group.first_control_point, group.group.num_control_points());
-    for (const int id : group.landmark_ids) {
+  ObservationGroupCache cache;
+  AddSegments(observations, huber_width, &cache);
+}
+
+void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
+                                    double huber_width,
+                                    ObservationGroupCache* cache) {
+  for (const ObservationGroupCache::Entry* entry :
+       cache->Update(rig_, *trajectory_, *landmarks_, observations, huber_width)) {
+    std::vector<double*> blocks = ControlPointBlocks(
+        entry->first_control_point, entry->group->group().num_control_points());
+    for (const int id : entry->landmark_ids) {
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
     problem_.AddResidualBlock(
-        CreateSegmentGroupFactor(std::move(group.group)).release(), nullptr, blocks);
+        CreateSegmentGroupFactor(entry->group).release(), nullptr, blocks);
   }
 }
 

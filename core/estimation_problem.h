@@ -17,6 +17,7 @@
 #include "core/landmark.h"
 #include "core/mapper_options.h"
 #include "core/observation.h"
+#include "core/observation_groups.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
 #include "factors/linear_prior_factor.h"
@@ -99,6 +100,10 @@ class EstimationProblem {
   // Point-to-plane residuals of segments, one residual block for all that begin in the same
   // knot interval (factors/segment_group.h). huber_width: in standard deviations of the norm
   // of a segment's residuals, 0 for plain least squares. The observations outlive the problem.
+  // cache: groups that stand as they were are taken from it.
+  void AddSegments(const std::vector<const Observation*>& observations,
+                   double huber_width,
+                   ObservationGroupCache* cache);
   void AddSegments(const std::vector<const Observation*>& observations, double huber_width);
   // The same as one residual block for each beam, plain least squares.
   void AddPoints(const Observation& observation);

@@ -35,6 +35,7 @@ struct Observation {
   double sigma_direction_rad = 0.0;
   double out_of_plane_ratio = 0.0;  // see WeightsOn
   int landmark_id = -1;
+  int revision = 0;  // counts changes of its beams
   int taken_to = -1;  // landmark on whose trace the beams are; -1: on the segment's own line
   // Single beams, kept only for the per-point factor.
   std::vector<Eigen::Vector2d> points;

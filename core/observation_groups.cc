@@ -65,22 +65,37 @@ SegmentWeights ObservationWeights(const Rig& rig,
                    landmark.Normal());
 }
 
+namespace {
+
+std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig) {
+  std::vector<SegmentGroup::Scanner> scanners;
+  for (const Scanner& scanner : rig.scanners) {
+    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
+                        scanner.body_from_scanner.translation});
+  }
+  return scanners;
+}
+
+std::map<int, std::vector<const Observation*>> ByInterval(
+    const Trajectory& trajectory, const std::vector<const Observation*>& observations) {
+  std::map<int, std::vector<const Observation*>> by_interval;
+  for (const Observation* observation : observations) {
+    by_interval[trajectory.Locate(observation->measurement.node_times_ns[0]).first].push_back(
+        observation);
+  }
+  return by_interval;
+}
+
+}  // namespace
+
 std::vector<ObservationGroup> GroupObservations(
     const Rig& rig,
     const Trajectory& trajectory,
     const std::deque<Landmark>& landmarks,
     const std::vector<const Observation*>& observations,
     double huber_width) {
-  std::vector<SegmentGroup::Scanner> scanners;
-  for (const Scanner& scanner : rig.scanners) {
-    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
-                        scanner.body_from_scanner.translation});
-  }
-  std::map<int, std::vector<const Observation*>> by_interval;
-  for (const Observation* observation : observations) {
-    by_interval[trajectory.Locate(observation->measurement.node_times_ns[0]).first].push_back(
-        observation);
-  }
+  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
+  const auto by_interval = ByInterval(trajectory, observations);
   std::vector<ObservationGroup> groups;
   groups.reserve(by_interval.size());
   for (const auto& [first, members] : by_interval) {
@@ -88,6 +103,41 @@ std::vector<ObservationGroup> GroupObservations(
         MakeGroup(rig, scanners, trajectory, landmarks, first, members, huber_width));
   }
   return groups;
+}
+
+std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
+    const Rig& rig,
+    const Trajectory& trajectory,
+    const std::deque<Landmark>& landmarks,
+    const std::vector<const Observation*>& observations,
+    double huber_width) {
+  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
+  std::vector<const Entry*> entries;
+  for (const auto& [first, observed] : ByInterval(trajectory, observations)) {
+    std::vector<Member> members;
+    members.reserve(observed.size());
+    for (const Observation* observation : observed) {
+      members.push_back({observation, observation->landmark_id, observation->revision});
+    }
+    Kept& kept = groups_[first];
+    const bool stands = kept.members == members &&
+                        (kept.huber_width == huber_width || kept.entry.group->is_plain());
+    if (!stands) {
+      ObservationGroup group =
+          MakeGroup(rig, scanners, trajectory, landmarks, first, observed, huber_width);
+      kept.entry = {first,
+                    std::move(group.landmark_ids),
+                    std::make_shared<LinearisedGroup>(std::move(group.group))};
+      kept.members = std::move(members);
+      kept.huber_width = huber_width;
+    }
+    entries.push_back(&kept.entry);
+  }
+  return entries;
+}
+
+void ObservationGroupCache::ForgetBefore(int control_point) {
+  groups_.erase(groups_.begin(), groups_.lower_bound(control_point));
 }
 
 }  // namespace plumbline

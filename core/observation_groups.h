@@ -1,6 +1,8 @@
 #pragma once
 
 #include <deque>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "core/landmark.h"
@@ -27,6 +29,47 @@ std::vector<ObservationGroup> GroupObservations(
     const std::deque<Landmark>& landmarks,
     const std::vector<const Observation*>& observations,
     double huber_width);
+
+// The same, kept from one problem to the next: only groups whose observations, landmarks or
+// loss have changed are made anew; the others keep their linearisation while it holds
+// (LinearisedGroup).
+class ObservationGroupCache {
+ public:
+  struct Entry {
+    int first_control_point = 0;
+    std::vector<int> landmark_ids;  // ascending
+    std::shared_ptr<LinearisedGroup> group;
+  };
+
+  // Groups of all these observations; valid until the next call.
+  std::vector<const Entry*> Update(const Rig& rig,
+                                   const Trajectory& trajectory,
+                                   const std::deque<Landmark>& landmarks,
+                                   const std::vector<const Observation*>& observations,
+                                   double huber_width);
+
+  // Drops the groups that begin before this control point.
+  void ForgetBefore(int control_point);
+
+ private:
+  struct Member {
+    const Observation* observation;
+    int landmark_id;
+    int revision;
+
+    bool operator==(const Member& other) const {
+      return observation == other.observation && landmark_id == other.landmark_id &&
+             revision == other.revision;
+    }
+  };
+  struct Kept {
+    Entry entry;
+    std::vector<Member> members;
+    double huber_width = 0.0;
+  };
+
+  std::map<int, Kept> groups_;  // by first control point
+};
 
 // WeightsOn an observation's landmark.
 SegmentWeights ObservationWeights(const Rig& rig,

@@ -17,8 +17,9 @@ namespace {
 constexpr double kReach = 0.25;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
-// Beyond so many standard deviations of a range two surfaces can be told apart by one beam.
-constexpr double kFarSigmas = 6.0;
+// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever its
+// noise.
+constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
 constexpr int kMinPoints = 2;
@@ -235,6 +236,7 @@ void Recutter::Replace(const ScanLine& scan_line,
   recut.scan_line_index = observation->scan_line_index;
   recut.landmark_id = observation->landmark_id;
   recut.taken_to = observation->landmark_id;
+  recut.revision = observation->revision + 1;
   *observation = std::move(recut);
 }
 

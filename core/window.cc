@@ -243,7 +243,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   for (const int index : window_) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
-  problem.AddSegments(in_window, kHuberWidth);
+  problem.AddSegments(in_window, kHuberWidth, &groups_);
   problem.Solve(SolverOptions());
   const NormalEquations equations = problem.Linearise();
 
@@ -321,8 +321,9 @@ void Window::Marginalise(int new_start) {
       gone.push_back(&observation);
     }
   }
-  leaving.AddSegments(gone, kHuberWidth);
+  leaving.AddSegments(gone, kHuberWidth, &groups_);
   const NormalEquations added = leaving.Linearise();
+  groups_.ForgetBefore(new_start);
 
   // The history's gradient where its blocks stand now.
   NormalEquations& past = history_.equations;

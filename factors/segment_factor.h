@@ -32,9 +32,8 @@ namespace plumbline {
 // in the residual and in its lever arm both; their product does not average out and turns the
 // plane (errors in variables), by more than the bound allows for after a dozen walls.
 struct SegmentMeasurement {
-  // First instant, middle and last instant (to 1 ns) of the segment's points. A segment whose
-  // points were all taken within 1 ns has num_nodes = 1: its nodes coincide and only g_0
-  // counts.
+  // Three instants, equally far from each other. A segment whose points were all taken within
+  // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> root;  // U
@@ -60,10 +59,21 @@ struct SegmentWeights {
 // Rows of U that can not matter are left out: with g_1 bounded by (1, 1, 100 m), rotation
 // rates by 10 rad/s, speeds by 10 m/s and accelerations by 100 rad/s^2 and 100 m/s^2, what is
 // left out changes the root of |U g|^2 by less than 1e-3 standard deviations of one range.
+//
+// nodes: the segment's own first, middle and last instant (to 1 ns), or those of a longer span
+// around it, such that segments taken together share the poses at their nodes.
+SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
+                                   const std::vector<int64_t>& times_ns,
+                                   const Eigen::VectorXd& whitening,
+                                   const Eigen::VectorXd& offsets,
+                                   const std::array<int64_t, 3>& nodes_ns);
 SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
                                    const std::vector<int64_t>& times_ns,
                                    const Eigen::VectorXd& whitening,
                                    const Eigen::VectorXd& offsets = {});
+
+// First, middle and last instant of a span, equally far from each other (to 1 ns).
+std::array<int64_t, 3> NodesOfSpan(int64_t first_ns, int64_t last_ns);
 
 // Where a node lies on the spline: it uses the control points first .. first + 3, counted from
 // the factor's own first control point, at u in [0, 1).

@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "factors/manifolds.h"
 #include "factors/schur.h"
 #include "factors/segment_node.h"
+#include "factors/so3.h"
 #include "factors/spline.h"
 
 namespace plumbline {
@@ -26,92 +29,231 @@ constexpr double kRankTolerance = 1e-13;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
-// g at the segment's nodes, and its derivatives by [ rotation tangent and position of the
-// node's own pose | plane ].
-template <int kPlaneSize>
-struct NodeDerivatives {
-  Eigen::Matrix<double, 9, 1> g;
-  Eigen::Matrix<double, 9, kPoseSize + kPlaneSize, Eigen::RowMajor> by_node;
+constexpr int kLineSize = kNumNodes * kPoseSize;
+using LineVector = Eigen::Matrix<double, kLineSize, 1>;
+using LineMatrix = Eigen::Matrix<double, kLineSize, kLineSize, Eigen::RowMajor>;
+
+// The poses at the nodes of a scan line.
+struct NodePoses {
+  std::array<Eigen::Matrix3d, kNumNodes> world_from_body;
+  std::array<Eigen::Vector3d, kNumNodes> position;
   std::array<SplinePoseJacobian, kNumNodes> splines;
+};
+
+// Normal equations of a scan line's segments in the poses at its nodes, [ rotation tangent |
+// position ] each, and in the planes' parameters.
+struct LineSystem {
+  LineMatrix poses;
+  LineVector gradient;
+  // Columns: planes' parameters.
+  Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
+  std::vector<bool> sees_plane;
+};
+
+// A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ].
+template <int kPlaneSize>
+struct SegmentRows {
+  static constexpr int kColumns = kLineSize + kPlaneSize;
+  Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns> jacobian;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals;
+};
+
+// A plane's normal and distance, differentiated by the parameters behind those of a pose.
+template <typename Plane>
+struct PlaneJets {
+  using T = ceres::Jet<double, kPoseSize + Plane::kSize>;
+  T normal[3];
+  T distance;
+
+  PlaneJets(const Plane& plane, const double* parameters) {
+    T jets[Plane::kSize];
+    for (int i = 0; i < Plane::kSize; ++i) jets[i] = T(parameters[i], kPoseSize + i);
+    plane.Evaluate(jets, normal, &distance);
+  }
 };
 
 template <typename Plane>
 void Differentiate(const SegmentGroup::Segment& segment,
                    const SegmentGroup::Scanner& scanner,
-                   const Steps& steps,
-                   double const* const* q,
-                   double const* const* p,
-                   const ceres::Jet<double, kPoseSize + Plane::kSize> normal[3],
-                   const ceres::Jet<double, kPoseSize + Plane::kSize>& distance,
-                   NodeDerivatives<Plane::kSize>* result) {
-  using T = ceres::Jet<double, kPoseSize + Plane::kSize>;
+                   const NodePoses& poses,
+                   const PlaneJets<Plane>& plane,
+                   SegmentRows<Plane::kSize>* rows) {
+  using T = typename PlaneJets<Plane>::T;
+  const SegmentMeasurement& measurement = *segment.measurement;
+  const auto& root = measurement.root;
+  rows->jacobian.setZero(root.rows(), SegmentRows<Plane::kSize>::kColumns);
+  rows->residuals.setZero(root.rows());
   T opposite_tangent[3];
   for (int i = 0; i < 3; ++i) opposite_tangent[i] = -T(0.0, i);
-  for (int k = 0; k < segment.measurement->num_nodes; ++k) {
-    const SplineNode& node = segment.nodes[static_cast<size_t>(k)];
-    const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
-                                         q[node.first],
-                                         p + node.first,
-                                         node.u,
-                                         &result->splines[static_cast<size_t>(k)]);
+  for (int k = 0; k < measurement.num_nodes; ++k) {
+    const auto node = static_cast<size_t>(k);
     T position[3];
     T g[3];
-    for (int i = 0; i < 3; ++i) position[i] = T(pose.position[i], 3 + i);
-    NodeGeometry<T, double>(pose.world_from_body.toRotationMatrix(),
+    for (int i = 0; i < 3; ++i) position[i] = T(poses.position[node][i], 3 + i);
+    NodeGeometry<T, double>(poses.world_from_body[node],
                             opposite_tangent,
                             position,
                             scanner.body_from_scanner_rotation.col(0).data(),
                             scanner.body_from_scanner_rotation.col(1).data(),
                             scanner.body_from_scanner_translation.data(),
-                            normal,
-                            distance,
+                            plane.normal,
+                            plane.distance,
                             g);
-    for (int i = 0; i < 3; ++i) {
-      result->g[3 * k + i] = g[i].a;
-      result->by_node.row(3 * k + i) = g[i].v.transpose();
-    }
-  }
-}
-
-// Writes the segment's whitened Jacobian into rows of the group's, which are zero before.
-// Columns: [ rotation tangents | positions | this plane ].
-template <int kPlaneSize>
-void WriteRows(const SegmentGroup::Segment& segment,
-               int num_control_points,
-               const NodeDerivatives<kPlaneSize>& derivatives,
-               Eigen::Ref<RowMajorMatrix> rows) {
-  const auto& root = segment.measurement->root;
-  const double scale = segment.weights.scale;
-  const Eigen::Index num_rows = root.rows();
-  const int positions = 3 * num_control_points;
-  for (int k = 0; k < segment.measurement->num_nodes; ++k) {
-    const int first = segment.nodes[static_cast<size_t>(k)].first;
-    const SplinePoseJacobian& spline = derivatives.splines[static_cast<size_t>(k)];
-    // Derivative of the residuals by the node's own pose.
-    Eigen::Matrix<double, Eigen::Dynamic, kPoseSize, Eigen::RowMajor, 9, kPoseSize> by_pose(
-        num_rows, kPoseSize);
-    by_pose.noalias() =
-        (scale * root.template middleCols<3>(3 * k))
-            .lazyProduct(derivatives.by_node.template block<3, kPoseSize>(3 * k, 0));
-    for (int j = 0; j < kSplineOrder; ++j) {
-      const Eigen::Matrix3d& rotation = spline.rotation_wrt_control[static_cast<size_t>(j)];
-      const double weight = spline.position_weights[static_cast<size_t>(j)];
-      double* const rotation_at = rows.data() + 3 * (first + j);
-      double* const position_at = rows.data() + positions + 3 * (first + j);
-      for (Eigen::Index row = 0; row < num_rows; ++row) {
-        const double* const pose = by_pose.data() + row * kPoseSize;
-        double* const out = rotation_at + row * rows.outerStride();
-        double* const shift = position_at + row * rows.outerStride();
-        for (int i = 0; i < 3; ++i) {
-          out[i] +=
-              pose[0] * rotation(0, i) + pose[1] * rotation(1, i) + pose[2] * rotation(2, i);
-          shift[i] += weight * pose[3 + i];
-        }
+    for (Eigen::Index row = 0; row < root.rows(); ++row) {
+      for (int i = 0; i < 3; ++i) {
+        const double weight = segment.weights.scale * root(row, 3 * k + i);
+        rows->residuals[row] += weight * g[i].a;
+        rows->jacobian.template block<1, kPoseSize>(row, kPoseSize * k) +=
+            weight * g[i].v.template head<kPoseSize>().transpose();
+        rows->jacobian.template block<1, Plane::kSize>(row, kLineSize) +=
+            weight * g[i].v.template tail<Plane::kSize>().transpose();
       }
     }
   }
-  rows.template rightCols<kPlaneSize>() =
-      (scale * root).lazyProduct(derivatives.by_node.template rightCols<kPlaneSize>());
+  if (measurement.offset.size() > 0) {
+    rows->residuals += segment.weights.offset * measurement.offset;
+  }
+}
+
+// Weighs the rows by Huber's loss of their norm; returns the cost.
+template <int kPlaneSize>
+double Weigh(double huber_width, SegmentRows<kPlaneSize>* rows, bool* is_outlier) {
+  const double squared = rows->residuals.squaredNorm();
+  if (huber_width <= 0.0 || squared <= huber_width * huber_width) return 0.5 * squared;
+  *is_outlier = true;
+  const double norm = std::sqrt(squared);
+  const double weight = std::sqrt(huber_width / norm);
+  rows->residuals *= weight;
+  rows->jacobian *= weight;
+  return huber_width * (norm - 0.5 * huber_width);
+}
+
+// Adds a segment to the line's system and, for the plane alone, to the group's.
+template <int kPlaneSize>
+void AddRows(const SegmentRows<kPlaneSize>& rows,
+             int plane_column,
+             int plane_row,
+             LineSystem* line,
+             SegmentGroup::Quadratic* quadratic) {
+  using PlaneMatrix = Eigen::Matrix<double, kPlaneSize, kPlaneSize>;
+  PlaneMatrix plane = PlaneMatrix::Zero();
+  for (Eigen::Index row = 0; row < rows.jacobian.rows(); ++row) {
+    const Eigen::Matrix<double, 1, kLineSize> pose =
+        rows.jacobian.template block<1, kLineSize>(row, 0);
+    const Eigen::Matrix<double, 1, kPlaneSize> by_plane =
+        rows.jacobian.template block<1, kPlaneSize>(row, kLineSize);
+    const double residual = rows.residuals[row];
+    for (int i = 0; i < kLineSize; ++i) line->poses.row(i) += pose[i] * pose;
+    for (int i = 0; i < kPlaneSize; ++i) {
+      line->cross.col(plane_column + i) += by_plane[i] * pose.transpose();
+    }
+    line->gradient += residual * pose.transpose();
+    plane += by_plane.transpose() * by_plane;
+    quadratic->gradient.template segment<kPlaneSize>(plane_row) +=
+        residual * by_plane.transpose();
+  }
+  quadratic->hessian.template block<kPlaneSize, kPlaneSize>(plane_row, plane_row) += plane;
+}
+
+// The chain rule through the spline, from the nodes' poses to the control points: adds a
+// line's system to the group's.
+class Spread {
+ public:
+  // first: of the control points that each node uses.
+  Spread(const std::array<int, kNumNodes>& first, const NodePoses& poses, int num_nodes)
+      : first_(first), poses_(poses), num_nodes_(num_nodes) {}
+
+  void Add(const LineSystem& line,
+           const std::vector<int>& plane_offsets,
+           int num_control_points,
+           SegmentGroup::Quadratic* quadratic) const {
+    const int positions = 3 * num_control_points;
+    for (int k = 0; k < num_nodes_; ++k) {
+      AddGradient(k, line, positions, quadratic);
+      for (int l = 0; l < num_nodes_; ++l) AddPair(k, l, line, positions, quadratic);
+    }
+    for (size_t i = 0; i < line.sees_plane.size(); ++i) {
+      if (!line.sees_plane[i]) continue;
+      for (int row = plane_offsets[i]; row < plane_offsets[i + 1]; ++row) {
+        AddCross(line.cross.col(row - plane_offsets[0]), row, positions, quadratic);
+      }
+    }
+  }
+
+ private:
+  const Eigen::Matrix3d& Rotation(int node, int j) const {
+    return poses_.splines[static_cast<size_t>(node)]
+        .rotation_wrt_control[static_cast<size_t>(j)];
+  }
+  double Weight(int node, int j) const {
+    return poses_.splines[static_cast<size_t>(node)].position_weights[static_cast<size_t>(j)];
+  }
+  int First(int node) const { return first_[static_cast<size_t>(node)]; }
+
+  void AddGradient(int k,
+                   const LineSystem& line,
+                   int positions,
+                   SegmentGroup::Quadratic* quadratic) const {
+    for (int j = 0; j < kSplineOrder; ++j) {
+      const int at = 3 * (First(k) + j);
+      quadratic->gradient.segment<3>(at) +=
+          Rotation(k, j).transpose() * line.gradient.segment<3>(kPoseSize * k);
+      quadratic->gradient.segment<3>(positions + at) +=
+          Weight(k, j) * line.gradient.segment<3>(kPoseSize * k + 3);
+    }
+  }
+
+  // Lower triangle only.
+  void AddPair(int k,
+               int l,
+               const LineSystem& line,
+               int positions,
+               SegmentGroup::Quadratic* quadratic) const {
+    const Eigen::Matrix3d rotations = line.poses.block<3, 3>(kPoseSize * k, kPoseSize * l);
+    const Eigen::Matrix3d mixed = line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l);
+    const Eigen::Matrix3d both = line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l + 3);
+    Eigen::MatrixXd& hessian = quadratic->hessian;
+    for (int j = 0; j < kSplineOrder; ++j) {
+      const int column = 3 * (First(l) + j);
+      const Eigen::Matrix3d turned = rotations * Rotation(l, j);
+      const Eigen::Matrix3d shifted = mixed * Rotation(l, j);
+      for (int i = 0; i < kSplineOrder; ++i) {
+        const int row = 3 * (First(k) + i);
+        const double weight = Weight(k, i);
+        hessian.block<3, 3>(positions + row, column) += weight * shifted;
+        if (row < column) continue;
+        hessian.block<3, 3>(row, column).noalias() += Rotation(k, i).transpose() * turned;
+        hessian.block<3, 3>(positions + row, positions + column) +=
+            weight * Weight(l, j) * both;
+      }
+    }
+  }
+
+  void AddCross(const LineVector& cross,
+                int row,
+                int positions,
+                SegmentGroup::Quadratic* quadratic) const {
+    for (int k = 0; k < num_nodes_; ++k) {
+      for (int j = 0; j < kSplineOrder; ++j) {
+        const int at = 3 * (First(k) + j);
+        quadratic->hessian.block<1, 3>(row, at) +=
+            cross.segment<3>(kPoseSize * k).transpose() * Rotation(k, j);
+        quadratic->hessian.block<1, 3>(row, positions + at) +=
+            Weight(k, j) * cross.segment<3>(kPoseSize * k + 3).transpose();
+      }
+    }
+  }
+
+  const std::array<int, kNumNodes> first_;
+  const NodePoses& poses_;
+  int num_nodes_;
+};
+
+bool SameNodes(const SegmentGroup::Segment& a, const SegmentGroup::Segment& b) {
+  for (size_t k = 0; k < kNumNodes; ++k) {
+    if (a.nodes[k].first != b.nodes[k].first || a.nodes[k].u != b.nodes[k].u) return false;
+  }
+  return a.measurement->num_nodes == b.measurement->num_nodes;
 }
 
 }  // namespace
@@ -139,128 +281,162 @@ SegmentGroup::SegmentGroup(int num_control_points,
       CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
     }
   }
+  // Those with the same nodes one after the other.
   std::stable_sort(segments_.begin(), segments_.end(), [](const auto& a, const auto& b) {
-    return a.plane < b.plane;
+    return std::tie(a.nodes[0].first, a.nodes[0].u) < std::tie(b.nodes[0].first, b.nodes[0].u);
   });
 }
 
-namespace {
-
-// Whitened Jacobian and residuals of the segments begin .. end - 1, which lie on one plane,
-// weighted by Huber's loss; returns their cost.
-template <typename PlaneType>
-double WriteSegments(const PlaneType& plane,
-                     const double* plane_parameters,
-                     const SegmentGroup::Segment* begin,
-                     const SegmentGroup::Segment* end,
-                     const std::vector<SegmentGroup::Scanner>& scanners,
-                     const Steps& steps,
-                     double const* const* q,
-                     double const* const* p,
-                     int num_control_points,
-                     double huber_width,
-                     RowMajorMatrix* jacobian,
-                     Eigen::VectorXd* residuals) {
-  constexpr int kPlaneSize = PlaneType::kSize;
-  using T = ceres::Jet<double, kPoseSize + kPlaneSize>;
-  T plane_jets[kPlaneSize], normal[3], distance;
-  for (int i = 0; i < kPlaneSize; ++i) {
-    plane_jets[i] = T(plane_parameters[i], kPoseSize + i);
-  }
-  plane.Evaluate(plane_jets, normal, &distance);
-  NodeDerivatives<kPlaneSize> derivatives;
-  double cost = 0.0;
-  Eigen::Index at = 0;
-  for (const SegmentGroup::Segment* segment = begin; segment != end; ++segment) {
-    const SegmentMeasurement& measurement = *segment->measurement;
-    const Eigen::Index count = measurement.root.rows();
-    derivatives.g.setZero();
-    derivatives.by_node.setZero();
-    Differentiate<PlaneType>(*segment,
-                             scanners[static_cast<size_t>(segment->scanner)],
-                             steps,
-                             q,
-                             p,
-                             normal,
-                             distance,
-                             &derivatives);
-    auto rows = jacobian->middleRows(at, count);
-    WriteRows(*segment, num_control_points, derivatives, rows);
-    auto segment_residuals = residuals->segment(at, count);
-    segment_residuals = segment->weights.scale * measurement.root.lazyProduct(derivatives.g);
-    if (measurement.offset.size() > 0) {
-      segment_residuals += segment->weights.offset * measurement.offset;
-    }
-    const double squared = segment_residuals.squaredNorm();
-    if (huber_width > 0.0 && squared > huber_width * huber_width) {
-      const double norm = std::sqrt(squared);
-      cost += huber_width * (norm - 0.5 * huber_width);
-      const double weight = std::sqrt(huber_width / norm);
-      segment_residuals *= weight;
-      rows *= weight;
-    } else {
-      cost += 0.5 * squared;
-    }
-    at += count;
-  }
-  return cost;
-}
-
-}  // namespace
-
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
-  const int num_poses = 6 * num_control_points_;
   double const* const* const q = parameters;
   double const* const* const p = parameters + num_control_points_;
+  double const* const* const plane_parameters = parameters + 2 * num_control_points_;
   Steps steps;
   for (int j = 0; j + 1 < num_control_points_; ++j) {
     steps[static_cast<size_t>(j)] = MakeRotationStep(q[j], q[j + 1]);
   }
   quadratic->cost = 0.0;
+  quadratic->has_outliers = false;
   quadratic->gradient.setZero(size());
   quadratic->hessian.setZero(size(), size());
-  RowMajorMatrix jacobian;
-  Eigen::VectorXd residuals;
+  LineSystem line;
+  NodePoses poses;
   for (size_t begin = 0; begin < segments_.size();) {
-    const int plane_index = segments_[begin].plane;
-    size_t end = begin;
-    Eigen::Index num_rows = 0;
-    for (; end < segments_.size() && segments_[end].plane == plane_index; ++end) {
-      num_rows += segments_[end].measurement->root.rows();
+    const Segment& head = segments_[begin];
+    std::array<int, kNumNodes> first;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const SplineNode& node = head.nodes[k];
+      const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
+                                           q[node.first],
+                                           p + node.first,
+                                           node.u,
+                                           &poses.splines[k]);
+      poses.world_from_body[k] = pose.world_from_body.toRotationMatrix();
+      poses.position[k] = pose.position;
+      first[k] = node.first;
     }
-    const Plane& description = planes_[static_cast<size_t>(plane_index)];
-    const int plane_size = PlaneModelSize(description.model);
-    const int num_columns = num_poses + plane_size;
-    jacobian.setZero(num_rows, num_columns);
-    residuals.resize(num_rows);
-    quadratic->cost +=
-        VisitPlaneModel(description.model, description.sign, [&](const auto& plane) {
-          return WriteSegments(plane,
-                               parameters[2 * num_control_points_ + plane_index],
-                               segments_.data() + begin,
-                               segments_.data() + end,
-                               scanners_,
-                               steps,
-                               q,
-                               p,
-                               num_control_points_,
-                               huber_width_,
-                               &jacobian,
-                               &residuals);
-        });
-    const int offset = plane_offsets_[static_cast<size_t>(plane_index)];
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(num_columns, num_columns);
-    product.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
-    const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
-    quadratic->hessian.topLeftCorner(num_poses, num_poses) +=
-        product.topLeftCorner(num_poses, num_poses);
-    quadratic->hessian.block(offset, 0, plane_size, num_poses) +=
-        product.bottomLeftCorner(plane_size, num_poses);
-    quadratic->hessian.block(offset, offset, plane_size, plane_size) +=
-        product.bottomRightCorner(plane_size, plane_size);
-    quadratic->gradient.head(num_poses) += gradient.head(num_poses);
-    quadratic->gradient.segment(offset, plane_size) += gradient.tail(plane_size);
+    line.poses.setZero();
+    line.gradient.setZero();
+    line.cross.setZero(kLineSize, size() - plane_offsets_.front());
+    line.sees_plane.assign(planes_.size(), false);
+    size_t end = begin;
+    for (; end < segments_.size() && SameNodes(head, segments_[end]); ++end) {
+      const Segment& segment = segments_[end];
+      const auto plane = static_cast<size_t>(segment.plane);
+      line.sees_plane[plane] = true;
+      VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
+        using Model = std::decay_t<decltype(model)>;
+        SegmentRows<Model::kSize> rows;
+        Differentiate(segment,
+                      scanners_[static_cast<size_t>(segment.scanner)],
+                      poses,
+                      PlaneJets<Model>(model, plane_parameters[plane]),
+                      &rows);
+        quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
+        AddRows(rows,
+                plane_offsets_[plane] - plane_offsets_.front(),
+                plane_offsets_[plane],
+                &line,
+                quadratic);
+      });
+    }
+    Spread(first, poses, head.measurement->num_nodes)
+        .Add(line, plane_offsets_, num_control_points_, quadratic);
     begin = end;
+  }
+}
+
+LinearisedGroup::LinearisedGroup(SegmentGroup group) : group_(std::move(group)) {}
+
+int LinearisedGroup::BlockSize(int block) const {
+  const int num_control_points = group_.num_control_points();
+  if (block < num_control_points) return 4;
+  if (block < 2 * num_control_points) return 3;
+  return PlaneModelSize(
+      group_.planes()[static_cast<size_t>(block - 2 * num_control_points)].model);
+}
+
+bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* step) const {
+  if (at_.empty()) return false;
+  using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
+  step->resize(group_.size());
+  const int num_control_points = group_.num_control_points();
+  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
+  const double* at = at_.data();
+  Eigen::Index row = 0;
+  for (int i = 0; i < num_blocks; ++i) {
+    const int size = BlockSize(i);
+    if (i < num_control_points) {
+      const Eigen::Vector3d turn = Log(Quaternion(parameters[i]) * Quaternion(at).conjugate());
+      if (turn.squaredNorm() > kMaxTurn * kMaxTurn) return false;
+      step->segment<3>(row) = turn;
+      row += 3;
+    } else {
+      for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
+      // A plane's distance may move freely: the residuals are linear in it.
+      const bool is_position = i < 2 * num_control_points;
+      const double limit = is_position ? kMaxShift : kMaxTurn;
+      const int num_limited = is_position ? size : size - 1;
+      for (int k = 0; k < num_limited; ++k) {
+        if (std::abs((*step)[row + k]) > limit) return false;
+      }
+      row += size;
+    }
+    at += size;
+  }
+  return true;
+}
+
+// H = root^T root and g = root^T offset.
+void LinearisedGroup::Linearise(double const* const* parameters) {
+  at_.clear();
+  const int num_blocks =
+      2 * group_.num_control_points() + static_cast<int>(group_.planes().size());
+  for (int i = 0; i < num_blocks; ++i) {
+    at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
+  }
+  SegmentGroup::Quadratic quadratic;
+  group_.Linearise(parameters, &quadratic);
+  has_outliers_ = quadratic.has_outliers;
+  MarginalisedSystem system =
+      Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
+  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
+  root_ = std::move(system.root);
+  offset_ = std::move(system.offset);
+}
+
+void LinearisedGroup::Evaluate(double const* const* parameters,
+                               double* residuals,
+                               double** jacobians) {
+  Eigen::VectorXd step;
+  const bool is_near = Move(parameters, &step);
+  if (!is_near) Linearise(parameters);
+  const int num_residuals = group_.size() + 1;
+  const Eigen::Index rank = root_.rows();
+  Eigen::Map<Eigen::VectorXd> all(residuals, num_residuals);
+  all.setZero();
+  all.head(rank) = offset_;
+  if (is_near) all.head(rank).noalias() += root_ * step;
+  all[num_residuals - 1] = rest_;
+  if (jacobians == nullptr) return;
+  const int num_control_points = group_.num_control_points();
+  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
+  Eigen::Index column = 0;
+  for (int i = 0; i < num_blocks; ++i) {
+    const int size = BlockSize(i);
+    const bool is_rotation = i < num_control_points;
+    const int tangent_size = is_rotation ? 3 : size;
+    if (jacobians[i] != nullptr) {
+      Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals, size);
+      jacobian.bottomRows(num_residuals - rank).setZero();
+      if (is_rotation) {
+        jacobian.topRows(rank) =
+            root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
+      } else {
+        jacobian.topRows(rank) = root_.middleCols(column, size);
+      }
+    }
+    column += tangent_size;
   }
 }
 
@@ -268,84 +444,33 @@ namespace {
 
 class SegmentGroupCost final : public ceres::CostFunction {
  public:
-  explicit SegmentGroupCost(SegmentGroup group) : group_(std::move(group)) {
+  explicit SegmentGroupCost(std::shared_ptr<LinearisedGroup> group)
+      : group_(std::move(group)) {
+    const SegmentGroup& segments = group_->group();
     std::vector<int>* sizes = mutable_parameter_block_sizes();
-    sizes->insert(sizes->end(), static_cast<size_t>(group_.num_control_points()), 4);
-    sizes->insert(sizes->end(), static_cast<size_t>(group_.num_control_points()), 3);
-    for (const SegmentGroup::Plane& plane : group_.planes()) {
+    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 4);
+    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 3);
+    for (const SegmentGroup::Plane& plane : segments.planes()) {
       sizes->push_back(PlaneModelSize(plane.model));
     }
-    set_num_residuals(group_.size() + 1);
+    set_num_residuals(segments.size() + 1);
   }
 
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override {
-    if (!IsCurrent(parameters)) Linearise(parameters);
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = residuals_;
-    if (jacobians == nullptr) return true;
-    const int num_control_points = group_.num_control_points();
-    const auto& sizes = parameter_block_sizes();
-    int column = 0;
-    for (size_t i = 0; i < sizes.size(); ++i) {
-      const bool is_rotation = static_cast<int>(i) < num_control_points;
-      const int tangent_size = is_rotation ? 3 : sizes[i];
-      if (jacobians[i] != nullptr) {
-        Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals(), sizes[i]);
-        jacobian.bottomRows<1>().setZero();
-        auto upper = jacobian.topRows(group_.size());
-        if (is_rotation) {
-          upper =
-              root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
-        } else {
-          upper = root_.middleCols(column, tangent_size);
-        }
-      }
-      column += tangent_size;
-    }
+    group_->Evaluate(parameters, residuals, jacobians);
     return true;
   }
 
  private:
-  bool IsCurrent(double const* const* parameters) const {
-    if (values_.empty()) return false;
-    const double* value = values_.data();
-    const auto& sizes = parameter_block_sizes();
-    for (size_t i = 0; i < sizes.size(); value += sizes[i], ++i) {
-      if (!std::equal(value, value + sizes[i], parameters[i])) return false;
-    }
-    return true;
-  }
-
-  // H = root^T root and g = root^T r_upper; the last residual is what no unknown can lower.
-  void Linearise(double const* const* parameters) const {
-    values_.clear();
-    const auto& sizes = parameter_block_sizes();
-    for (size_t i = 0; i < sizes.size(); ++i) {
-      values_.insert(values_.end(), parameters[i], parameters[i] + sizes[i]);
-    }
-    SegmentGroup::Quadratic quadratic;
-    group_.Linearise(parameters, &quadratic);
-    residuals_.setZero(num_residuals());
-    const MarginalisedSystem system =
-        Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
-    root_.setZero(group_.size(), group_.size());
-    root_.topRows(system.rank) = system.root;
-    residuals_.head(system.rank) = system.offset;
-    residuals_[group_.size()] =
-        std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
-  }
-
-  SegmentGroup group_;
-  // Of the last evaluation.
-  mutable std::vector<double> values_;
-  mutable RowMajorMatrix root_;
-  mutable Eigen::VectorXd residuals_;
+  std::shared_ptr<LinearisedGroup> group_;
 };
 
 }  // namespace
 
-std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(SegmentGroup group) {
+std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(
+    std::shared_ptr<LinearisedGroup> group) {
   return std::make_unique<SegmentGroupCost>(std::move(group));
 }
 

@@ -43,6 +43,7 @@ class SegmentGroup {
   // delta / 2. Rows: [ rotation tangents (3 each) | positions (3 each) | plane parameters ].
   struct Quadratic {
     double cost = 0.0;
+    bool has_outliers = false;  // segments beyond Huber's width
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;  // lower triangle
   };
@@ -70,15 +71,49 @@ class SegmentGroup {
   std::vector<Scanner> scanners_;
   std::vector<Plane> planes_;
   std::vector<int> plane_offsets_;
-  std::vector<Segment> segments_;  // by plane
+  std::vector<Segment> segments_;  // by their first node
   double huber_width_;
 };
 
-// Ceres' view of a group: size() + 1 residuals, an orthogonal transformation of the segments'
-// own with the same cost, gradient and Gauss-Newton matrix. It remembers its last
-// linearisation, so that an accepted step costs nothing again; hence one factor serves one
-// thread at a time.
+// A group with its last linearisation: an orthogonal transformation of the segments' own
+// residuals with the same cost, gradient and Gauss-Newton matrix, in no more rows than the
+// group has unknowns, plus one. It stays in use while no rotation or plane has turned by more
+// than kMaxTurn and no position moved by more than kMaxShift since. What that leaves out are
+// products of two such changes, less than 0.01 mm for every point within 30 m; where it is
+// exceeded, the group is linearised anew. Serves one thread at a time.
+class LinearisedGroup {
+ public:
+  static constexpr double kMaxTurn = 5e-4;   // rad
+  static constexpr double kMaxShift = 0.01;  // m
+
+  explicit LinearisedGroup(SegmentGroup group);
+
+  const SegmentGroup& group() const { return group_; }
+  // Whether the loss has changed nothing at the last linearisation, so that without it the
+  // group would be the same.
+  bool is_plain() const { return !has_outliers_; }
+
+  // As ceres::CostFunction's, with group().size() + 1 residuals and the parameters of
+  // SegmentGroup::Linearise.
+  void Evaluate(double const* const* parameters, double* residuals, double** jacobians);
+
+ private:
+  int BlockSize(int block) const;
+  // Steps from the linearisation, in the group's rows; false where it is none or too far.
+  bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
+  void Linearise(double const* const* parameters);
+
+  SegmentGroup group_;
+  std::vector<double> at_;
+  Eigen::MatrixXd root_;
+  Eigen::VectorXd offset_;
+  double rest_ = 0.0;  // the residual that no unknown can lower
+  bool has_outliers_ = false;
+};
+
+// Ceres' view of a group.
 // Blocks: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | planes ]
-std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(SegmentGroup group);
+std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(
+    std::shared_ptr<LinearisedGroup> group);
 
 }  // namespace plumbline

@@ -96,7 +96,13 @@ class BoundComputer {
       problem.AddMotionPrior(i, options_.trajectory);
     }
     std::vector<const Observation*> observations;
-    for (const Observation& observation : state_->observations) {
+    for (Observation& observation : state_->observations) {
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+      // Fewer beams than a segment needs may leave a plane open.
+      if (landmark.num_points < options_.segmentation.min_points) {
+        landmark.num_segments = 0;
+        continue;
+      }
       observations.push_back(&observation);
     }
     problem.AddSegments(observations, 0.0);

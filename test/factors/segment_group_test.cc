@@ -118,7 +118,8 @@ TEST(SegmentGroup, FactorEqualsItsSegments) {
     for (const double huber_width : {0.0, 3.0}) {
       const Scene scene(num_segments);
       const Expected expected = SumOfSegmentFactors(scene, huber_width);
-      const auto factor = CreateSegmentGroupFactor(scene.Group(huber_width));
+      const auto factor = CreateSegmentGroupFactor(
+          std::make_shared<LinearisedGroup>(scene.Group(huber_width)));
       const Eigen::VectorXd residuals = scene.blocks.Residuals(*factor);
       const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor);
       EXPECT_NEAR(0.5 * residuals.squaredNorm(), expected.cost, 1e-10 * expected.cost);
@@ -142,7 +143,8 @@ TEST(SegmentGroup, HuberTouchesSomeSegmentsOnly) {
 // The factor remembers its last linearisation: other parameters must not meet it.
 TEST(SegmentGroup, FollowsItsParameters) {
   Scene scene(30);
-  const auto factor = CreateSegmentGroupFactor(scene.Group(0.0));
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(0.0)));
   const Eigen::VectorXd before = scene.blocks.Residuals(*factor);
   scene.blocks[kNumControlPoints][0] += 0.1;
   const Eigen::VectorXd moved = scene.blocks.Residuals(*factor);
@@ -153,7 +155,8 @@ TEST(SegmentGroup, FollowsItsParameters) {
 
 TEST(SegmentGroup, HasNoMoreResidualsThanUnknownsPlusOne) {
   const Scene scene(200);
-  const auto factor = CreateSegmentGroupFactor(scene.Group(0.0));
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(0.0)));
   EXPECT_EQ(factor->num_residuals(), 6 * kNumControlPoints + 1 + 2 + 4 + 1);
 }
 
