@@ -35,7 +35,7 @@ SEED = 1
 COMPARED_FILES = ("trajectory.tum", "trajectory_covariance.csv", "planes.json", "planes.ply",
                   "plane_covariance.csv", "map.ply", "map.pcd")
 LONG_DURATIONS_MIN = (5, 10, 20, 40, 60)
-FACTOR_LENGTHS_M = {270: 10.0, 1080: 5.0}  # so short that single points fit into memory
+FACTOR_LENGTH_M = 10.0  # so short that single points fit into memory
 RIGS = {270: "paper", 1080: "paper_1080"}
 
 
@@ -73,9 +73,9 @@ class Case:
 def make_cases():
     cases = [Case(f"{experiment}, {beams} beams", "jobs", Recording(experiment, beams))
              for experiment in ("corridor", "office") for beams in RIGS]
-    for beams, length_m in FACTOR_LENGTHS_M.items():
-        cases += [Case(f"corridor {length_m:g} m, {beams} beams, {factor}", "factors",
-                       Recording("corridor", beams, length_m), factor=factor)
+    for beams in RIGS:
+        cases += [Case(f"corridor {FACTOR_LENGTH_M:g} m, {beams} beams, {factor}", "factors",
+                       Recording("corridor", beams, FACTOR_LENGTH_M), factor=factor)
                   for factor in ("segment", "point")]
     for experiment in ("corridor", "office"):
         cases += [Case(f"{experiment}, {threads} thread{'s' * (threads > 1)}", "threads",
@@ -274,6 +274,14 @@ def read_line(command):
     return lines[0].strip() if result.returncode == 0 and lines else None
 
 
+def read_version():
+    """The commit, marked when what the programs are made of is not as committed there."""
+    version = read_line(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"])
+    changed = read_line(["git", "-C", ROOT, "status", "--porcelain", "--", "CMakeLists.txt",
+                         "apps", "core", "factors", "simulation"])
+    return "unknown" if version is None else version + ("-modified" if changed else "")
+
+
 def describe_machine(binaries):
     """What the figures depend on besides the program's text."""
     cpu = re.search(r"^model name\s*:\s*(.*)$", job_runner.read_text(
@@ -285,7 +293,7 @@ def describe_machine(binaries):
     compiler = variables.get("CMAKE_CXX_COMPILER")
     return {
         "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d"),
-        "version": read_line(["git", "-C", ROOT, "describe", "--always", "--dirty"]) or "unknown",
+        "version": read_version(),
         "cpu": cpu.group(1).strip() if cpu else "unknown",
         "cores": os.cpu_count(),
         "memory_gb": round(memory / 2 ** 30),
