@@ -70,7 +70,8 @@ class Case:
     threads: int = 1
 
 
-def make_cases():
+def make_cases(longest_min):
+    """All cases; those of the large building up to this many minutes."""
     cases = [Case(f"{experiment}, {beams} beams", "jobs", Recording(experiment, beams))
              for experiment in ("corridor", "office") for beams in RIGS]
     for beams in RIGS:
@@ -84,7 +85,7 @@ def make_cases():
         CONFIGS / "experiments" / "large_building.yaml"))["speed_m_s"]
     cases += [Case(f"large building, {minutes} min", "long",
                    Recording("large_building", 270, 60.0 * minutes * speed))
-              for minutes in LONG_DURATIONS_MIN]
+              for minutes in LONG_DURATIONS_MIN if minutes <= longest_min]
     return cases
 
 
@@ -93,8 +94,10 @@ def parse_arguments():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeat", type=job_runner.positive, default=3, metavar="N",
                         help="runs of each case (default 3)")
-    parser.add_argument("--long", action="store_true",
-                        help="also the large building, for up to an hour of recording")
+    parser.add_argument("--long", type=job_runner.positive, nargs="?", metavar="MINUTES",
+                        const=LONG_DURATIONS_MIN[-1],
+                        help="also the large building, recordings of up to so many minutes "
+                        f"(default {LONG_DURATIONS_MIN[-1]})")
     parser.add_argument("--group", action="append", choices=("jobs", "factors", "threads", "long"),
                         help="only these cases; may be repeated")
     parser.add_argument("--core", type=int, default=min(os.sched_getaffinity(0)), metavar="N",
@@ -113,6 +116,9 @@ def parse_arguments():
     arguments.groups = set(arguments.group or ("jobs", "factors", "threads"))
     if arguments.long:
         arguments.groups.add("long")
+        if arguments.long < LONG_DURATIONS_MIN[0]:
+            parser.error(f"--long: the shortest recording has {LONG_DURATIONS_MIN[0]} minutes")
+    arguments.long = arguments.long or LONG_DURATIONS_MIN[-1]
     return arguments
 
 
@@ -342,7 +348,7 @@ def main():
     versions = job_runner.check_binaries(arguments.binaries,
                                          ("plumbline_simulate", "plumbline_map"))
     document = job_runner.read_text(arguments.document)
-    cases = [case for case in make_cases() if case.group in arguments.groups]
+    cases = [case for case in make_cases(arguments.long) if case.group in arguments.groups]
     setup = {**describe_machine(arguments.binaries), "programs": versions,
              "core": arguments.core, "repeat": arguments.repeat}
     with job_runner.WorkDirectory(arguments.output) as work:

@@ -72,6 +72,9 @@ class BenchmarkTest(ScriptTest):
         lengths = [case["recording"]["length_m"] for case in self.results()["cases"].values()
                    if case["group"] == "long"]
         self.assertEqual(lengths, [300.0, 600.0, 1200.0, 2400.0, 3600.0])
+        self.check_done(self.measure("--group", "long", "--long", "10", "--repeat", "1"))
+        self.assertEqual([row[0] for row in self.table("long")], ["0", "0"])
+        self.assertEqual(len(self.results()["cases"]), 2)
 
     def test_recordings_are_kept_for_the_next_time(self):
         self.check_done(self.measure("--group", "threads", "--repeat", "1"))
@@ -119,6 +122,7 @@ class BenchmarkTest(ScriptTest):
         self.check_usage_error("--repeat", "0")
         self.check_usage_error("--group", "none")
         self.check_usage_error("--core", "100000")
+        self.check_usage_error("--long", "1")
         self.assertEqual(self.run_script("--help").returncode, 0)
 
 
