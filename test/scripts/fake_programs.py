@@ -6,6 +6,7 @@ They write small files at once. A test steers and watches them by files in the d
     hold              plumbline_map waits while this exists
     fail_<seed>       plumbline_map fails on this seed or recording
     forget_planes     plumbline_map writes no planes.json
+    threads_matter    plumbline_map writes another map with other --threads
     version           answer to --version; without it that is wrong usage, as any unknown flag
 """
 
@@ -47,6 +48,7 @@ if program == "plumbline_simulate":
 elif program == "plumbline_map":
     seed = pathlib.Path(flags["recording"]).read_text()
     rig = pathlib.Path(flags["rig"]).read_text()
+    config = pathlib.Path(flags["config"]).read_text() if "config" in flags else ""
     with open(control / "attempts", "a") as attempts:
         attempts.write(f"{{seed}} {{os.getppid()}}\\n")
     write("map.ply", "begun")
@@ -59,9 +61,12 @@ elif program == "plumbline_map":
         write(name, name + rig)
     if not (control / "forget_planes").exists():
         write("planes.json", "[]")
+    if (control / "threads_matter").exists():
+        write("map.ply", flags["threads"])
     write("summary.json", json.dumps(dict(
         residual_rms_m=0.02, real_time_factor=5, peak_memory_mb=100, duration_s=1, planes=4,
-        variance_factor=1, warnings=[])))
+        variance_factor=1, warnings=[], points=1000, segments=100,
+        stages=dict(reading=0.1, batch=0.4 if "point" in config else 0.1))))
 else:
     seed = int((pathlib.Path(flags["truth"]) / "recording.bag").read_text())
     errors = dict(position_m=dict(rmse=0.001 * seed), rotation_deg=dict(rmse=0.01))
