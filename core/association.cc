@@ -23,6 +23,7 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
                                                    int scan_index,
                                                    const LoopClosureOptions& options) {
   std::vector<LandmarkCandidate> candidates;
+  candidates.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) {
     if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
       candidates.push_back({&landmark, landmark.Normal(), landmark.Distance()});

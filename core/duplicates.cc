@@ -9,12 +9,13 @@
 namespace plumbline {
 namespace {
 
+// Of two planes of one type that face the same side.
 bool AreOnePlane(const Landmark& a,
                  const Landmark& b,
                  double range_noise_m,
                  const AssociationOptions& options) {
-  if (a.model != b.model || a.Normal().dot(b.Normal()) < 0.8) return false;
-  if (!a.extent.IsNear(b.extent, options.max_gap_m)) return false;
+  // Cheap first: the patches' cells are looked at last.
+  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
   // Compared at the middle of the smaller one, along its longer side.
   const PatchExtent& extent = b.extent;
   const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
@@ -34,8 +35,20 @@ bool AreOnePlane(const Landmark& a,
       covariance +
       2.0 * FlatnessCovariance(along_u ? size.x() : size.y(), options.surface_flatness_m);
   return difference.dot(total.inverse() * difference) <
-         TwoDegreesQuantile(options.significance);
+             TwoDegreesQuantile(options.significance) &&
+         a.extent.IsNear(b.extent, options.max_gap_m);
 }
+
+// A landmark that is compared with others.
+struct Compared {
+  const Landmark* landmark;
+  Eigen::Vector3d normal;
+  bool is_recent;  // seen since the scan in question
+
+  bool FacesLike(const Compared& other) const {
+    return landmark->model == other.landmark->model && normal.dot(other.normal) >= 0.8;
+  }
+};
 
 }  // namespace
 
@@ -45,12 +58,19 @@ std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
                                                 int since_scan) {
   const double range_noise_m = MaxRangeNoise(rig);
   std::vector<std::pair<int, int>> pairs;
-  for (const Landmark& newer : state.landmarks) {
-    if (newer.num_segments == 0) continue;
-    for (const Landmark& older : state.landmarks) {
+  std::vector<Compared> all;
+  std::vector<Compared> recent;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
+    if (all.back().is_recent) recent.push_back(all.back());
+  }
+  for (const Compared& newer_at : all) {
+    const Landmark& newer = *newer_at.landmark;
+    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
+      const Landmark& older = *older_at.landmark;
       if (older.id >= newer.id) break;
-      if (older.num_segments == 0) continue;
-      if (std::max(newer.last_scan, older.last_scan) < since_scan) continue;
+      if (!older_at.FacesLike(newer_at)) continue;
       if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
       const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
       if (AreOnePlane(newer_is_smaller ? older : newer,

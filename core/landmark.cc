@@ -94,7 +94,24 @@ PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& ce
   return CellOf(Project(other.ToWorld(middle)));
 }
 
+bool PatchExtent::MayBeNear(const PatchExtent& other, double max_gap_m) const {
+  if (empty() || other.empty()) return false;
+  Eigen::Array2d low = Eigen::Array2d::Constant(1e300);
+  Eigen::Array2d high = -low;
+  for (const double u : {other.min_.x(), other.max_.x()}) {
+    for (const double v : {other.min_.y(), other.max_.y()}) {
+      const Eigen::Vector2d corner = Project(other.ToWorld({u, v}));
+      low = low.min(corner.array());
+      high = high.max(corner.array());
+    }
+  }
+  // Cells reach beyond the rectangles, and the gap counts in whole cells.
+  const double reach = max_gap_m + 5.0 * kCellSize;
+  return (low - reach <= max_.array()).all() && (high + reach >= min_.array()).all();
+}
+
 bool PatchExtent::IsNear(const PatchExtent& other, double max_gap_m) const {
+  if (!MayBeNear(other, max_gap_m)) return false;
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
   return other.cells_.Any(
       [&](const Cell& cell, int) { return cells_.IsNear(CellFrom(other, cell), reach); });

@@ -33,6 +33,8 @@ class PatchExtent {
               const Eigen::Vector3d& b_world,
               double max_gap_m) const;
   bool IsNear(const PatchExtent& other, double max_gap_m) const;
+  // The same for the bounding rectangles, quickly: true wherever IsNear() is.
+  bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
   // The occupied cell that the point lies on, within the given middle share of the bounding

@@ -56,6 +56,32 @@ TEST(PatchExtentTest, NearOfTwoExtentsIsMutual) {
   EXPECT_FALSE(a.IsNear(WallExtent(), 1.0));
 }
 
+TEST(PatchExtentTest, RectanglesAreNearWhereverCellsAre) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-6.0, 6.0);
+  const auto point = [&] { return Eigen::Vector3d(uniform(random), 0.0, uniform(random)); };
+  int num_near = 0;
+  int num_maybe = 0;
+  constexpr int kCount = 2000;
+  for (int i = 0; i < kCount; ++i) {
+    const Eigen::Vector3d a = point();
+    const Eigen::Vector3d b = a + 0.3 * point();
+    const PatchExtent extent = ExtentOf(a, b);
+    PatchExtent other(point(), -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d c = point();
+    const Eigen::Vector3d d = c + 0.3 * point();
+    other.AddSegment(c, d);
+    if (extent.MayBeNear(other, 1.0)) ++num_maybe;
+    if (!extent.IsNear(c, d, 1.0)) continue;
+    ++num_near;
+    EXPECT_TRUE(extent.MayBeNear(other, 1.0));
+    EXPECT_TRUE(other.MayBeNear(extent, 1.0));
+  }
+  EXPECT_GT(num_near, kCount / 20);
+  EXPECT_LT(num_maybe, 3 * kCount / 4);
+  EXPECT_FALSE(WallExtent().MayBeNear(ExtentOf({0, 0, 0}, {1, 0, 0}), 100.0));
+}
+
 TEST(PatchExtentTest, OverlapIsTheSharedPart) {
   const PatchExtent a = ExtentOf({0.1, 0.0, 1.1}, {3.9, 0.0, 1.1});
   const PatchExtent b = ExtentOf({2.1, 0.0, 1.1}, {9.9, 0.0, 1.1});
