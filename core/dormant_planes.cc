@@ -60,6 +60,42 @@ std::vector<int> DormantPlanes::RowsOfPlanes(const std::set<int>& landmark_ids) 
   return rows;
 }
 
+Eigen::MatrixXd DormantPlanes::ByHistory(const History& history,
+                                         const std::vector<int>& rows) const {
+  Eigen::MatrixXd by_history = Eigen::MatrixXd::Zero(mean_.size(), history.equations.size());
+  by_history(Eigen::all, GivenRows(history)) = gain_;
+  return by_history(Eigen::all, rows);
+}
+
+Eigen::VectorXd DormantPlanes::Compose(const Elimination& elimination,
+                                       Eigen::Index num_taken,
+                                       const Eigen::MatrixXd& by_leaving,
+                                       const Eigen::MatrixXd& by_staying) {
+  const Eigen::VectorXd mean =
+      elimination.BackSubstitute(Eigen::VectorXd::Zero(by_staying.cols()));
+  const Eigen::MatrixXd gain = elimination.Gain();
+  const Eigen::MatrixXd root = elimination.ConditionalRoot();
+  const Eigen::MatrixXd covariance = root.transpose() * root;
+  const Eigen::MatrixXd spread = by_leaving * covariance;
+  const Eigen::Index num_before = mean_.size();
+  const Eigen::Index size = num_before + num_taken;
+  Eigen::MatrixXd joint(size, size);
+  joint.topLeftCorner(num_before, num_before) = covariance_;
+  joint.topLeftCorner(num_before, num_before).noalias() += spread * by_leaving.transpose();
+  joint.bottomLeftCorner(num_taken, num_before) = spread.leftCols(num_taken).transpose();
+  joint.topRightCorner(num_before, num_taken) = spread.leftCols(num_taken);
+  joint.bottomRightCorner(num_taken, num_taken) =
+      covariance.topLeftCorner(num_taken, num_taken);
+  covariance_ = std::move(joint);
+  gain_.resize(size, by_staying.cols());
+  gain_.topRows(num_before) = by_staying + by_leaving * gain;
+  gain_.bottomRows(num_taken) = gain.topRows(num_taken);
+  mean_ += by_leaving * mean;
+  mean_.conservativeResize(size);
+  mean_.tail(num_taken).setZero();
+  return mean.head(num_taken);
+}
+
 void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
                            int first_control_point,
                            History* history) {
@@ -77,45 +113,20 @@ void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
   const std::vector<int> staying = RowsOf(
       past, [&](const BlockId& block) { return !is_taken(block) && !is_anchor(block); });
   const Elimination elimination = EliminateRows(leaving, staying, past);
-  const auto num_staying = static_cast<Eigen::Index>(staying.size());
-  const Eigen::VectorXd mean = elimination.BackSubstitute(Eigen::VectorXd::Zero(num_staying));
-  const Eigen::MatrixXd gain = elimination.Gain();
-  const Eigen::MatrixXd root = elimination.ConditionalRoot();
-  const Eigen::MatrixXd covariance = root.transpose() * root;
-
-  // The dormant planes' dependence on what leaves, and on what stays.
-  const Eigen::Index num_before = mean_.size();
-  Eigen::MatrixXd by_history = Eigen::MatrixXd::Zero(num_before, past.size());
-  by_history(Eigen::all, GivenRows(*history)) = gain_;
-  const Eigen::MatrixXd by_leaving = by_history(Eigen::all, leaving);
-  const Eigen::MatrixXd spread = by_leaving * covariance;
-  const Eigen::Index size = num_before + num_taken;
-  Eigen::MatrixXd joint(size, size);
-  joint.topLeftCorner(num_before, num_before) = covariance_;
-  joint.topLeftCorner(num_before, num_before).noalias() += spread * by_leaving.transpose();
-  joint.bottomLeftCorner(num_taken, num_before) = spread.leftCols(num_taken).transpose();
-  joint.topRightCorner(num_before, num_taken) = spread.leftCols(num_taken);
-  joint.bottomRightCorner(num_taken, num_taken) =
-      covariance.topLeftCorner(num_taken, num_taken);
-  Eigen::MatrixXd new_gain(size, num_staying);
-  new_gain.topRows(num_before) = by_history(Eigen::all, staying);
-  new_gain.topRows(num_before).noalias() += by_leaving * gain;
-  new_gain.bottomRows(num_taken) = gain.topRows(num_taken);
-  Eigen::VectorXd new_mean(size);
-  new_mean.head(num_before) = mean_ + by_leaving * mean;
-  covariance_ = std::move(joint);
-  gain_ = std::move(new_gain);
+  const auto num_before = static_cast<int>(mean_.size());
+  const Eigen::VectorXd means = Compose(
+      elimination, num_taken, ByHistory(*history, leaving), ByHistory(*history, staying));
 
   History rest;
   given_.clear();
   given_offsets_.assign(1, 0);
-  auto row = static_cast<int>(num_before);
+  int row = num_before;
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     const BlockId& block = past.blocks[i];
     const int block_size = BlockSize(past, i);
     if (is_taken(block)) {
-      new_mean.segment(row, block_size) =
-          history->at[i] + mean.segment(row - num_before, block_size);
+      mean_.segment(row, block_size) =
+          history->at[i] + means.segment(row - num_before, block_size);
       planes_.push_back({block.index, row, block_size});
       ids_.insert(block.index);
       row += block_size;
@@ -127,7 +138,6 @@ void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
       given_offsets_.push_back(given_offsets_.back() + block_size);
     }
   }
-  mean_ = std::move(new_mean);
   rest.equations.hessian = elimination.hessian();
   rest.equations.gradient = elimination.gradient();
   *history = std::move(rest);

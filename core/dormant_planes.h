@@ -7,6 +7,7 @@
 
 #include "core/history.h"
 #include "core/landmark.h"
+#include "factors/elimination.h"
 
 namespace plumbline {
 
@@ -63,6 +64,15 @@ class DormantPlanes {
   };
   // Rows of given() in the history.
   std::vector<int> GivenRows(const History& history) const;
+  // The gain with respect to these rows of the history.
+  Eigen::MatrixXd ByHistory(const History& history, const std::vector<int>& rows) const;
+  // Replaces what leaves the history by what it is given the rest, and appends the first
+  // num_taken variables that leave, their means zero; returns these, from the history's
+  // values. Columns of by_leaving, by_staying: as `elimination` eliminates, keeps.
+  Eigen::VectorXd Compose(const Elimination& elimination,
+                          Eigen::Index num_taken,
+                          const Eigen::MatrixXd& by_leaving,
+                          const Eigen::MatrixXd& by_staying);
   std::vector<int> RowsOfPlanes(const std::set<int>& landmark_ids) const;
   // Keeps only these planes' rows.
   void RemovePlanes(const std::set<int>& landmark_ids);
