@@ -236,7 +236,7 @@ void DormantPlanes::Rebase(const History& history, const Eigen::VectorXd& moved)
   mean_ += gain_ * moved(GivenRows(history));
 }
 
-void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift) {
+void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift, bool hold_first) {
   const auto find = [&](int id) {
     return static_cast<size_t>(std::find(given_.begin(), given_.end(), LandmarkBlock(id)) -
                                given_.begin());
@@ -245,6 +245,8 @@ void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift) {
   if (from_at == given_.size()) return;
   const int size = given_offsets_[from_at + 1] - given_offsets_[from_at];
   mean_ += gain_.middleCols(given_offsets_[from_at], size) * shift;
+  // Planes that are given back must not make a direction free that is held.
+  if (hold_first) gain_.col(given_offsets_[from_at]).setZero();
   const size_t into_at = find(into);
   if (into_at == given_.size()) {
     given_[from_at] = LandmarkBlock(into);

@@ -363,7 +363,8 @@ void Window::MergeLandmarks(int into, int from) {
     if (shift.size() == 2) shift[0] = std::remainder(shift[0], 2.0 * M_PI);
     past.gradient += past.hessian.middleCols(past.offsets[from_at], shift.size()) * shift;
   }
-  dormant_.Merge(into, from, shift);
+  const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
+  dormant_.Merge(into, from, shift, landmark.heading_fixed);
   std::vector<BlockId> names = past.blocks;
   names[from_at] = LandmarkBlock(into);
   std::map<BlockId, Eigen::VectorXd> at;
@@ -375,7 +376,6 @@ void Window::MergeLandmarks(int into, int from) {
   at[LandmarkBlock(into)] = value;
   NormalEquations merged = ZeroSystem(sizes);
   AddTo(past, names, &merged);
-  const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
   history_.at.clear();
   for (size_t i = 0; i < merged.blocks.size(); ++i) {
     const BlockId& block = merged.blocks[i];

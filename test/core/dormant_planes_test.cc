@@ -198,7 +198,7 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
     };
     merge(&all);
     merge(&some);
-    dormant.Merge(2, 5, shift);
+    dormant.Merge(2, 5, shift, false);
     const Eigen::MatrixXd expected = all.equations.hessian.inverse();
     const Eigen::VectorXd minimum = -expected * all.equations.gradient;
     const Eigen::MatrixXd covariance = some.equations.hessian.inverse();
@@ -210,6 +210,25 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
     EXPECT_NEAR(landmarks[1].parameters[1], all.at[at][1] + minimum[row + 1], 1e-9);
     EXPECT_LT((landmarks[1].covariance - expected.block<2, 2>(row, row)).norm(), 1e-9);
   }
+}
+
+// The gauge's wall takes in another plane: its heading still has no say and stays held.
+TEST_F(DormantPlanesTest, HeldDirectionsStayHeld) {
+  const auto held = [&] {
+    return some_.equations.offsets[FindBlock(some_.equations, LandmarkBlock(2))];
+  };
+  const auto hold = [&] {
+    some_.equations.hessian.row(held()).setZero();
+    some_.equations.hessian.col(held()).setZero();
+    some_.equations.gradient[held()] = 0.0;
+  };
+  hold();
+  dormant_.TakeIn({1, 3}, 0, &some_);
+  dormant_.Merge(2, 5, Eigen::Vector2d(0.01, 0.02), true);
+  dormant_.GiveBack({1, 3}, landmarks_, &some_);
+  EXPECT_EQ(some_.equations.hessian.row(held()).norm(), 0.0);
+  EXPECT_EQ(some_.equations.hessian.col(held()).norm(), 0.0);
+  EXPECT_EQ(some_.equations.gradient[held()], 0.0);
 }
 
 }  // namespace
