@@ -81,14 +81,17 @@ class Batch {
       landmark.last_scan = 0;
       landmark.last_time_ns = 0;
     }
+    SharedPoses poses(state_->trajectory);
     for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id >= 0) CountObservation(rig_, observation, state_);
+      if (observation.landmark_id < 0) continue;
+      CountObservation(rig_, observation, poses.Of(observation), state_);
     }
   }
 
   // Associates every observation anew; returns how many changed.
   int Reassociate() {
     int num_changed = 0;
+    SharedPoses poses(state_->trajectory);
     std::vector<LandmarkCandidate> candidates;
     int candidates_scan = -1;
     for (Observation& observation : state_->observations) {
@@ -101,7 +104,7 @@ class Batch {
       const int id = FindLandmark(
           observation,
           rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-          ObservationPoses(state_->trajectory, observation),
+          poses.Of(observation),
           Matrix6d::Zero(),
           candidates,
           options_.association);
@@ -175,12 +178,14 @@ class Batch {
   double VarianceFactor(const ceres::Solver::Summary& summary, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
+    SharedPoses poses(state_->trajectory);
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
       num_points += observation.num_points;
       if (factor == FactorKind::kPoint) continue;  // its residuals hold everything
       const double offset =
-          ObservationWeights(rig_, state_->trajectory, state_->landmarks, observation).offset;
+          ObservationWeights(rig_, poses.Of(observation), state_->landmarks, observation)
+              .offset;
       constant += offset * offset * observation.measurement.constant;
     }
     return (2.0 * summary.final_cost + constant) /

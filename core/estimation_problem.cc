@@ -140,8 +140,8 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const SegmentWeights weights =
-      ObservationWeights(rig_, *trajectory_, *landmarks_, observation);
+  const SegmentWeights weights = ObservationWeights(
+      rig_, ObservationPoses(*trajectory_, observation), *landmarks_, observation);
   Register(LandmarkBlock(landmark.id));
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);

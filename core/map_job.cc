@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "core/config.h"
 #include "core/plane_covariance.h"
@@ -79,7 +80,7 @@ class SupportOverTime {
 class PointExporter {
  public:
   PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
-      : rig_(rig), state_(state), writer_(writer) {}
+      : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {}
 
   void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
     recording->Rewind();
@@ -123,19 +124,25 @@ class PointExporter {
       }
     }
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Trajectory& trajectory = state_.trajectory;
+    int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
       ++num_points_;
       const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-      if (time_ns < state_.trajectory.start_ns() || time_ns >= state_.trajectory.end_ns()) {
+      if (time_ns < trajectory.start_ns() || time_ns >= trajectory.end_ns()) {
         continue;  // before the start or after the end of the map
       }
-      const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-      const Eigen::Vector3d p_world =
-          state_.trajectory.WorldFromBody(time_ns) *
-          (scanner.body_from_scanner *
-           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0));
+      if (time_ns > span_end_ns) {
+        const int last = scan_line.num_beams() - 1;
+        span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
+                                time_ns + kMaxSpanNs,
+                                trajectory.end_ns() - 1});
+        poses_.emplace(NodesOfSpan(time_ns, span_end_ns), &sampler_);
+      }
+      const Eigen::Vector3d p_world = poses_->ToWorld(
+          scanner.body_from_scanner, range * scan_line.BeamDirection(beam), time_ns);
       MapPoint point;
       point.p_world = p_world.cast<float>();
       point.time_s = SecondsBetween(start_ns, time_ns);
@@ -153,9 +160,15 @@ class PointExporter {
     }
   }
 
+  // Points in such a span are placed by the quadratic through three poses, to better than
+  // float's resolution.
+  static constexpr int64_t kMaxSpanNs = 25'000'000;
+
   const Rig& rig_;
   const MapState& state_;
   ResultWriter* writer_;
+  PoseSampler sampler_;
+  std::optional<ObservationPoses> poses_;
   std::vector<const Landmark*> landmark_of_beam_;
   SupportOverTime support_;
   int64_t num_points_ = 0;

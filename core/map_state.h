@@ -24,6 +24,9 @@ struct MapState {
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
 // the order of time, or near it.
-void CountObservation(const Rig& rig, const Observation& observation, MapState* state);
+void CountObservation(const Rig& rig,
+                      const Observation& observation,
+                      const ObservationPoses& poses,
+                      MapState* state);
 
 }  // namespace plumbline

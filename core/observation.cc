@@ -209,11 +209,45 @@ Eigen::Vector3d PlaneTrace::At(int64_t time_ns) const {
   return constant_ + tau * (linear_ + tau * quadratic_);
 }
 
+ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
+                                   PoseSampler* poses)
+    : times_ns(node_times_ns) {
+  for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses->WorldFromBody(times_ns[k]);
+}
+
 ObservationPoses::ObservationPoses(const Trajectory& trajectory,
-                                   const Observation& observation) {
-  for (size_t k = 0; k < 3; ++k) {
-    world_from_body[k] = trajectory.WorldFromBody(observation.measurement.node_times_ns[k]);
+                                   const Observation& observation)
+    : times_ns(observation.measurement.node_times_ns) {
+  PoseSampler poses(trajectory);
+  for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses.WorldFromBody(times_ns[k]);
+}
+
+Eigen::Vector3d ObservationPoses::ToWorld(const Rigid3d& body_from_scanner,
+                                          const Eigen::Vector2d& p_scanner,
+                                          int64_t time_ns) const {
+  const Eigen::Vector3d p_body =
+      body_from_scanner * Eigen::Vector3d(p_scanner.x(), p_scanner.y(), 0.0);
+  const Eigen::Vector3d at_middle = world_from_body[1] * p_body;
+  if (times_ns[2] == times_ns[1]) return at_middle;
+  const double tau = static_cast<double>(time_ns - times_ns[1]) /
+                     static_cast<double>(times_ns[2] - times_ns[1]);
+  return 0.5 * tau * (tau - 1.0) * (world_from_body[0] * p_body) +
+         (1.0 - tau * tau) * at_middle +
+         0.5 * tau * (tau + 1.0) * (world_from_body[2] * p_body);
+}
+
+const ObservationPoses& SharedPoses::Of(const Observation& observation) {
+  const std::array<int64_t, 3>& times_ns = observation.measurement.node_times_ns;
+  for (const ObservationPoses& poses : kept_) {
+    if (poses.times_ns == times_ns) return poses;
   }
+  const ObservationPoses poses(times_ns, &sampler_);
+  if (kept_.size() < kNumKept) {
+    kept_.push_back(poses);
+    return kept_.back();
+  }
+  next_ = (next_ + 1) % kNumKept;
+  return kept_[next_] = poses;
 }
 
 SegmentWeights WeightsOn(const Observation& observation,

@@ -73,7 +73,7 @@ class ObservationGroupCache {
 
 // WeightsOn an observation's landmark.
 SegmentWeights ObservationWeights(const Rig& rig,
-                                  const Trajectory& trajectory,
+                                  const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation);
 

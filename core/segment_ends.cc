@@ -17,8 +17,8 @@ namespace {
 constexpr double kReach = 0.25;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
-// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever its
-// noise.
+// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever
+// its noise.
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
@@ -70,7 +70,11 @@ struct End {
 class Recutter {
  public:
   Recutter(const Rig& rig, const MapperOptions& options, MapState* state)
-      : rig_(rig), options_(options), state_(state) {}
+      : rig_(rig),
+        options_(options),
+        state_(state),
+        sampler_(state->trajectory),
+        poses_(state->trajectory) {}
 
   // The observations [first, last) of a scan line; returns how many changed.
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
@@ -86,18 +90,20 @@ class Recutter {
   };
 
   const LandmarkCandidate* Find(int landmark_id) const;
-  int NewEnd(const ScanLine& scan_line, const Observation& observation, const End& end) const;
+  int NewEnd(const ScanLine& scan_line, const Observation& observation, const End& end);
   std::optional<Meeting> Meet(const ScanLine& scan_line,
                               const Rigid3d& world_from_scanner,
                               const Trace& trace,
                               const LandmarkCandidate& other,
                               const End& end) const;
   int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
-  void Replace(const ScanLine& scan_line, const Range& range, Observation* observation) const;
+  void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
   const Rig& rig_;
   const MapperOptions& options_;
   MapState* state_;
+  PoseSampler sampler_;
+  SharedPoses poses_;
   std::vector<LandmarkCandidate> candidates_;
   int candidates_scan_ = -1;
 };
@@ -148,13 +154,12 @@ int Recutter::Extend(const ScanLine& scan_line,
 
 int Recutter::NewEnd(const ScanLine& scan_line,
                      const Observation& observation,
-                     const End& end) const {
+                     const End& end) {
   const LandmarkCandidate* own = Find(observation.landmark_id);
   if (own == nullptr) return end.beam;
   const bool at_last = end.step > 0;
   const Rigid3d world_from_scanner =
-      state_->trajectory.WorldFromBody(at_last ? observation.end_time_ns
-                                               : observation.start_time_ns) *
+      sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
   const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
   const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -200,7 +205,7 @@ int Recutter::NewEnd(const ScanLine& scan_line,
 
 void Recutter::Replace(const ScanLine& scan_line,
                        const Range& range,
-                       Observation* observation) const {
+                       Observation* observation) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   std::vector<int> beams;  // that count
   for (int beam = range.first; beam <= range.last; ++beam) {
@@ -225,8 +230,7 @@ void Recutter::Replace(const ScanLine& scan_line,
   std::array<Rigid3d, 3> world_from_scanner;
   for (size_t k = 0; k < 3; ++k) {
     world_from_scanner[k] =
-        state_->trajectory.WorldFromBody(observation->measurement.node_times_ns[k]) *
-        scanner.body_from_scanner;
+        poses_.Of(*observation).world_from_body[k] * scanner.body_from_scanner;
   }
   const PlaneTrace trace(
       observation->measurement.node_times_ns, world_from_scanner, own->normal, own->distance);

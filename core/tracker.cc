@@ -316,6 +316,7 @@ Tracker::Association Tracker::ChooseUnder(
   covariance += unsteady.replicate<2, 2>();
   std::vector<Pairing> pairings;
   int num_paired = 0;
+  SharedPoses poses(state_->trajectory);
   for (const int index : observations) {
     const Observation& observation = at(index);
     const double share = end_ns > begin_ns
@@ -327,7 +328,7 @@ Tracker::Association Tracker::ChooseUnder(
     for (const PossibleLandmark& possible : PossibleLandmarks(
              observation,
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-             ObservationPoses(state_->trajectory, observation),
+             poses.Of(observation),
              by_motion * covariance * by_motion.transpose(),
              candidates,
              options_.association)) {
@@ -403,6 +404,7 @@ bool Tracker::Associate(int first_observation,
                         int last_observation,
                         const std::vector<LandmarkCandidate>& candidates) {
   bool changed = false;
+  SharedPoses poses(state_->trajectory);
   for (int index = first_observation; index <= last_observation; ++index) {
     Observation& observation = state_->observations[static_cast<size_t>(index)];
     const Rigid3d& body_from_scanner =
@@ -410,7 +412,7 @@ bool Tracker::Associate(int first_observation,
     const int id =
         FindLandmark(observation,
                      body_from_scanner,
-                     ObservationPoses(state_->trajectory, observation),
+                     poses.Of(observation),
                      pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
                      candidates,
                      options_.association);

@@ -264,7 +264,9 @@ class BoundComputer {
       observation.scan_index = scan_index;
       observation.landmark_id = landmark_id;
       state_->observations.push_back(std::move(observation));
-      CountObservation(experiment_.rig, state_->observations.back(), state_.get());
+      const Observation& added = state_->observations.back();
+      CountObservation(
+          experiment_.rig, added, ObservationPoses(state_->trajectory, added), state_.get());
     }
   }
 
