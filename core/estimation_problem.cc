@@ -1,6 +1,7 @@
 #include "core/estimation_problem.h"
 
 #include <ceres/cost_function.h>
+#include <ceres/iteration_callback.h>
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -177,6 +178,7 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
+    groups_.push_back(entry->group);
     problem_.AddResidualBlock(
         CreateSegmentGroupFactor(entry->group).release(), nullptr, blocks);
   }
@@ -237,7 +239,34 @@ std::vector<BlockId> EstimationProblem::Blocks() const {
   return blocks;
 }
 
-ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& options) {
+namespace {
+
+// Ends a solution after a step that no group has been linearised anew for.
+class LinearStepEnds : public ceres::IterationCallback {
+ public:
+  explicit LinearStepEnds(const std::vector<std::shared_ptr<LinearisedGroup>>& groups)
+      : groups_(groups) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    int num_linearisations = 0;
+    for (const auto& group : groups_) num_linearisations += group->num_linearisations();
+    const bool was_linear =
+        iteration.iteration > 0 && num_linearisations == num_linearisations_;
+    num_linearisations_ = num_linearisations;
+    return was_linear ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::vector<std::shared_ptr<LinearisedGroup>>& groups_;
+  int num_linearisations_ = 0;
+};
+
+}  // namespace
+
+ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& given) {
+  ceres::Solver::Options options = given;
+  LinearStepEnds linear_step_ends(groups_);
+  if (!groups_.empty()) options.callbacks.push_back(&linear_step_ends);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   if (!summary.IsSolutionUsable()) {

@@ -241,6 +241,15 @@ void Recutter::Replace(const ScanLine& scan_line,
   recut.landmark_id = observation->landmark_id;
   recut.taken_to = observation->landmark_id;
   recut.revision = observation->revision + 1;
+  // With other beams it may lie on its plane no more.
+  if (FindLandmark(recut,
+                   scanner.body_from_scanner,
+                   poses_.Of(recut),
+                   Matrix6d::Zero(),
+                   {*own},
+                   options_.association) < 0) {
+    recut.landmark_id = -1;
+  }
   *observation = std::move(recut);
 }
 

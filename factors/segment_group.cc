@@ -395,6 +395,7 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
   for (int i = 0; i < num_blocks; ++i) {
     at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
   }
+  ++num_linearisations_;
   SegmentGroup::Quadratic quadratic;
   group_.Linearise(parameters, &quadratic);
   has_outliers_ = quadratic.has_outliers;

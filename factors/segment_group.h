@@ -89,6 +89,8 @@ class LinearisedGroup {
   explicit LinearisedGroup(SegmentGroup group);
 
   const SegmentGroup& group() const { return group_; }
+  // How often it has been linearised.
+  int num_linearisations() const { return num_linearisations_; }
   // Whether the loss has changed nothing at the last linearisation, so that without it the
   // group would be the same.
   bool is_plain() const { return !has_outliers_; }
@@ -109,6 +111,7 @@ class LinearisedGroup {
   Eigen::VectorXd offset_;
   double rest_ = 0.0;  // the residual that no unknown can lower
   bool has_outliers_ = false;
+  int num_linearisations_ = 0;
 };
 
 // Ceres' view of a group.
