@@ -34,6 +34,9 @@ class Batch {
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
       : rig_(rig), planar_(planar), options_(options), state_(state) {}
 
+  // For the final estimation.
+  void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
+
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
     auto problem = std::make_unique<EstimationProblem>(
@@ -85,6 +88,15 @@ class Batch {
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
       CountObservation(rig_, observation, poses.Of(observation), state_);
+    }
+  }
+
+  // Only the counts: which landmarks still have segments.
+  void RecountLandmarks() {
+    for (Landmark& landmark : state_->landmarks) landmark.num_segments = 0;
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      ++state_->landmarks[static_cast<size_t>(observation.landmark_id)].num_segments;
     }
   }
 
@@ -211,7 +223,7 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  ObservationGroupCache groups_;
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 
 }  // namespace
@@ -243,10 +255,11 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool stands = num_merged == 0 && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments) {
-      batch.RebuildLandmarks();
+      batch.RecountLandmarks();
       const int num_recut = RecutSegments(rig, options, recording, state);
       VLOG(1) << "ends of " << num_recut << " segments moved";
     }
+    if (last) batch.Refine();
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
                                             last ? 0.0 : kHuberWidth);
     const ceres::Solver::Summary summary =

@@ -163,7 +163,7 @@ void EstimationProblem::AddPoints(const Observation& observation) {
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  ObservationGroupCache cache;
+  ObservationGroupCache cache(LinearisedGroup::kFine);
   AddSegments(observations, huber_width, &cache);
 }
 

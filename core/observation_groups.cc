@@ -130,6 +130,7 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
       kept.members = std::move(members);
       kept.huber_width = huber_width;
     }
+    kept.entry.group->set_validity(validity_);
     entries.push_back(&kept.entry);
   }
   return entries;

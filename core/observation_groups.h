@@ -41,12 +41,18 @@ class ObservationGroupCache {
     std::shared_ptr<LinearisedGroup> group;
   };
 
+  explicit ObservationGroupCache(const LinearisedGroup::Validity& validity)
+      : validity_(validity) {}
+
   // Groups of all these observations; valid until the next call.
   std::vector<const Entry*> Update(const Rig& rig,
                                    const Trajectory& trajectory,
                                    const std::deque<Landmark>& landmarks,
                                    const std::vector<const Observation*>& observations,
                                    double huber_width);
+
+  // From the next Update() on.
+  void set_validity(const LinearisedGroup::Validity& validity) { validity_ = validity; }
 
   // Drops the groups that begin before this control point.
   void ForgetBefore(int control_point);
@@ -68,6 +74,7 @@ class ObservationGroupCache {
     double huber_width = 0.0;
   };
 
+  LinearisedGroup::Validity validity_;
   std::map<int, Kept> groups_;  // by first control point
 };
 

@@ -404,18 +404,20 @@ bool Tracker::Associate(int first_observation,
                         int last_observation,
                         const std::vector<LandmarkCandidate>& candidates) {
   bool changed = false;
-  SharedPoses poses(state_->trajectory);
+  SharedPoses shared(state_->trajectory);
+  int64_t middle_ns = 0;
+  Matrix6d covariance;  // of the pose then
   for (int index = first_observation; index <= last_observation; ++index) {
     Observation& observation = state_->observations[static_cast<size_t>(index)];
     const Rigid3d& body_from_scanner =
         rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-    const int id =
-        FindLandmark(observation,
-                     body_from_scanner,
-                     poses.Of(observation),
-                     pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
-                     candidates,
-                     options_.association);
+    const ObservationPoses& poses = shared.Of(observation);
+    if (poses.times_ns[1] != middle_ns) {
+      middle_ns = poses.times_ns[1];
+      covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
+    }
+    const int id = FindLandmark(
+        observation, body_from_scanner, poses, covariance, candidates, options_.association);
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

@@ -73,7 +73,7 @@ class Window {
   int start_ = 0;            // first control point of the window
   History history_;          // on control points from start_ and landmarks
   std::vector<int> window_;  // observations not yet marginalised
-  ObservationGroupCache groups_;
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 
 }  // namespace plumbline
