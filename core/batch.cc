@@ -55,6 +55,13 @@ class Batch {
         associated.push_back(&observation);
       }
     }
+    for (const Observation& run : state_->short_runs) {
+      if (factor == FactorKind::kPoint) {
+        problem->AddPoints(run);
+      } else {
+        associated.push_back(&run);
+      }
+    }
     problem->AddSegments(associated, huber_width, &groups_);
     return problem;
   }
@@ -88,6 +95,10 @@ class Batch {
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
       CountObservation(rig_, observation, poses.Of(observation), state_);
+    }
+    for (const Observation& run : state_->short_runs) {
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(run.landmark_id)];
+      if (landmark.num_segments > 0) landmark.num_points += run.num_points;
     }
   }
 
@@ -191,15 +202,17 @@ class Batch {
     double num_points = 0.0;
     double constant = 0.0;
     SharedPoses poses(state_->trajectory);
-    for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id < 0) continue;
+    const auto add = [&](const Observation& observation) {
+      if (observation.landmark_id < 0) return;
       num_points += observation.num_points;
-      if (factor == FactorKind::kPoint) continue;  // its residuals hold everything
+      if (factor == FactorKind::kPoint) return;  // its residuals hold everything
       const double offset =
           ObservationWeights(rig_, poses.Of(observation), state_->landmarks, observation)
               .offset;
       constant += offset * offset * observation.measurement.constant;
-    }
+    };
+    for (const Observation& observation : state_->observations) add(observation);
+    for (const Observation& run : state_->short_runs) add(run);
     return (2.0 * summary.final_cost + constant) /
            (num_points - summary.num_effective_parameters_reduced);
   }

@@ -86,6 +86,7 @@ class PointExporter {
     recording->Rewind();
     ScanLine scan_line;
     size_t next_observation = 0;
+    size_t next_run = 0;
     const int num_scan_lines = recording->num_scan_lines();
     for (int index = 0; recording->Next(&scan_line); ++index) {
       if (index % 256 == 0) progress("writing", static_cast<double>(index) / num_scan_lines);
@@ -95,7 +96,14 @@ class PointExporter {
              observations[next_observation].scan_line_index == index) {
         ++next_observation;
       }
-      Place(scan_line, first, next_observation, recording->start_ns());
+      landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
+      for (size_t i = first; i < next_observation; ++i) Assign(observations[i]);
+      for (; next_run < state_.short_runs.size() &&
+             state_.short_runs[next_run].scan_line_index == index;
+           ++next_run) {
+        Assign(state_.short_runs[next_run]);
+      }
+      Place(scan_line, recording->start_ns());
     }
     CHECK_EQ(next_observation, state_.observations.size()) << "observations out of order";
     for (const std::string& warning : support_.Warnings()) {
@@ -109,20 +117,19 @@ class PointExporter {
   }
 
  private:
-  void Place(const ScanLine& scan_line, size_t first, size_t last, int64_t start_ns) {
-    landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
-    for (size_t i = first; i < last; ++i) {
-      const Observation& observation = state_.observations[i];
-      if (observation.landmark_id < 0) continue;
-      const Landmark* landmark =
-          &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
-      for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
-        landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
-      }
-      for (const int beam : observation.excluded_beams) {
-        landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
-      }
+  // Notes the landmark of an observation's beams.
+  void Assign(const Observation& observation) {
+    if (observation.landmark_id < 0) return;
+    const Landmark* landmark = &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
+    for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
+      landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
     }
+    for (const int beam : observation.excluded_beams) {
+      landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
+    }
+  }
+
+  void Place(const ScanLine& scan_line, int64_t start_ns) {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const Trajectory& trajectory = state_.trajectory;
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();

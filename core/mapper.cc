@@ -146,7 +146,7 @@ bool Follower::Start(const Scan& scan) {
   Trajectory trajectory(scan.start_ns + NanosecondsFromSeconds(earliest_s),
                         NanosecondsFromSeconds(interval_s),
                         {frame->world_from_body, Eigen::Vector3d::Zero()});
-  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns});
+  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());

@@ -22,7 +22,6 @@ constexpr double kMaxDistance = 1.0;  // m
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
-constexpr int kMinPoints = 2;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
@@ -87,10 +86,38 @@ class Recutter {
   struct Meeting {
     int last;  // beam before it, counted outwards from the segment's end; inside: negative
     Trace other;
+    const LandmarkCandidate* plane;
+  };
+  // Where a segment ends now, and the plane that meets its own there, if any.
+  struct NewEnd {
+    int beam;
+    const LandmarkCandidate* beyond;
+  };
+  // Beams between two segments.
+  struct Gap {
+    NewEnd before;  // of the segments on both sides
+    NewEnd after;
+    int landmark_before;  // their planes; -1: none
+    int landmark_after;
   };
 
   const LandmarkCandidate* Find(int landmark_id) const;
-  int NewEnd(const ScanLine& scan_line, const Observation& observation, const End& end);
+  NewEnd FindEnd(const ScanLine& scan_line, const Observation& observation, const End& end);
+  std::vector<Meeting> Meetings(const ScanLine& scan_line,
+                                const Rigid3d& world_from_scanner,
+                                const Trace& trace,
+                                const Eigen::Vector3d& p_world,
+                                const LandmarkCandidate& own,
+                                const End& end) const;
+  const LandmarkCandidate* Beyond(const std::vector<Meeting>& meetings,
+                                  int last,
+                                  int scan_index) const;
+  void FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap);
+  int AddShortRun(const ScanLine& scan_line,
+                  const Observation& nearby,
+                  const LandmarkCandidate& plane,
+                  const End& end,
+                  int own_landmark);
   std::optional<Meeting> Meet(const ScanLine& scan_line,
                               const Rigid3d& world_from_scanner,
                               const Trace& trace,
@@ -132,7 +159,7 @@ std::optional<Recutter::Meeting> Recutter::Meet(const ScanLine& scan_line,
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   const Eigen::Vector3d at_world = world_from_scanner * Eigen::Vector3d(at->x(), at->y(), 0.0);
   if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
-  return Meeting{static_cast<int>(std::floor(beyond)), other_trace};
+  return Meeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
 }
 
 // The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
@@ -152,45 +179,69 @@ int Recutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-int Recutter::NewEnd(const ScanLine& scan_line,
-                     const Observation& observation,
-                     const End& end) {
-  const LandmarkCandidate* own = Find(observation.landmark_id);
-  if (own == nullptr) return end.beam;
-  const bool at_last = end.step > 0;
-  const Rigid3d world_from_scanner =
-      sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
-  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-  const Trace trace(world_from_scanner, *own);
+// From outside inwards: where three planes meet, what lies beyond the first may be far from
+// the second.
+std::vector<Recutter::Meeting> Recutter::Meetings(const ScanLine& scan_line,
+                                                  const Rigid3d& world_from_scanner,
+                                                  const Trace& trace,
+                                                  const Eigen::Vector3d& p_world,
+                                                  const LandmarkCandidate& own,
+                                                  const End& end) const {
   std::vector<Meeting> meetings;
   for (const LandmarkCandidate& other : candidates_) {
-    if (other.landmark == own->landmark ||
+    if (other.landmark == own.landmark ||
         std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
       continue;
     }
     const auto meeting = Meet(scan_line, world_from_scanner, trace, other, end);
     if (meeting) meetings.push_back(*meeting);
   }
-  // From outside inwards: where three planes meet, what lies beyond the first may be far from
-  // the second.
   std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
     return a.last > b.last;
   });
-  const double far_m =
-      kFarSigmas * rig_.scanners[static_cast<size_t>(observation.scanner_index)].range_noise_m;
-  int last = end.beam;
-  int free = end.beam;  // innermost meeting outside
+  return meetings;
+}
+
+// The plane beyond an end `last` beams from where the segment ended: one that may be given
+// beams of this scan.
+const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
+                                          int last,
+                                          int scan_index) const {
+  for (const Meeting& meeting : meetings) {
+    if (std::abs(meeting.last - last) <= 1 &&
+        IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) {
+      return meeting.plane;
+    }
+  }
+  return nullptr;
+}
+
+Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
+                                   const Observation& observation,
+                                   const End& end) {
+  const LandmarkCandidate* own = Find(observation.landmark_id);
+  if (own == nullptr) return {end.beam, nullptr};
+  const bool at_last = end.step > 0;
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
+  const Rigid3d world_from_scanner =
+      sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
+      scanner.body_from_scanner;
+  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
+  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  const Trace trace(world_from_scanner, *own);
+  const std::vector<Meeting> meetings =
+      Meetings(scan_line, world_from_scanner, trace, p_world, *own, end);
+  const double far_m = kFarSigmas * scanner.range_noise_m;
+  int last = 0;  // counted outwards, as the meetings
+  int free = 0;  // innermost meeting outside
   std::vector<Trace> outside;
   for (const Meeting& meeting : meetings) {
-    const int at = end.beam + end.step * meeting.last;
     if (meeting.last >= 0) {
-      free = at;
+      free = meeting.last;
       outside.push_back(meeting.other);
       continue;
     }
-    const Eigen::Vector2d direction = scan_line.BeamDirection(last);
+    const Eigen::Vector2d direction = scan_line.BeamDirection(end.beam + end.step * last);
     const double own_range = trace.RangeAlong(direction);
     double other_range = meeting.other.RangeAlong(direction);
     // What lies behind may be hidden by a plane that meets this one farther out.
@@ -198,9 +249,13 @@ int Recutter::NewEnd(const ScanLine& scan_line,
       const double range = nearer.RangeAlong(direction);
       if (range > own_range) other_range = std::min(other_range, range);
     }
-    if (std::abs(own_range - other_range) < far_m) last = at;
+    if (std::abs(own_range - other_range) < far_m) last = meeting.last;
   }
-  return last == end.beam ? Extend(scan_line, trace, end, free) : last;
+  NewEnd result{end.beam + end.step * last, nullptr};
+  if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
+  result.beyond =
+      Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
+  return result;
 }
 
 void Recutter::Replace(const ScanLine& scan_line,
@@ -212,7 +267,7 @@ void Recutter::Replace(const ScanLine& scan_line,
     const auto& excluded = observation->excluded_beams;
     if (!std::binary_search(excluded.begin(), excluded.end(), beam)) beams.push_back(beam);
   }
-  if (static_cast<int>(beams.size()) < kMinPoints) {
+  if (beams.empty()) {
     observation->landmark_id = -1;
     return;
   }
@@ -241,16 +296,96 @@ void Recutter::Replace(const ScanLine& scan_line,
   recut.landmark_id = observation->landmark_id;
   recut.taken_to = observation->landmark_id;
   recut.revision = observation->revision + 1;
-  // With other beams it may lie on its plane no more.
-  if (FindLandmark(recut,
-                   scanner.body_from_scanner,
-                   poses_.Of(recut),
-                   Matrix6d::Zero(),
-                   {*own},
-                   options_.association) < 0) {
+  // With other beams it may lie on its plane no more. (A single beam has no line to test.)
+  if (beams.size() > 1 && FindLandmark(recut,
+                                       scanner.body_from_scanner,
+                                       poses_.Of(recut),
+                                       Matrix6d::Zero(),
+                                       {*own},
+                                       options_.association) < 0) {
     recut.landmark_id = -1;
   }
   *observation = std::move(recut);
+}
+
+// Whether a beam meets the plane where segments have been seen of it.
+bool IsOnPatch(const ScanLine& scan_line,
+               const Rigid3d& world_from_scanner,
+               const Trace& trace,
+               const LandmarkCandidate& plane,
+               int beam) {
+  constexpr double kMargin = 0.02;  // m
+  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+  const double range = trace.RangeAlong(direction);
+  if (!std::isfinite(range)) return false;
+  return plane.landmark->extent.IsWithin(
+      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0),
+      kMargin);
+}
+
+// Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
+// fit. Returns the last one taken. end: of the segment; own_landmark: its plane.
+int Recutter::AddShortRun(const ScanLine& scan_line,
+                          const Observation& nearby,
+                          const LandmarkCandidate& plane,
+                          const End& end,
+                          int own_landmark) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const int first = end.beam + end.step;
+  const Rigid3d world_from_scanner =
+      sampler_.WorldFromBody(BeamInstant(scan_line, first, rig_)) * scanner.body_from_scanner;
+  if (plane.normal.dot(world_from_scanner.translation) <= plane.distance) return end.beam;
+  const Trace trace(world_from_scanner, plane);
+  const Eigen::Vector2d direction = scan_line.BeamDirection(first);
+  const double range = trace.RangeAlong(direction);
+  if (!scanner.IsValidRange(range)) return end.beam;
+  const Eigen::Vector3d p_world =
+      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  int to = end.limit - end.step;
+  for (const Meeting& meeting :
+       Meetings(scan_line, world_from_scanner, trace, p_world, plane, end)) {
+    if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
+    to = end.beam + end.step * meeting.last;
+  }
+  int last = Extend(scan_line, trace, end, to);
+  while (last != end.beam && !IsOnPatch(scan_line, world_from_scanner, trace, plane, last)) {
+    last -= end.step;
+  }
+  const int num_points = end.step * (last - end.beam);
+  if (num_points < 1 || !IsOnPatch(scan_line, world_from_scanner, trace, plane, first)) {
+    return end.beam;
+  }
+  Observation run;
+  run.landmark_id = plane.landmark->id;
+  run.first_beam = std::min(first, last);
+  run.last_beam = std::max(first, last);
+  run.scan_index = nearby.scan_index;
+  run.scan_line_index = nearby.scan_line_index;
+  run.scanner_index = nearby.scanner_index;
+  run.sigma_offset_m = scanner.range_noise_m / std::sqrt(num_points);
+  run.sigma_direction_rad = M_PI;  // not known without the plane
+  run.measurement.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
+                                              BeamInstant(scan_line, run.last_beam, rig_));
+  if (!nearby.points.empty()) run.points.resize(1);  // so that Replace keeps them too
+  Replace(scan_line, {run.first_beam, run.last_beam}, &run);
+  if (run.landmark_id < 0) return end.beam;
+  state_->short_runs.push_back(std::move(run));
+  return last;
+}
+
+void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap) {
+  int from = gap.before.beam;
+  if (gap.before.beyond != nullptr && gap.before.beyond->landmark->id != gap.landmark_after) {
+    End end{from, 1, gap.after.beam, from, gap.landmark_after};
+    if (from + 1 < gap.after.beam) {
+      from = AddShortRun(scan_line, nearby, *gap.before.beyond, end, gap.landmark_before);
+    }
+  }
+  if (gap.after.beyond != nullptr && gap.after.beyond->landmark->id != gap.landmark_before &&
+      from + 1 < gap.after.beam) {
+    End end{gap.after.beam, -1, from, gap.after.beam, gap.landmark_before};
+    AddShortRun(scan_line, nearby, *gap.after.beyond, end, gap.landmark_after);
+  }
 }
 
 int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
@@ -262,14 +397,18 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     candidates_ = CandidatesWithinGap(state_->landmarks, scan_index, gap);
     candidates_scan_ = scan_index;
   }
-  std::vector<Range> ranges;
+  struct Ends {
+    NewEnd first;
+    NewEnd last;
+  };
+  std::vector<Ends> ends;
   for (size_t i = first; i < last; ++i) {
     const Observation& observation = observations[i];
-    Range range{observation.first_beam, observation.last_beam};
+    Ends now{{observation.first_beam, nullptr}, {observation.last_beam, nullptr}};
     if (observation.landmark_id >= 0) {
-      const int middle = range.first + (range.last - range.first) / 2;
-      End start{range.first, -1, -1, middle, -1};
-      End end{range.last, 1, scan_line.num_beams(), middle, -1};
+      const int middle = (now.first.beam + now.last.beam) / 2;
+      End start{now.first.beam, -1, -1, middle, -1};
+      End end{now.last.beam, 1, scan_line.num_beams(), middle, -1};
       if (i > first) {
         start.limit = observations[i - 1].last_beam;
         start.neighbour_landmark = observations[i - 1].landmark_id;
@@ -278,12 +417,28 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
         end.limit = observations[i + 1].first_beam;
         end.neighbour_landmark = observations[i + 1].landmark_id;
       }
-      range = {NewEnd(scan_line, observation, start), NewEnd(scan_line, observation, end)};
+      now = {FindEnd(scan_line, observation, start), FindEnd(scan_line, observation, end)};
     }
     // Each end has its own pose: neighbours may differ by a beam on where they meet.
-    if (!ranges.empty()) range.first = std::max(range.first, ranges.back().last + 1);
-    ranges.push_back(range);
+    if (!ends.empty()) {
+      now.first.beam = std::max(now.first.beam, ends.back().last.beam + 1);
+    }
+    ends.push_back(now);
   }
+  for (size_t i = 0; i <= ends.size(); ++i) {
+    Gap gap{{-1, nullptr}, {scan_line.num_beams(), nullptr}, -1, -1};
+    if (i > 0) {
+      gap.before = ends[i - 1].last;
+      gap.landmark_before = observations[first + i - 1].landmark_id;
+    }
+    if (i < ends.size()) {
+      gap.after = ends[i].first;
+      gap.landmark_after = observations[first + i].landmark_id;
+    }
+    FillGap(scan_line, observations[first], gap);
+  }
+  std::vector<Range> ranges;
+  for (const Ends& now : ends) ranges.push_back({now.first.beam, now.last.beam});
   int num_changed = 0;
   for (size_t i = first; i < last; ++i) {
     Observation& observation = state_->observations[i];
@@ -305,6 +460,9 @@ int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
                   MapState* state) {
+  // None of the new runs is to be taken for an old one.
+  const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
+  state->short_runs.clear();
   Recutter recutter(rig, options, state);
   recording->Rewind();
   ScanLine scan_line;
@@ -318,6 +476,7 @@ int RecutSegments(const Rig& rig,
     }
     if (next > first) num_changed += recutter.Recut(scan_line, first, next);
   }
+  for (Observation& run : state->short_runs) run.revision = revision;
   return num_changed;
 }
 

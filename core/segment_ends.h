@@ -15,8 +15,12 @@ namespace plumbline {
 // estimated, the crossing of two of them is known to millimetres, whatever a beam's own noise.
 //
 // An end is left alone where no other plane's patch reaches the segment's plane, and where the
-// segment still follows its plane when the other would be far off. Observations left with
-// fewer than two beams lose their landmark. Reads the recording once, from its beginning.
+// segment still follows its plane when the other would be far off. Observations left without
+// beams, or off their plane, lose their landmark.
+//
+// Beams beyond such an end that lie on the plane met there, and belong to no segment, become
+// short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
+// others. Reads the recording once, from its beginning.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,

@@ -191,7 +191,7 @@ class BoundComputer {
       Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = pose.rotation;
       Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = pose.translation;
     }
-    state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns()});
+    state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
     return true;
