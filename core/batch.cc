@@ -25,6 +25,10 @@ constexpr double kHuberWidth = 5.0;
 // unknown.
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kFinalTolerance = 1e-9;
+constexpr int kMaxIterations = 30;
+// Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
+// associations will move.
+constexpr int kRoundIterations = 1;
 // Share of the segments that may still change sides before the last estimation: what wavers
 // then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
@@ -66,11 +70,13 @@ class Batch {
     return problem;
   }
 
-  ceres::Solver::Summary Solve(double function_tolerance, EstimationProblem* problem) {
+  ceres::Solver::Summary Solve(double function_tolerance,
+                               int max_iterations,
+                               EstimationProblem* problem) {
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 30;
+    options.max_num_iterations = max_iterations;
     options.function_tolerance = function_tolerance;
     // Gauss-Newton from the start: what the window leaves is close, and damping would only
     // slow the weakly determined directions, the shape of a long loop above all.
@@ -250,7 +256,9 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.Solve(kRoundTolerance, batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  batch.Solve(kRoundTolerance,
+              kMaxIterations,
+              batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();
@@ -276,7 +284,8 @@ BatchReport EstimateBatch(const Rig& rig,
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
                                             last ? 0.0 : kHuberWidth);
     const ceres::Solver::Summary summary =
-        batch.Solve(last ? kFinalTolerance : kRoundTolerance, problem.get());
+        last ? batch.Solve(kFinalTolerance, kMaxIterations, problem.get())
+             : batch.Solve(kRoundTolerance, kRoundIterations, problem.get());
     if (!last) continue;
     report.variance_factor = batch.VarianceFactor(summary, options.batch.factor);
     const Stopwatch::Running running(&report.covariance_watch);
