@@ -38,6 +38,7 @@ class Batch {
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
       : rig_(rig), planar_(planar), options_(options), state_(state) {}
 
+  OpeningMap* openings() { return &openings_; }
   // For the final estimation.
   void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
 
@@ -242,6 +243,7 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  OpeningMap openings_;
   ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 
@@ -277,7 +279,7 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments) {
       batch.RecountLandmarks();
-      const int num_recut = RecutSegments(rig, options, recording, state);
+      const int num_recut = RecutSegments(rig, options, recording, batch.openings(), state);
       VLOG(1) << "ends of " << num_recut << " segments moved";
     }
     if (last) batch.Refine();

@@ -22,6 +22,8 @@ constexpr double kMaxDistance = 1.0;  // m
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
+// Beams on both sides of an open end that may tell of an opening.
+constexpr int kOpenBeams = 8;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
@@ -68,15 +70,20 @@ struct End {
 
 class Recutter {
  public:
-  Recutter(const Rig& rig, const MapperOptions& options, MapState* state)
+  Recutter(const Rig& rig,
+           const MapperOptions& options,
+           const OpeningMap& openings,
+           MapState* state)
       : rig_(rig),
         options_(options),
+        openings_(openings),
         state_(state),
         sampler_(state->trajectory),
         poses_(state->trajectory) {}
 
   // The observations [first, last) of a scan line; returns how many changed.
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
+  OpeningMap& new_openings() { return new_openings_; }
 
  private:
   struct Range {
@@ -109,6 +116,11 @@ class Recutter {
                                 const Eigen::Vector3d& p_world,
                                 const LandmarkCandidate& own,
                                 const End& end) const;
+  int FindOpenEnd(const ScanLine& scan_line,
+                  const Rigid3d& world_from_scanner,
+                  const Trace& trace,
+                  const LandmarkCandidate& own,
+                  const End& end);
   const LandmarkCandidate* Beyond(const std::vector<Meeting>& meetings,
                                   int last,
                                   int scan_index) const;
@@ -128,6 +140,8 @@ class Recutter {
 
   const Rig& rig_;
   const MapperOptions& options_;
+  const OpeningMap& openings_;  // as known before
+  OpeningMap new_openings_;
   MapState* state_;
   PoseSampler sampler_;
   SharedPoses poses_;
@@ -216,6 +230,44 @@ const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
   return nullptr;
 }
 
+// The end where no plane bounds it: counts what its beams tell of the plane's openings, and
+// leaves out the last ones while they lie in one that is known.
+int Recutter::FindOpenEnd(const ScanLine& scan_line,
+                          const Rigid3d& world_from_scanner,
+                          const Trace& trace,
+                          const LandmarkCandidate& own,
+                          const End& end) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const auto point = [&](int beam) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const double range = trace.RangeAlong(direction);
+    if (!scanner.IsValidRange(range)) return std::nullopt;
+    return world_from_scanner *
+           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  };
+  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
+  for (int k = 1; k <= kOpenBeams; ++k) {
+    const int beam = end.beam + k * end.step;
+    if (beam < 0 || beam >= scan_line.num_beams()) break;
+    const auto p = point(beam);
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!p || !scanner.IsValidRange(range)) continue;
+    const bool goes_through =
+        range > trace.RangeAlong(scan_line.BeamDirection(beam)) + margin_m;
+    if (goes_through) new_openings_.CountPassage(*own.landmark, *p);
+  }
+  int last = end.beam;
+  bool is_open = true;  // up to here
+  for (int k = 0; k < kOpenBeams && end.step * (end.beam - end.middle) > k; ++k) {
+    const auto p = point(end.beam - k * end.step);
+    if (!p) break;
+    new_openings_.CountHit(*own.landmark, *p);
+    is_open = is_open && openings_.IsOpening(*own.landmark, *p);
+    if (is_open) last = end.beam - (k + 1) * end.step;
+  }
+  return last;
+}
+
 Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
                                    const Observation& observation,
                                    const End& end) {
@@ -255,6 +307,15 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
   result.beyond =
       Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
+  const bool is_met =
+      std::any_of(meetings.begin(), meetings.end(), [&](const Meeting& meeting) {
+        return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
+      });
+  if (!is_met) {
+    End open = end;
+    open.beam = result.beam;
+    result.beam = FindOpenEnd(scan_line, world_from_scanner, trace, *own, open);
+  }
   return result;
 }
 
@@ -459,11 +520,12 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
+                  OpeningMap* openings,
                   MapState* state) {
   // None of the new runs is to be taken for an old one.
   const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
   state->short_runs.clear();
-  Recutter recutter(rig, options, state);
+  Recutter recutter(rig, options, *openings, state);
   recording->Rewind();
   ScanLine scan_line;
   size_t next = 0;
@@ -477,6 +539,7 @@ int RecutSegments(const Rig& rig,
     if (next > first) num_changed += recutter.Recut(scan_line, first, next);
   }
   for (Observation& run : state->short_runs) run.revision = revision;
+  *openings = std::move(recutter.new_openings());
   return num_changed;
 }
 

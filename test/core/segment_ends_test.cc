@@ -76,13 +76,14 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     writer.Write(line_);
     writer.Close();
     RecordingReader recording(path, rig_);
-    return RecutSegments(rig_, MapperOptions(), &recording, state_.get());
+    return RecutSegments(rig_, MapperOptions(), &recording, &openings_, state_.get());
   }
 
   const Observation& observation(size_t i) const { return state_->observations[i]; }
 
   Rig rig_;
   ScanLine line_;
+  OpeningMap openings_;
   std::unique_ptr<MapState> state_;
 };
 
@@ -210,6 +211,33 @@ TEST_F(ShortRunTest, IsMadeAnewEachTime) {
   Recut();
   ASSERT_EQ(state_->short_runs.size(), 1u);
   EXPECT_GT(state_->short_runs[0].revision, revision);
+}
+
+// The wall ends at a door; its jamb takes the first beams behind the edge. From elsewhere,
+// beams go through there.
+TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
+  constexpr int kEdge = 100;  // last beam on the wall
+  for (size_t beam = kEdge + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 20.0f;
+  AddObservation(kFront, 40, kEdge);
+  for (int i = 0; i < 2; ++i) {
+    Recut();
+    EXPECT_EQ(observation(0).last_beam, kEdge) << "nothing lies beyond the edge";
+  }
+  state_->observations.clear();
+  for (int beam = kEdge + 1; beam <= kEdge + 4; ++beam) {
+    line_.ranges[static_cast<size_t>(beam)] = Range(beam) + 0.1f;
+  }
+  AddObservation(kFront, 40, kEdge + 4);
+  Recut();
+  EXPECT_GE(observation(0).last_beam, kEdge);
+  EXPECT_LE(observation(0).last_beam, kEdge + 1) << "to one cell";
+}
+
+TEST_F(SegmentEndsTest, WithoutPassagesAnOpenEndStays) {
+  AddObservation(kFront, 40, kLast);
+  for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 1.0f;
+  for (int i = 0; i < 2; ++i) Recut();
+  EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
 // The cause of a bias of 0.001 degrees a corner: weights and lever arms of the segment's own
