@@ -3,137 +3,83 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <utility>
-
-#include "core/error.h"
 
 namespace plumbline {
 
-ArrowMatrix::ArrowMatrix(int num_band, int bandwidth, int num_border)
-    : num_band_(num_band),
-      band_(Eigen::MatrixXd::Zero(bandwidth + 1, num_band)),
-      border_(Eigen::MatrixXd::Zero(num_band, num_border)),
-      corner_(Eigen::MatrixXd::Zero(num_border, num_border)) {}
+std::vector<int> PositionsOf(const std::vector<int>& variables,
+                             const std::vector<int>& among) {
+  std::vector<int> positions;
+  positions.reserve(variables.size());
+  auto at = among.begin();
+  for (const int variable : variables) {
+    at = std::lower_bound(at, among.end(), variable);
+    CHECK(at != among.end() && *at == variable) << variable;
+    positions.push_back(static_cast<int>(at - among.begin()));
+  }
+  return positions;
+}
 
-void ArrowMatrix::Add(int row, int column, double value) {
-  DCHECK_GE(row, column);
-  if (row < num_band_) {
-    CHECK_LT(row - column, band_.rows()) << "outside the band";
-    band_(row - column, column) += value;
-  } else if (column < num_band_) {
-    border_(column, row - num_band_) += value;
-  } else {
-    corner_(row - num_band_, column - num_band_) += value;
+void ArrowTile::AddBorder(const std::vector<int>& variables, const Eigen::MatrixXd& block) {
+  if (!std::includes(seen.begin(), seen.end(), variables.begin(), variables.end())) {
+    std::vector<int> all;
+    std::set_union(
+        seen.begin(), seen.end(), variables.begin(), variables.end(), std::back_inserter(all));
+    Eigen::MatrixXd larger =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(all.size()), diagonal.cols());
+    larger(PositionsOf(seen, all), Eigen::all) = border;
+    seen = std::move(all);
+    border = std::move(larger);
+  }
+  border(PositionsOf(variables, seen), Eigen::all) += block;
+}
+
+ArrowMatrix::ArrowMatrix(int num_band, int tile_size, int num_border)
+    : num_band_(num_band),
+      tile_size_(tile_size),
+      corner_(Eigen::MatrixXd::Zero(num_border, num_border)) {
+  CHECK_GT(tile_size, 0);
+  for (int first = 0; first < num_band; first += tile_size) {
+    const int size = std::min(tile_size, num_band - first);
+    ArrowTile tile;
+    tile.first = first;
+    tile.diagonal.setZero(size, size);
+    tile.next.setZero(std::clamp(num_band - first - size, 0, tile_size), size);
+    tile.border.resize(0, size);
+    tiles_.push_back(std::move(tile));
   }
 }
 
 void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block) {
-  for (size_t j = 0; j < columns.size(); ++j) {
-    for (size_t i = j; i < columns.size(); ++i) {
-      Add(columns[i],
-          columns[j],
-          block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+  const auto band_end = std::lower_bound(columns.begin(), columns.end(), num_band_);
+  std::vector<int> border;
+  for (auto at = band_end; at != columns.end(); ++at) border.push_back(*at - num_band_);
+  const auto num_in_band = static_cast<Eigen::Index>(band_end - columns.begin());
+  const auto num_in_border = static_cast<Eigen::Index>(border.size());
+  corner_(border, border) += block.bottomRightCorner(num_in_border, num_in_border);
+  for (Eigen::Index begin = 0; begin < num_in_band;) {
+    const int index = columns[static_cast<size_t>(begin)] / tile_size_;
+    ArrowTile& tile = tiles_[static_cast<size_t>(index)];
+    Eigen::Index end = begin;
+    while (end < num_in_band && columns[static_cast<size_t>(end)] / tile_size_ == index) ++end;
+    Eigen::MatrixXd border_block = Eigen::MatrixXd::Zero(num_in_border, tile.size());
+    for (Eigen::Index j = begin; j < end; ++j) {
+      const int column = columns[static_cast<size_t>(j)] - tile.first;
+      for (Eigen::Index i = j; i < num_in_band; ++i) {
+        const int row = columns[static_cast<size_t>(i)] - tile.first;
+        CHECK_LT(row, 2 * tile_size_) << "outside the band";
+        if (row < tile_size_) {
+          tile.diagonal(row, column) += block(i, j);
+        } else {
+          tile.next(row - tile_size_, column) += block(i, j);
+        }
+      }
+      border_block.col(column) = block.col(j).tail(num_in_border);
     }
+    if (num_in_border > 0) tile.AddBorder(border, border_block);
+    begin = end;
   }
-}
-
-Eigen::MatrixXd ArrowMatrix::MarginaliseBand() {
-  const Eigen::Index bandwidth = band_.rows() - 1;
-  // Column by column: A = L L^T, and at the same time B <- L^-1 B.
-  for (Eigen::Index j = 0; j < num_band_; ++j) {
-    const double pivot = band_(0, j);
-    if (!(pivot > 0.0))
-      throw Error("the trajectory is not determined: singular normal matrix");
-    const double root = std::sqrt(pivot);
-    const Eigen::Index below = std::min<Eigen::Index>(bandwidth, num_band_ - 1 - j);
-    band_(0, j) = root;
-    band_.col(j).segment(1, below) /= root;
-    border_.row(j) /= root;
-    for (Eigen::Index k = 1; k <= below; ++k) {
-      const double factor = band_(k, j);
-      if (factor == 0.0) continue;
-      band_.col(j + k).head(below - k + 1) -= factor * band_.col(j).segment(k, below - k + 1);
-      border_.row(j + k) -= factor * border_.row(j);
-    }
-  }
-  const Eigen::MatrixXd corner = corner_.selfadjointView<Eigen::Lower>();
-  return corner - border_.transpose() * border_;
-}
-
-Eigen::MatrixXd ArrowInverse::BandBlock(Eigen::Index first, Eigen::Index size) const {
-  CHECK_LE(size, band.rows());
-  Eigen::MatrixXd block(size, size);
-  for (Eigen::Index j = 0; j < size; ++j) {
-    for (Eigen::Index i = j; i < size; ++i) {
-      block(i, j) = block(j, i) = band(i - j, first + j);
-    }
-  }
-  return block;
-}
-
-ArrowFactor::ArrowFactor(ArrowMatrix matrix) : matrix_(std::move(matrix)) {
-  const Eigen::MatrixXd corner = matrix_.MarginaliseBand();
-  // Scaled to a unit diagonal, so that metres and radians do not spoil the condition.
-  corner_scale_ = corner.diagonal().cwiseSqrt().cwiseInverse();
-  corner_.compute(corner_scale_.asDiagonal() * corner * corner_scale_.asDiagonal());
-  if (corner_.info() != Eigen::Success) {
-    throw Error("the planes are not determined: singular normal matrix");
-  }
-}
-
-Eigen::VectorXd ArrowFactor::Solve(const Eigen::VectorXd& right_side) const {
-  const Eigen::MatrixXd& band = matrix_.band_;
-  const Eigen::MatrixXd& border = matrix_.border_;
-  const Eigen::Index num_band = matrix_.num_band_;
-  const auto below = [&](Eigen::Index j) {
-    return std::min<Eigen::Index>(band.rows() - 1, num_band - 1 - j);
-  };
-  Eigen::VectorXd x = right_side.head(num_band);
-  for (Eigen::Index j = 0; j < num_band; ++j) {
-    x[j] /= band(0, j);
-    x.segment(j + 1, below(j)) -= x[j] * band.col(j).segment(1, below(j));
-  }
-  const Eigen::VectorXd rest = right_side.tail(border.cols()) - border.transpose() * x;
-  const Eigen::VectorXd y =
-      corner_scale_.cwiseProduct(corner_.solve(corner_scale_.cwiseProduct(rest)));
-  x -= border * y;
-  for (Eigen::Index j = num_band - 1; j >= 0; --j) {
-    x[j] =
-        (x[j] - band.col(j).segment(1, below(j)).dot(x.segment(j + 1, below(j)))) / band(0, j);
-  }
-  Eigen::VectorXd solution(right_side.size());
-  solution << x, y;
-  return solution;
-}
-
-ArrowInverse ArrowFactor::Inverse() const {
-  const Eigen::MatrixXd& band = matrix_.band_;
-  const Eigen::MatrixXd border = matrix_.border_.transpose();  // columns are contiguous
-  const Eigen::Index num_band = matrix_.num_band_;
-  const Eigen::Index num_border = border.rows();
-  ArrowInverse inverse;
-  inverse.border = corner_scale_.asDiagonal() *
-                   corner_.solve(Eigen::MatrixXd::Identity(num_border, num_border)) *
-                   corner_scale_.asDiagonal();
-  inverse.band.setZero(band.rows(), num_band);
-  Eigen::MatrixXd cross(num_border, num_band);  // transposed while it grows
-  // Z L = L^-T: entries of column j follow from those to its right.
-  for (Eigen::Index j = num_band - 1; j >= 0; --j) {
-    const Eigen::Index below = std::min(band.rows() - 1, num_band - 1 - j);
-    const auto in_band = band.col(j).segment(1, below);
-    const auto in_border = border.col(j);
-    const double pivot = band(0, j);
-    const auto right = cross.middleCols(j + 1, below);
-    cross.col(j) = -(right * in_band + inverse.border * in_border) / pivot;
-    const Eigen::VectorXd column =
-        -(inverse.BandBlock(j + 1, below) * in_band + right.transpose() * in_border) / pivot;
-    inverse.band.col(j).segment(1, below) = column;
-    inverse.band(0, j) =
-        (1.0 / pivot - column.dot(in_band) - cross.col(j).dot(in_border)) / pivot;
-  }
-  inverse.cross = cross.transpose();
-  return inverse;
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "core/error.h"
@@ -275,67 +276,101 @@ ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& gi
   return summary;
 }
 
-FullJacobian EstimationProblem::Jacobian() {
-  FullJacobian result;
-  result.blocks = Blocks();
-  result.offsets.assign(1, 0);
-  ceres::Problem::EvaluateOptions options;
-  for (const BlockId& block : result.blocks) {
-    const int offset = result.offsets.back();
+BlockLayout EstimationProblem::Layout() const {
+  BlockLayout layout;
+  layout.blocks = Blocks();
+  layout.offsets.assign(1, 0);
+  for (const BlockId& block : layout.blocks) {
     const int size = TangentSize(block);
-    double* data = Data(block);
-    options.parameter_blocks.push_back(data);
-    const int free_size = problem_.ParameterBlockTangentSize(data);
+    const int free_size = problem_.ParameterBlockTangentSize(Data(block));
+    // A landmark that is held in part is held in its heading, a position in its height.
     const bool heading_held = block.kind == BlockId::Kind::kLandmark && free_size < size;
-    for (int i = 0; i < free_size; ++i) {
-      result.full_column.push_back(offset + i + (heading_held ? 1 : 0));
+    for (int i = 0; i < size; ++i) {
+      layout.is_free.push_back(heading_held ? i > 0 : i < free_size);
     }
-    result.offsets.push_back(offset + size);
+    layout.offsets.push_back(layout.offsets.back() + size);
   }
-  problem_.Evaluate(options, nullptr, &result.residuals, nullptr, &result.matrix);
-  return result;
+  return layout;
+}
+
+void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
+                                             const ResidualVisitor& visit) const {
+  std::unordered_map<const double*, size_t> block_at;
+  for (size_t i = 0; i < layout.blocks.size(); ++i) block_at[Data(layout.blocks[i])] = i;
+  std::vector<ceres::ResidualBlockId> residual_blocks;
+  problem_.GetResidualBlocks(&residual_blocks);
+  std::vector<double*> parameters;
+  std::vector<std::pair<size_t, size_t>> order;  // position in the layout, in the parameters
+  std::vector<double> values;
+  std::vector<double*> jacobians;
+  std::vector<int> columns;
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd residuals;
+  for (const ceres::ResidualBlockId residual_block : residual_blocks) {
+    const auto num_residuals =
+        problem_.GetCostFunctionForResidualBlock(residual_block)->num_residuals();
+    problem_.GetParameterBlocksForResidualBlock(residual_block, &parameters);
+    order.clear();
+    columns.clear();
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      const auto at = block_at.find(parameters[i]);
+      if (at != block_at.end()) order.emplace_back(at->second, i);  // else: constant
+    }
+    std::sort(order.begin(), order.end());
+    for (const auto& [at, i] : order) {
+      for (int column = layout.offsets[at]; column < layout.offsets[at + 1]; ++column) {
+        if (layout.is_free[static_cast<size_t>(column)]) columns.push_back(column);
+      }
+    }
+    residuals.resize(num_residuals);
+    values.resize(static_cast<size_t>(num_residuals) * columns.size());
+    jacobians.assign(parameters.size(), nullptr);
+    double* next = values.data();
+    for (const auto& [at, i] : order) {
+      jacobians[i] = next;
+      next += num_residuals * problem_.ParameterBlockTangentSize(parameters[i]);
+    }
+    problem_.EvaluateResidualBlock(
+        residual_block, true, nullptr, residuals.data(), jacobians.data());
+    jacobian.resize(num_residuals, static_cast<Eigen::Index>(columns.size()));
+    Eigen::Index column = 0;
+    for (const auto& [at, i] : order) {
+      const int size = problem_.ParameterBlockTangentSize(parameters[i]);
+      using RowMajorMatrix =
+          Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      jacobian.middleCols(column, size) =
+          Eigen::Map<const RowMajorMatrix>(jacobians[i], num_residuals, size);
+      column += size;
+    }
+    visit(columns, jacobian, residuals);
+  }
 }
 
 NormalEquations EstimationProblem::Linearise() {
-  const FullJacobian jacobian = Jacobian();
+  const BlockLayout layout = Layout();
   NormalEquations equations;
-  equations.blocks = jacobian.blocks;
-  equations.offsets = jacobian.offsets;
+  equations.blocks = layout.blocks;
+  equations.offsets = layout.offsets;
   equations.hessian.setZero(equations.size(), equations.size());
   equations.gradient.setZero(equations.size());
-  jacobian.ForEachResidualBlock(
-      [&](size_t first_row, const std::vector<int>& columns, const Eigen::MatrixXd& block) {
-        const Eigen::Map<const Eigen::VectorXd> r(jacobian.residuals.data() + first_row,
-                                                  block.rows());
-        equations.gradient(columns) += block.transpose() * r;
-        equations.hessian(columns, columns) += block.transpose() * block;
-      });
+  Eigen::MatrixXd product;
+  Eigen::VectorXd gradient;
+  ForEachResidualBlock(layout,
+                       [&](const std::vector<int>& columns,
+                           const Eigen::MatrixXd& jacobian,
+                           const Eigen::VectorXd& residuals) {
+                         product.noalias() = jacobian.transpose() * jacobian;
+                         gradient.noalias() = jacobian.transpose() * residuals;
+                         for (size_t j = 0; j < columns.size(); ++j) {
+                           const auto at = static_cast<Eigen::Index>(j);
+                           equations.gradient[columns[j]] += gradient[at];
+                           double* const column = equations.hessian.col(columns[j]).data();
+                           for (size_t i = 0; i < columns.size(); ++i) {
+                             column[columns[i]] += product(static_cast<Eigen::Index>(i), at);
+                           }
+                         }
+                       });
   return equations;
-}
-
-void FullJacobian::ForEachResidualBlock(const BlockVisitor& visit) const {
-  const auto num_rows = static_cast<size_t>(matrix.num_rows);
-  const auto begin = [&](size_t row) { return matrix.cols.begin() + matrix.rows[row]; };
-  const auto same_columns = [&](size_t a, size_t b) {
-    return std::equal(begin(a), begin(a + 1), begin(b), begin(b + 1));
-  };
-  std::vector<int> columns;
-  Eigen::MatrixXd block;
-  for (size_t first = 0; first < num_rows;) {
-    size_t last = first + 1;
-    while (last < num_rows && same_columns(first, last)) ++last;
-    columns.clear();
-    for (auto column = begin(first); column != begin(first + 1); ++column) {
-      columns.push_back(full_column[static_cast<size_t>(*column)]);
-    }
-    block = Eigen::Map<
-        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        matrix.values.data() + matrix.rows[first],
-        static_cast<Eigen::Index>(last - first),
-        static_cast<Eigen::Index>(columns.size()));
-    visit(first, columns, block);
-    first = last;
-  }
 }
 
 }  // namespace plumbline

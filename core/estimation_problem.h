@@ -1,6 +1,5 @@
 #pragma once
 
-#include <ceres/crs_matrix.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -68,23 +67,14 @@ struct NormalEquations {
   int size() const { return offsets.back(); }
 };
 
-// All residuals and their Jacobian at a problem's current values.
-struct FullJacobian {
-  // (first row, columns in the blocks' tangents, dense block)
-  using BlockVisitor =
-      std::function<void(size_t, const std::vector<int>&, const Eigen::MatrixXd&)>;
-
+// A problem's blocks and their columns, in the blocks' full tangent spaces as in
+// NormalEquations.
+struct BlockLayout {
   std::vector<BlockId> blocks;
-  std::vector<int> offsets;  // first column of each block; the last element is their number
-  // Ceres' columns leave out the directions that a manifold holds; this maps them to ours,
-  // which have them.
-  std::vector<int> full_column;
-  std::vector<double> residuals;
-  ceres::CRSMatrix matrix;
+  std::vector<int> offsets;   // first column of each block; the last element is their number
+  std::vector<bool> is_free;  // of each column: not held by a manifold
 
-  // Calls visit for each run of rows with the same columns: those of one residual block, and
-  // sometimes of its neighbours.
-  void ForEachResidualBlock(const BlockVisitor& visit) const;
+  int size() const { return offsets.back(); }
 };
 
 // A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold,
@@ -124,7 +114,13 @@ class EstimationProblem {
 
   // Normal equations of all the residuals.
   NormalEquations Linearise();
-  FullJacobian Jacobian();
+  BlockLayout Layout() const;
+  // (columns, ascending; dense Jacobian on them; residuals) of a residual block.
+  using ResidualVisitor = std::function<void(
+      const std::vector<int>&, const Eigen::MatrixXd&, const Eigen::VectorXd&)>;
+  // Visits the residual blocks at the problem's current values, one at a time: all of them
+  // together would take more memory than anything else.
+  void ForEachResidualBlock(const BlockLayout& layout, const ResidualVisitor& visit) const;
   bool planar() const { return planar_; }
   ceres::Problem* ceres_problem() { return &problem_; }
   int TangentSize(const BlockId& block) const;

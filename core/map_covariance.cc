@@ -10,13 +10,14 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumWeakDirections = 3;
-constexpr int kMaxControlPointsOfResidual = 6;
+// A residual's control points lie in two adjacent tiles of so many.
+constexpr int kTileControlPoints = 5;
 
 // Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
 // their vectors.
 std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
                                               const Eigen::VectorXd& diagonal,
-                                              const FullJacobian& jacobian) {
+                                              const BlockLayout& layout) {
   constexpr int kSubspace = kNumWeakDirections + 3;
   constexpr int kIterations = 8;
   const Eigen::Index size = diagonal.size();
@@ -34,9 +35,7 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(basis);
     const Eigen::MatrixXd orthonormal =
         qr.householderQ() * Eigen::MatrixXd::Identity(size, dimension);
-    for (Eigen::Index j = 0; j < dimension; ++j) {
-      basis.col(j) = root.cwiseProduct(factor.Solve(root.cwiseProduct(orthonormal.col(j))));
-    }
+    basis = root.asDiagonal() * factor.Solve(root.asDiagonal() * orthonormal);
     projected = orthonormal.transpose() * basis;
     if (iteration + 1 == kIterations) basis = orthonormal;
   }
@@ -48,13 +47,13 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
     const Eigen::VectorXd direction = basis * solver.eigenvectors().col(column);
     WeakDirection found;
     found.eigenvalue = 1.0 / solver.eigenvalues()[column];
-    for (size_t b = 0; b < jacobian.blocks.size(); ++b) {
-      const int offset = jacobian.offsets[b];
+    for (size_t b = 0; b < layout.blocks.size(); ++b) {
+      const int offset = layout.offsets[b];
       const double share =
-          direction.segment(offset, jacobian.offsets[b + 1] - offset).squaredNorm();
+          direction.segment(offset, layout.offsets[b + 1] - offset).squaredNorm();
       if (share <= found.share) continue;
       found.share = share;
-      found.block = jacobian.blocks[b];
+      found.block = layout.blocks[b];
     }
     weak.push_back(found);
   }
@@ -64,52 +63,43 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
 }  // namespace
 
 MapCovariance MapCovariance::Of(EstimationProblem* problem) {
-  const FullJacobian jacobian = problem->Jacobian();
+  const BlockLayout layout = problem->Layout();
   MapCovariance result;
   result.planar_ = problem->planar();
   int num_band = 0;
   result.offsets_.push_back(0);
-  for (size_t i = 0; i < jacobian.blocks.size(); ++i) {
-    if (jacobian.blocks[i].kind != BlockId::Kind::kLandmark) {
-      num_band = jacobian.offsets[i + 1];
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    if (layout.blocks[i].kind != BlockId::Kind::kLandmark) {
+      num_band = layout.offsets[i + 1];
     } else {
-      result.landmark_ids_.push_back(jacobian.blocks[i].index);
-      result.offsets_.push_back(jacobian.offsets[i + 1] - num_band);
+      result.landmark_ids_.push_back(layout.blocks[i].index);
+      result.offsets_.push_back(layout.offsets[i + 1] - num_band);
     }
   }
-  const int size = jacobian.offsets.back();
-  const int bandwidth = kMaxControlPointsOfResidual * (result.planar_ ? 4 : 6) - 1;
-  ArrowMatrix matrix(num_band, bandwidth, size - num_band);
+  const int tile_size = kTileControlPoints * (result.planar_ ? 4 : 6);
+  ArrowMatrix matrix(num_band, tile_size, layout.size() - num_band);
   // Directions that are held get a unit diagonal and are taken out again at the end.
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size);
-  std::vector<bool> is_free(static_cast<size_t>(size), false);
-  for (const int column : jacobian.full_column) is_free[static_cast<size_t>(column)] = true;
-  for (int i = 0; i < size; ++i) {
-    if (is_free[static_cast<size_t>(i)]) continue;
-    matrix.Add(i, i, 1.0);
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(layout.size());
+  std::vector<int> held;
+  for (int i = 0; i < layout.size(); ++i) {
+    if (layout.is_free[static_cast<size_t>(i)]) continue;
+    matrix.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
     diagonal[i] = 1.0;
+    held.push_back(i);
   }
-  jacobian.ForEachResidualBlock(
-      [&](size_t, const std::vector<int>& columns, const Eigen::MatrixXd& block) {
-        const Eigen::MatrixXd product = block.transpose() * block;
-        matrix.AddBlock(columns, product);
-        for (size_t i = 0; i < columns.size(); ++i) {
-          const auto at = static_cast<Eigen::Index>(i);
-          diagonal[columns[i]] += product(at, at);
-        }
-      });
-  const ArrowFactor factor(std::move(matrix));
-  result.inverse_ = factor.Inverse();
-  for (int i = 0; i < size; ++i) {
-    if (is_free[static_cast<size_t>(i)]) continue;
-    if (i < num_band) {
-      result.inverse_.band(0, i) = 0.0;  // its other entries are zero
-    } else {
-      result.inverse_.border.row(i - num_band).setZero();
-      result.inverse_.border.col(i - num_band).setZero();
-    }
-  }
-  result.weak_directions_ = FindWeakDirections(factor, diagonal, jacobian);
+  Eigen::MatrixXd product;
+  problem->ForEachResidualBlock(layout,
+                                [&](const std::vector<int>& columns,
+                                    const Eigen::MatrixXd& jacobian,
+                                    const Eigen::VectorXd&) {
+                                  product.noalias() = jacobian.transpose() * jacobian;
+                                  matrix.AddBlock(columns, product);
+                                  diagonal(columns) += product.diagonal();
+                                });
+  ArrowFactor factor(std::move(matrix));
+  result.weak_directions_ = FindWeakDirections(factor, diagonal, layout);
+  result.inverse_ = factor.TakeInverse();
+  for (const int variable : held) result.inverse_.Clear(variable);
   return result;
 }
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/arrow_matrix.h"
+#include "core/arrow_factor.h"
 #include "core/association.h"
 #include "core/estimation_problem.h"
 #include "core/trajectory.h"
@@ -29,7 +29,7 @@ class MapCovariance {
   const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
   // First row of each landmark's parameters; the last element is the size.
   const std::vector<int>& offsets() const { return offsets_; }
-  const Eigen::MatrixXd& landmarks() const { return inverse_.border; }
+  const Eigen::MatrixXd& landmarks() const { return inverse_.border(); }
 
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;

@@ -6,6 +6,7 @@
 
 #include "core/association.h"
 #include "core/duplicates.h"
+#include "core/plan_grid.h"
 
 namespace plumbline {
 namespace {
@@ -31,6 +32,34 @@ std::optional<PatchExtent::Cell> CrossedCell(const LandmarkCandidate& plane,
   return plane.landmark->extent.MiddleCell(at, kMiddleShare);
 }
 
+// Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
+Eigen::AlignedBox2d PlanBox(const LandmarkCandidate& plane) {
+  constexpr double kRim = 0.5;  // m, more than a cell
+  const PatchExtent& extent = plane.landmark->extent;
+  Eigen::AlignedBox2d box;
+  if (extent.empty()) return box;
+  const Eigen::Vector2d rim = Eigen::Vector2d::Constant(kRim);
+  const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);
+  // Along their own normal the patch's axes may have been left behind by the plane.
+  const Eigen::Vector3d across = extent.u_axis().cross(extent.v_axis());
+  const double slope = plane.normal.dot(across);
+  if (std::abs(slope) < 0.5) {
+    constexpr double kAnywhere = 1e6;  // m
+    box.extend(Eigen::Vector2d(-kAnywhere, -kAnywhere));
+    box.extend(Eigen::Vector2d(kAnywhere, kAnywhere));
+    return box;
+  }
+  for (const auto corner : {Eigen::AlignedBox2d::BottomLeft,
+                            Eigen::AlignedBox2d::BottomRight,
+                            Eigen::AlignedBox2d::TopLeft,
+                            Eigen::AlignedBox2d::TopRight}) {
+    const Eigen::Vector3d on_axes = extent.ToWorld(patch.corner(corner));
+    const double away = (plane.distance - plane.normal.dot(on_axes)) / slope;
+    box.extend(Eigen::Vector2d((on_axes + away * across).head<2>()));
+  }
+  return box;
+}
+
 }  // namespace
 
 std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
@@ -40,6 +69,9 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   no_gap.enabled = true;
   const std::vector<LandmarkCandidate> planes =
       CandidatesWithinGap(state.landmarks, 0, no_gap);
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const LandmarkCandidate& plane : planes) boxes.push_back(PlanBox(plane));
+  PlanGrid grid(boxes);
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0) continue;
     const Rigid3d world_from_scanner =
@@ -49,12 +81,13 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
          {observation.start, observation.centroid, observation.end}) {
       const Eigen::Vector3d end_world =
           world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-      for (const LandmarkCandidate& plane : planes) {
-        if (plane.landmark->id == observation.landmark_id) continue;
-        const auto cell =
-            CrossedCell(plane, world_from_scanner.translation, end_world, margin_m);
+      const Eigen::Vector3d& start_world = world_from_scanner.translation;
+      grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
+        const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
+        if (plane.landmark->id == observation.landmark_id) return;
+        const auto cell = CrossedCell(plane, start_world, end_world, margin_m);
         if (cell) passages[static_cast<size_t>(plane.landmark->id)].Add(*cell, 1);
-      }
+      });
     }
   }
   std::vector<bool> passed_through;

@@ -35,25 +35,6 @@ ceres::Solver::Options SolverOptions() {
   return options;
 }
 
-bool IsLandmark(const BlockId& block) { return block.kind == BlockId::Kind::kLandmark; }
-
-int Size(const NormalEquations& equations, size_t block) {
-  return equations.offsets[block + 1] - equations.offsets[block];
-}
-
-// Rows of the blocks for which keep(block) is true.
-template <typename Keep>
-std::vector<int> RowsOf(const NormalEquations& equations, Keep keep) {
-  std::vector<int> rows;
-  for (size_t i = 0; i < equations.blocks.size(); ++i) {
-    if (!keep(equations.blocks[i])) continue;
-    for (int row = equations.offsets[i]; row < equations.offsets[i + 1]; ++row) {
-      rows.push_back(row);
-    }
-  }
-  return rows;
-}
-
 // Inverse on the rows and directions that are estimated; zero on the others.
 Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<int>& on) {
   std::vector<int> rows;
@@ -77,48 +58,10 @@ void SetCovariance(const Eigen::MatrixXd& covariance, Landmark* landmark) {
   landmark->covariance.topLeftCorner(covariance.rows(), covariance.cols()) = covariance;
 }
 
-// An empty system over these blocks, taken in order and once each.
-NormalEquations ZeroSystem(std::vector<BlockId> blocks, const EstimationProblem& problem) {
-  std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  NormalEquations system;
-  system.blocks = std::move(blocks);
-  system.offsets.push_back(0);
-  for (const BlockId& block : system.blocks) {
-    system.offsets.push_back(system.offsets.back() + problem.TangentSize(block));
-  }
-  system.hessian.setZero(system.size(), system.size());
-  system.gradient.setZero(system.size());
-  return system;
-}
-
-// system += part, whose blocks have these names in the system.
-void AddTo(const NormalEquations& part,
-           const std::vector<BlockId>& names,
-           NormalEquations* system) {
-  std::vector<int> rows;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const auto at = std::lower_bound(system->blocks.begin(), system->blocks.end(), names[i]) -
-                    system->blocks.begin();
-    for (int k = 0; k < Size(part, i); ++k) {
-      rows.push_back(system->offsets[static_cast<size_t>(at)] + k);
-    }
-  }
-  for (size_t j = 0; j < rows.size(); ++j) {
-    const auto column = static_cast<Eigen::Index>(j);
-    system->gradient[rows[j]] += part.gradient[column];
-    for (size_t i = 0; i < rows.size(); ++i) {
-      system->hessian(rows[i], rows[j]) += part.hessian(static_cast<Eigen::Index>(i), column);
-    }
-  }
-}
-
 }  // namespace
 
 Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
-    : rig_(rig), planar_(planar), options_(options), state_(state) {
-  history_.equations.offsets.push_back(0);
-}
+    : rig_(rig), planar_(planar), options_(options), state_(state) {}
 
 void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) const {
   for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, options_.trajectory);
@@ -156,87 +99,113 @@ Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) co
   return Log(Quaternion(now) * Quaternion(at.data()).conjugate());
 }
 
-Window::Dormant Window::EliminateDormant() const {
-  const std::set<int> in_view = LandmarksInWindow();
+bool Window::WakePlanes(const std::set<int>& in_view) {
+  std::set<int> waking;
+  for (const int id : in_view) {
+    last_in_view_[id] = num_solves_;
+    if (dormant_.Contains(id)) waking.insert(id);
+  }
+  dormant_.GiveBack(waking, state_->landmarks, &history_);
+  return !waking.empty();
+}
+
+void Window::RestPlanes() {
+  std::set<int> resting;
+  for (const BlockId& block : history_.equations.blocks) {
+    if (!IsLandmark(block)) continue;
+    const Landmark& landmark = state_->landmarks[static_cast<size_t>(block.index)];
+    // Of a plane that is held in part, the conditional would be singular.
+    if (landmark.heading_fixed) continue;
+    if (num_solves_ - last_in_view_[block.index] >= kRestAfter) resting.insert(block.index);
+  }
+  if (!resting.empty()) dormant_.TakeIn(resting, start_, &history_);
+}
+
+Window::Passive Window::EliminatePassive(const std::set<int>& in_view) const {
   const NormalEquations& past = history_.equations;
-  Dormant dormant;
+  Passive passive;
   std::vector<int> order;
   std::vector<int> active_rows;
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     const BlockId& block = past.blocks[i];
-    const bool is_dormant = IsLandmark(block) && in_view.count(block.index) == 0;
-    (is_dormant ? dormant.blocks : dormant.active_blocks).push_back(i);
+    const bool is_active =
+        IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_;
+    (is_active ? passive.active_blocks : passive.blocks).push_back(i);
     for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
-      (is_dormant ? order : active_rows).push_back(row);
+      (is_active ? active_rows : order).push_back(row);
     }
   }
-  const auto num_dormant = static_cast<Eigen::Index>(order.size());
+  const auto num_passive = static_cast<Eigen::Index>(order.size());
   order.insert(order.end(), active_rows.begin(), active_rows.end());
-  dormant.elimination =
-      Elimination::Make(past.hessian(order, order), past.gradient(order), num_dormant);
-  if (!dormant.elimination) throw Error(kNotDetermined);
-  return dormant;
+  passive.elimination =
+      Elimination::Make(past.hessian(order, order), past.gradient(order), num_passive);
+  if (!passive.elimination) throw Error(kNotDetermined);
+  return passive;
 }
 
-void Window::AddHistory(const Dormant& dormant, EstimationProblem* problem) const {
-  if (dormant.active_blocks.empty()) return;
+void Window::AddHistory(const Passive& passive, EstimationProblem* problem) const {
+  if (passive.active_blocks.empty()) return;
   Prior prior;
-  for (const size_t i : dormant.active_blocks) {
+  for (const size_t i : passive.active_blocks) {
     const BlockId& block = history_.equations.blocks[i];
     prior.blocks.push_back(block);
     prior.linear.blocks.push_back(
         {problem->KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
   }
   const MarginalisedSystem root = plumbline::Marginalise(
-      dormant.elimination->hessian(), dormant.elimination->gradient(), 0);
+      passive.elimination->hessian(), passive.elimination->gradient(), 0);
   prior.linear.root = root.root;
   prior.linear.offset = root.offset;
   problem->AddPrior(prior);
 }
 
-void Window::MoveDormant(const Dormant& dormant,
+void Window::MovePassive(const Passive& passive,
                          const EstimationProblem& problem,
                          const NormalEquations& equations,
-                         const Eigen::MatrixXd& covariance) {
-  if (dormant.blocks.empty()) return;
+                         const Eigen::MatrixXd& covariance,
+                         bool dormant_too) {
+  if (passive.blocks.empty() && !dormant_too) return;
   const NormalEquations& past = history_.equations;
-  std::vector<int> rows;  // of the history's active blocks in the solution
-  std::vector<double> moved;
-  for (const size_t i : dormant.active_blocks) {
-    const auto at =
-        std::lower_bound(equations.blocks.begin(), equations.blocks.end(), past.blocks[i]);
-    const int offset = equations.offsets[static_cast<size_t>(at - equations.blocks.begin())];
-    const Eigen::VectorXd step = Moved(problem, i);
-    for (int k = 0; k < Size(past, i); ++k) {
-      rows.push_back(offset + k);
-      moved.push_back(step[k]);
-    }
+  const std::vector<int> active_rows = RowsOf(past, passive.active_blocks);
+  const std::vector<int> passive_rows = RowsOf(past, passive.blocks);
+  Eigen::VectorXd steps(past.size());
+  std::vector<size_t> solved_blocks;  // the history's active blocks in the solution
+  for (const size_t i : passive.active_blocks) {
+    solved_blocks.push_back(FindBlock(equations, past.blocks[i]));
+    steps.segment(past.offsets[i], BlockSize(past, i)) = Moved(problem, i);
   }
-  const Eigen::VectorXd step =
-      dormant.elimination->BackSubstitute(Eigen::Map<const Eigen::VectorXd>(
-          moved.data(), static_cast<Eigen::Index>(moved.size())));
-  const Eigen::MatrixXd gain = dormant.elimination->Gain();
-  const Eigen::MatrixXd root = dormant.elimination->ConditionalRoot();
-  const Eigen::MatrixXd spread = gain * covariance(rows, rows);
-  Eigen::Index row = 0;
-  for (const size_t i : dormant.blocks) {
-    const int size = Size(past, i);
+  const std::vector<int> solved_rows = RowsOf(equations, solved_blocks);
+  steps(passive_rows) = passive.elimination->BackSubstitute(steps(active_rows));
+  const Eigen::MatrixXd gain = passive.elimination->Gain();
+  const Eigen::MatrixXd root = passive.elimination->ConditionalRoot();
+  const Eigen::MatrixXd of_active = covariance(solved_rows, solved_rows);
+  const Eigen::MatrixXd spread = gain * of_active;
+  Eigen::MatrixXd joint(past.size(), past.size());
+  joint(passive_rows, passive_rows) = root.transpose() * root + spread * gain.transpose();
+  for (const size_t i : passive.blocks) {
+    if (!IsLandmark(past.blocks[i])) continue;
+    const int row = past.offsets[i];
+    const int size = BlockSize(past, i);
     Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
     for (int k = 0; k < size; ++k) {
-      landmark.parameters[static_cast<size_t>(k)] = history_.at[i][k] + step[row + k];
+      landmark.parameters[static_cast<size_t>(k)] = history_.at[i][k] + steps[row + k];
     }
-    const auto columns = root.middleCols(row, size);
-    SetCovariance(columns.transpose() * columns +
-                      spread.middleRows(row, size) * gain.middleRows(row, size).transpose(),
-                  &landmark);
-    row += size;
+    SetCovariance(joint.block(row, row, size, size), &landmark);
   }
+  if (!dormant_too) return;
+  joint(active_rows, active_rows) = of_active;
+  joint(passive_rows, active_rows) = spread;
+  joint(active_rows, passive_rows) = spread.transpose();
+  dormant_.Update(history_, steps, joint, &state_->landmarks);
 }
 
 PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
-  const Dormant dormant = EliminateDormant();
+  ++num_solves_;
+  const std::set<int> in_view = LandmarksInWindow();
+  const bool woken = WakePlanes(in_view);
+  const Passive passive = EliminatePassive(in_view);
   EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  AddHistory(dormant, &problem);
+  AddHistory(passive, &problem);
   if (start_ == 0) AddStart(&problem);
   AddMotionPriors(&problem, start_, state_->trajectory.num_control_points() - 3);
   std::vector<const Observation*> in_window;
@@ -259,13 +228,18 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     const BlockId& block = equations.blocks[i];
     const int row = equations.offsets[i];
     if (!IsLandmark(block)) continue;
-    SetCovariance(covariance.block(row, row, Size(equations, i), Size(equations, i)),
+    SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
                   &state_->landmarks[static_cast<size_t>(block.index)]);
   }
-  MoveDormant(dormant, problem, equations, covariance);
+  MovePassive(passive,
+              problem,
+              equations,
+              covariance,
+              !dormant_.empty() && (woken || num_solves_ % kDormantPeriod == 0));
   const int64_t oldest_ns =
       std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
   Marginalise(state_->trajectory.Locate(oldest_ns).first);
+  if (num_solves_ % kRestAfter == 0) RestPlanes();
   return newest_poses;
 }
 
@@ -294,7 +268,7 @@ PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) c
     const BlockId& block = equations.blocks[i];
     if (IsLandmark(block) || block.index < newest) continue;
     const int base = 6 * (block.index - newest);
-    const int size = Size(equations, i);
+    const int size = BlockSize(equations, i);
     const int first = block.kind == BlockId::Kind::kPosition ? 3 : 3 - size;
     for (int k = 0; k < size; ++k) rows.push_back(base + first + k);
   }
@@ -329,66 +303,77 @@ void Window::Marginalise(int new_start) {
   NormalEquations& past = history_.equations;
   Eigen::VectorXd moved(past.size());
   for (size_t i = 0; i < past.blocks.size(); ++i) {
-    moved.segment(past.offsets[i], Size(past, i)) = Moved(leaving, i);
+    moved.segment(past.offsets[i], BlockSize(past, i)) = Moved(leaving, i);
   }
   past.gradient += past.hessian * moved;
+  dormant_.Rebase(history_, moved);
 
-  std::vector<BlockId> blocks = past.blocks;
-  blocks.insert(blocks.end(), added.blocks.begin(), added.blocks.end());
-  NormalEquations all = ZeroSystem(std::move(blocks), leaving);
+  std::map<BlockId, int> sizes;
+  for (const BlockId& block : past.blocks) sizes[block] = leaving.TangentSize(block);
+  for (const BlockId& block : added.blocks) sizes[block] = leaving.TangentSize(block);
+  NormalEquations all = ZeroSystem(sizes);
   AddTo(past, past.blocks, &all);
   AddTo(added, added.blocks, &all);
-  // Control points come first, by time: those that leave are the leading blocks.
-  size_t num_leaving = 0;
-  while (!IsLandmark(all.blocks[num_leaving]) && all.blocks[num_leaving].index < new_start) {
-    ++num_leaving;
-  }
-  const int leaving_rows = all.offsets[num_leaving];
+  // What dormant planes depend on stays, as an anchor.
+  const auto leaves = [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index < new_start && !dormant_.DependsOn(block);
+  };
+  std::vector<int> order = RowsOf(all, leaves);
+  const auto num_leaving = static_cast<Eigen::Index>(order.size());
+  const std::vector<int> rows =
+      RowsOf(all, [&](const BlockId& block) { return !leaves(block); });
+  order.insert(order.end(), rows.begin(), rows.end());
   const std::optional<Elimination> rest =
-      Elimination::Make(all.hessian, all.gradient, leaving_rows);
+      Elimination::Make(all.hessian(order, order), all.gradient(order), num_leaving);
   if (!rest) throw Error(kNotDetermined);
-  past.blocks.assign(all.blocks.begin() + static_cast<std::ptrdiff_t>(num_leaving),
-                     all.blocks.end());
-  past.offsets.clear();
-  for (size_t i = num_leaving; i < all.offsets.size(); ++i) {
-    past.offsets.push_back(all.offsets[i] - leaving_rows);
-  }
-  past.hessian = rest->hessian();
-  past.gradient = rest->gradient();
+  past.blocks.clear();
+  past.offsets.assign(1, 0);
   history_.at.clear();
-  for (const BlockId& block : past.blocks) {
+  for (size_t i = 0; i < all.blocks.size(); ++i) {
+    const BlockId& block = all.blocks[i];
+    if (leaves(block)) continue;
+    past.blocks.push_back(block);
+    past.offsets.push_back(past.offsets.back() + BlockSize(all, i));
     history_.at.emplace_back(
         Eigen::Map<const Eigen::VectorXd>(leaving.Data(block), leaving.AmbientSize(block)));
   }
+  past.hessian = rest->hessian();
+  past.gradient = rest->gradient();
   window_ = std::move(staying);
   start_ = new_start;
 }
 
 void Window::MergeLandmarks(int into, int from) {
+  std::set<int> waking;
+  for (const int id : {into, from}) {
+    if (dormant_.Contains(id)) waking.insert(id);
+  }
+  dormant_.GiveBack(waking, state_->landmarks, &history_);
+  for (const int id : waking) last_in_view_[id] = num_solves_;
   NormalEquations& past = history_.equations;
-  const auto find = [&](int id) {
-    return static_cast<size_t>(
-        std::find(past.blocks.begin(), past.blocks.end(), LandmarkBlock(id)) -
-        past.blocks.begin());
-  };
-  const size_t from_at = find(from);
+  const size_t from_at = FindBlock(past, LandmarkBlock(from));
   if (from_at == past.blocks.size()) return;
-  const size_t into_at = find(into);
+  const size_t into_at = FindBlock(past, LandmarkBlock(into));
   Eigen::VectorXd value = history_.at[from_at];
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(value.size());
   if (into_at < past.blocks.size()) {
     // Both about the same values first.
     value = history_.at[into_at];
-    Eigen::VectorXd shift = value - history_.at[from_at];
+    shift = value - history_.at[from_at];
     if (shift.size() == 2) shift[0] = std::remainder(shift[0], 2.0 * M_PI);
     past.gradient += past.hessian.middleCols(past.offsets[from_at], shift.size()) * shift;
   }
+  dormant_.Merge(into, from, shift);
   std::vector<BlockId> names = past.blocks;
   names[from_at] = LandmarkBlock(into);
   std::map<BlockId, Eigen::VectorXd> at;
-  for (size_t i = 0; i < names.size(); ++i) at[names[i]] = history_.at[i];
+  std::map<BlockId, int> sizes;
+  for (size_t i = 0; i < names.size(); ++i) {
+    at[names[i]] = history_.at[i];
+    sizes[names[i]] = BlockSize(past, i);
+  }
   at[LandmarkBlock(into)] = value;
-  const EstimationProblem sizes(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  NormalEquations merged = ZeroSystem(names, sizes);
+  NormalEquations merged = ZeroSystem(sizes);
   AddTo(past, names, &merged);
   const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
   history_.at.clear();

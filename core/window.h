@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
+#include "core/dormant_planes.h"
 #include "core/estimation_problem.h"
+#include "core/history.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
 #include "core/rig.h"
@@ -16,8 +19,15 @@ namespace plumbline {
 
 // The full step of the estimation while scans come in, once per knot interval (paper, section
 // 4.6, with marginalised history in place of frozen planes): all control points and planes of
-// the window. What leaves it is marginalised into a history of all the planes met so far and
-// the oldest control points that remain.
+// the window. What leaves it is marginalised into a history of the planes met so far and the
+// oldest control points that remain.
+//
+// Planes out of view for kRestAfter solves are dormant (DormantPlanes): they wait outside of
+// the history until they are seen again. Their parameters and covariances in the map, for
+// association and loop closure, are renewed every kDormantPeriod solves, a second with the
+// default knots, and in each solve that a dormant plane comes into view, as when a loop
+// closes; while none does, they hardly change. What is in view is estimated as if no plane
+// ever rested.
 class Window {
  public:
   Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
@@ -35,29 +45,31 @@ class Window {
   void MergeLandmarks(int into, int from);
 
  private:
-  // A quadratic cost on some blocks about the values they had.
-  struct History {
-    NormalEquations equations;
-    std::vector<Eigen::VectorXd> at;  // parallel to equations.blocks
-  };
+  static constexpr int kRestAfter = 16;
+  static constexpr int kDormantPeriod = 8;
 
-  // The history's planes that are not in view, eliminated: they take no part in the window's
-  // iterations and follow what the other blocks do. Positions in history_.equations.blocks.
-  struct Dormant {
+  // The history's blocks that take no part in the window's iterations, eliminated: planes out
+  // of view and anchors. They follow what the other blocks do. Positions in
+  // history_.equations.blocks.
+  struct Passive {
     std::vector<size_t> blocks;
     std::vector<size_t> active_blocks;  // the others
     std::optional<Elimination> elimination;
   };
 
-  Dormant EliminateDormant() const;
+  // Brings back what is in view from the dormant planes; true when there was any.
+  bool WakePlanes(const std::set<int>& in_view);
+  void RestPlanes();
+  Passive EliminatePassive(const std::set<int>& in_view) const;
   // What the history says of the active blocks, as a square-root prior.
-  void AddHistory(const Dormant& dormant, EstimationProblem* problem) const;
-  // Estimates and covariances of the dormant planes from the solution of the others, whose
-  // covariance is in the rows of `equations`.
-  void MoveDormant(const Dormant& dormant,
+  void AddHistory(const Passive& passive, EstimationProblem* problem) const;
+  // Estimates and covariances of the passive planes, and of the dormant ones where that is
+  // due, from the solution of the others, whose covariance is in the rows of `equations`.
+  void MovePassive(const Passive& passive,
                    const EstimationProblem& problem,
                    const NormalEquations& equations,
-                   const Eigen::MatrixXd& covariance);
+                   const Eigen::MatrixXd& covariance,
+                   bool dormant_too);
   void AddStart(EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
@@ -70,9 +82,14 @@ class Window {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  int start_ = 0;            // first control point of the window
-  History history_;          // on control points from start_ and landmarks
-  std::vector<int> window_;  // observations not yet marginalised
+  int start_ = 0;  // first control point of the window
+  // On control points from start_, on anchors before it, and on the planes that are not
+  // dormant.
+  History history_;
+  DormantPlanes dormant_;
+  int num_solves_ = 0;
+  std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
+  std::vector<int> window_;          // observations not yet marginalised
   ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 

@@ -1,0 +1,276 @@
+#include "core/dormant_planes.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "core/error.h"
+#include "factors/elimination.h"
+
+namespace plumbline {
+namespace {
+
+constexpr char kNotDetermined[] =
+    "the planes are not determined by the scans: singular estimate";
+
+// The history without its leading variables, in the order [ leaving rows | other rows ]; the
+// elimination that takes them out.
+Elimination EliminateRows(const std::vector<int>& leaving,
+                          const std::vector<int>& staying,
+                          const NormalEquations& equations) {
+  std::vector<int> order = leaving;
+  order.insert(order.end(), staying.begin(), staying.end());
+  std::optional<Elimination> elimination =
+      Elimination::Make(equations.hessian(order, order),
+                        equations.gradient(order),
+                        static_cast<Eigen::Index>(leaving.size()));
+  if (!elimination) throw Error(kNotDetermined);
+  return std::move(*elimination);
+}
+
+}  // namespace
+
+bool DormantPlanes::DependsOn(const BlockId& block) const {
+  return std::find(given_.begin(), given_.end(), block) != given_.end();
+}
+
+std::vector<int> DormantPlanes::GivenRows(const History& history) const {
+  std::vector<int> rows;
+  for (const BlockId& block : given_) {
+    const size_t at = FindBlock(history.equations, block);
+    CHECK_LT(at, history.equations.blocks.size());
+    for (int k = 0; k < BlockSize(history.equations, at); ++k) {
+      rows.push_back(history.equations.offsets[at] + k);
+    }
+  }
+  return rows;
+}
+
+std::vector<int> DormantPlanes::RowsOfPlanes(const std::set<int>& landmark_ids) const {
+  std::vector<int> rows;
+  for (const Plane& plane : planes_) {
+    if (landmark_ids.count(plane.id) == 0) continue;
+    for (int k = 0; k < plane.size; ++k) rows.push_back(plane.row + k);
+  }
+  return rows;
+}
+
+void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
+                           int first_control_point,
+                           History* history) {
+  const auto is_taken = [&](const BlockId& block) {
+    return IsLandmark(block) && landmark_ids.count(block.index) > 0;
+  };
+  const auto is_anchor = [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index < first_control_point;
+  };
+  const NormalEquations& past = history->equations;
+  std::vector<int> leaving = RowsOf(past, is_taken);
+  const auto num_taken = static_cast<Eigen::Index>(leaving.size());
+  const std::vector<int> anchors = RowsOf(past, is_anchor);
+  leaving.insert(leaving.end(), anchors.begin(), anchors.end());
+  const std::vector<int> staying = RowsOf(
+      past, [&](const BlockId& block) { return !is_taken(block) && !is_anchor(block); });
+  const Elimination elimination = EliminateRows(leaving, staying, past);
+  const auto num_staying = static_cast<Eigen::Index>(staying.size());
+  const Eigen::VectorXd mean = elimination.BackSubstitute(Eigen::VectorXd::Zero(num_staying));
+  const Eigen::MatrixXd gain = elimination.Gain();
+  const Eigen::MatrixXd root = elimination.ConditionalRoot();
+  const Eigen::MatrixXd covariance = root.transpose() * root;
+
+  // The dormant planes' dependence on what leaves, and on what stays.
+  const Eigen::Index num_before = mean_.size();
+  Eigen::MatrixXd by_history = Eigen::MatrixXd::Zero(num_before, past.size());
+  by_history(Eigen::all, GivenRows(*history)) = gain_;
+  const Eigen::MatrixXd by_leaving = by_history(Eigen::all, leaving);
+  const Eigen::MatrixXd spread = by_leaving * covariance;
+  const Eigen::Index size = num_before + num_taken;
+  Eigen::MatrixXd joint(size, size);
+  joint.topLeftCorner(num_before, num_before) = covariance_;
+  joint.topLeftCorner(num_before, num_before).noalias() += spread * by_leaving.transpose();
+  joint.bottomLeftCorner(num_taken, num_before) = spread.leftCols(num_taken).transpose();
+  joint.topRightCorner(num_before, num_taken) = spread.leftCols(num_taken);
+  joint.bottomRightCorner(num_taken, num_taken) =
+      covariance.topLeftCorner(num_taken, num_taken);
+  Eigen::MatrixXd new_gain(size, num_staying);
+  new_gain.topRows(num_before) = by_history(Eigen::all, staying);
+  new_gain.topRows(num_before).noalias() += by_leaving * gain;
+  new_gain.bottomRows(num_taken) = gain.topRows(num_taken);
+  Eigen::VectorXd new_mean(size);
+  new_mean.head(num_before) = mean_ + by_leaving * mean;
+  covariance_ = std::move(joint);
+  gain_ = std::move(new_gain);
+
+  History rest;
+  given_.clear();
+  given_offsets_.assign(1, 0);
+  auto row = static_cast<int>(num_before);
+  for (size_t i = 0; i < past.blocks.size(); ++i) {
+    const BlockId& block = past.blocks[i];
+    const int block_size = BlockSize(past, i);
+    if (is_taken(block)) {
+      new_mean.segment(row, block_size) =
+          history->at[i] + mean.segment(row - num_before, block_size);
+      planes_.push_back({block.index, row, block_size});
+      ids_.insert(block.index);
+      row += block_size;
+    } else if (!is_anchor(block)) {
+      rest.equations.blocks.push_back(block);
+      rest.equations.offsets.push_back(rest.equations.offsets.back() + block_size);
+      rest.at.push_back(std::move(history->at[i]));
+      given_.push_back(block);
+      given_offsets_.push_back(given_offsets_.back() + block_size);
+    }
+  }
+  mean_ = std::move(new_mean);
+  rest.equations.hessian = elimination.hessian();
+  rest.equations.gradient = elimination.gradient();
+  *history = std::move(rest);
+}
+
+void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
+                             const std::deque<Landmark>& landmarks,
+                             History* history) {
+  const std::vector<int> rows = RowsOfPlanes(landmark_ids);
+  if (rows.empty()) return;
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index num_given = gain_.cols();
+  // As measurements of the planes: r = y - mean - gain x, with the inverse covariance.
+  const Eigen::MatrixXd own = covariance_(rows, rows);
+  const Eigen::VectorXd scale = own.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * own * scale.asDiagonal());
+  if (factor.info() != Eigen::Success) throw Error(kNotDetermined);
+  const Eigen::MatrixXd weight = scale.asDiagonal() *
+                                 factor.solve(Eigen::MatrixXd::Identity(size, size)) *
+                                 scale.asDiagonal();
+  NormalEquations part;
+  part.blocks = given_;
+  part.offsets = given_offsets_;
+  std::map<BlockId, Eigen::VectorXd> at;
+  for (size_t i = 0; i < history->at.size(); ++i) {
+    at[history->equations.blocks[i]] = history->at[i];
+  }
+  Eigen::VectorXd residual(size);
+  Eigen::Index row = 0;
+  for (const Plane& plane : planes_) {
+    if (landmark_ids.count(plane.id) == 0) continue;
+    const Landmark& landmark = landmarks[static_cast<size_t>(plane.id)];
+    const Eigen::VectorXd value =
+        Eigen::Map<const Eigen::VectorXd>(landmark.parameters.data(), plane.size);
+    residual.segment(row, plane.size) = value - mean_.segment(plane.row, plane.size);
+    part.blocks.push_back(LandmarkBlock(plane.id));
+    part.offsets.push_back(part.offsets.back() + plane.size);
+    at[part.blocks.back()] = value;
+    row += plane.size;
+  }
+  Eigen::MatrixXd jacobian(size, num_given + size);
+  jacobian << -gain_(rows, Eigen::all), Eigen::MatrixXd::Identity(size, size);
+  const Eigen::MatrixXd weighted = weight * jacobian;
+  part.hessian = jacobian.transpose() * weighted;
+  part.gradient = weighted.transpose() * residual;
+
+  std::map<BlockId, int> sizes;
+  for (size_t i = 0; i < part.blocks.size(); ++i) {
+    sizes[part.blocks[i]] = BlockSize(part, i);
+  }
+  for (size_t i = 0; i < history->equations.blocks.size(); ++i) {
+    sizes[history->equations.blocks[i]] = BlockSize(history->equations, i);
+  }
+  NormalEquations all = ZeroSystem(sizes);
+  AddTo(history->equations, history->equations.blocks, &all);
+  AddTo(part, part.blocks, &all);
+  history->equations = std::move(all);
+  history->at.clear();
+  for (const BlockId& block : history->equations.blocks) history->at.push_back(at.at(block));
+
+  // The others, given these too.
+  const Eigen::MatrixXd regression = covariance_(Eigen::all, rows) * weight;
+  mean_ += regression * residual;
+  Eigen::MatrixXd gain(mean_.size(), num_given + size);
+  gain.leftCols(num_given) = gain_;
+  gain.leftCols(num_given).noalias() -= regression * gain_(rows, Eigen::all);
+  gain.rightCols(size) = regression;
+  const Eigen::MatrixXd cross = covariance_(rows, Eigen::all);
+  covariance_.noalias() -= regression * cross;
+  gain_ = std::move(gain);
+  given_ = std::move(part.blocks);
+  given_offsets_ = std::move(part.offsets);
+  RemovePlanes(landmark_ids);
+}
+
+void DormantPlanes::RemovePlanes(const std::set<int>& landmark_ids) {
+  std::vector<int> rows;
+  std::vector<Plane> planes;
+  for (Plane plane : planes_) {
+    if (landmark_ids.count(plane.id) > 0) {
+      ids_.erase(plane.id);
+      continue;
+    }
+    const auto row = static_cast<int>(rows.size());
+    for (int k = 0; k < plane.size; ++k) rows.push_back(plane.row + k);
+    plane.row = row;
+    planes.push_back(plane);
+  }
+  planes_ = std::move(planes);
+  mean_ = mean_(rows).eval();
+  gain_ = gain_(rows, Eigen::all).eval();
+  covariance_ = covariance_(rows, rows).eval();
+}
+
+void DormantPlanes::Rebase(const History& history, const Eigen::VectorXd& moved) {
+  mean_ += gain_ * moved(GivenRows(history));
+}
+
+void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift) {
+  const auto find = [&](int id) {
+    return static_cast<size_t>(std::find(given_.begin(), given_.end(), LandmarkBlock(id)) -
+                               given_.begin());
+  };
+  const size_t from_at = find(from);
+  if (from_at == given_.size()) return;
+  const int size = given_offsets_[from_at + 1] - given_offsets_[from_at];
+  mean_ += gain_.middleCols(given_offsets_[from_at], size) * shift;
+  const size_t into_at = find(into);
+  if (into_at == given_.size()) {
+    given_[from_at] = LandmarkBlock(into);
+    return;
+  }
+  gain_.middleCols(given_offsets_[into_at], size) +=
+      gain_.middleCols(given_offsets_[from_at], size);
+  std::vector<int> columns(static_cast<size_t>(gain_.cols()));
+  std::iota(columns.begin(), columns.end(), 0);
+  columns.erase(columns.begin() + given_offsets_[from_at],
+                columns.begin() + given_offsets_[from_at + 1]);
+  gain_ = gain_(Eigen::all, columns).eval();
+  given_.erase(given_.begin() + static_cast<std::ptrdiff_t>(from_at));
+  given_offsets_.erase(given_offsets_.begin() + static_cast<std::ptrdiff_t>(from_at) + 1);
+  for (size_t i = from_at + 1; i < given_offsets_.size(); ++i) given_offsets_[i] -= size;
+}
+
+void DormantPlanes::Update(const History& history,
+                           const Eigen::VectorXd& steps,
+                           const Eigen::MatrixXd& covariance,
+                           std::deque<Landmark>* landmarks) const {
+  const std::vector<int> rows = GivenRows(history);
+  const Eigen::VectorXd estimate = mean_ + gain_ * steps(rows);
+  const Eigen::MatrixXd of_given = covariance(rows, rows);
+  const Eigen::MatrixXd spread = gain_ * of_given;
+  for (const Plane& plane : planes_) {
+    Landmark& landmark = (*landmarks)[static_cast<size_t>(plane.id)];
+    for (int k = 0; k < plane.size; ++k) {
+      landmark.parameters[static_cast<size_t>(k)] = estimate[plane.row + k];
+    }
+    landmark.covariance.setZero();
+    landmark.covariance.topLeftCorner(plane.size, plane.size) =
+        covariance_.block(plane.row, plane.row, plane.size, plane.size) +
+        spread.middleRows(plane.row, plane.size) *
+            gain_.middleRows(plane.row, plane.size).transpose();
+  }
+}
+
+}  // namespace plumbline
