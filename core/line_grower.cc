@@ -20,13 +20,13 @@ void LineGrower::Clear() {
 }
 
 void LineGrower::TakeUpAll(int first, int last, const Eigen::Vector2d& q) {
-  q_ = q;
+  line_ = {q.x(), q.y(), 1.0};
   for (int i = first; i <= last; ++i) {
-    BeamFan::Prediction prediction;
-    if (!fan_.IsOnLine(i, q) || !fan_.Predict(i, q, &prediction)) continue;
-    TakeUp(i, prediction);
-    chi2_.push_back(sums_.back().Chi2());
+    BeamFan::Meeting at;
+    if (fan_.Meet(i, line_, &at) && fan_.IsOnLine(at)) TakeUp(i, at);
   }
+  chi2_.resize(sums_.size());
+  chi2_.back() = sums_.back().Chi2();
 }
 
 void LineGrower::Truncate(int num_points) {
@@ -34,15 +34,16 @@ void LineGrower::Truncate(int num_points) {
   point_beams_.resize(n);
   sums_.resize(n + 1);
   chi2_.resize(n + 1);
-  if (sums_.back().IsSolvable()) q_ = sums_.back().Solve();
+  if (sums_.back().IsSolvable()) line_ = sums_.back().SolveScaled();
 }
 
-void LineGrower::TakeUp(int beam, const BeamFan::Prediction& prediction) {
-  const double residual = fan_.beam(beam).range - prediction.range;
+// Linearised at line_: an observation of q itself, not of its change.
+void LineGrower::TakeUp(int beam, const BeamFan::Meeting& at) {
+  const double weight = 1.0 / at.variance;
+  const double value = at.slope * (line_.scale - at.excess);
   point_beams_.push_back(beam);
   sums_.push_back(sums_.back());
-  sums_.back().Add(
-      prediction.row, prediction.row.dot(q_) - residual, 1.0 / prediction.variance);
+  sums_.back().Add(line_.scale * at.point, value, weight);
 }
 
 bool LineGrower::Seed(int first) {
@@ -52,8 +53,8 @@ bool LineGrower::Seed(int first) {
   NormalEquations measured;
   int gap = 0;
   for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
-    const BeamFan::Beam& beam = fan_.beam(i);
-    if (!beam.is_valid) continue;
+    if (!fan_.HasReturn(i)) continue;
+    const BeamFan::Beam beam = fan_.beam(i);
     gap = -1;
     measured.Add(beam.origin + beam.range * beam.direction,
                  1.0,
@@ -63,38 +64,42 @@ bool LineGrower::Seed(int first) {
   }
   if (static_cast<int>(seed_beams_.size()) < thresholds_.min_points) return false;
   if (!measured.IsSolvable()) return false;
-  q_ = measured.Solve();
+  line_ = measured.SolveScaled();
   for (const int i : seed_beams_) {
-    BeamFan::Prediction prediction;
-    if (!fan_.Predict(i, q_, &prediction)) return false;
-    TakeUp(i, prediction);
+    BeamFan::Meeting at;
+    if (!fan_.Meet(i, line_, &at)) return false;
+    TakeUp(i, at);
     chi2_.push_back(sums_.back().Chi2());
   }
   if (!sums_.back().IsSolvable()) return false;
-  q_ = sums_.back().Solve();
+  line_ = sums_.back().SolveScaled();
   return chi2_.back() <= thresholds_.seed;
 }
 
+// Each step waits for the line that the step before leaves. Hence the scaled line, and the
+// sums outside the array.
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
+  NormalEquations sum = sums_.back();
+  ScaledLine line = line_;
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
-    BeamFan::Prediction prediction;
-    if (!fan_.beam(i).is_valid || !fan_.Predict(i, q_, &prediction)) continue;
-    const double residual = fan_.beam(i).range - prediction.range;
+    BeamFan::Meeting at;
+    if (!fan_.HasReturn(i) || !fan_.Meet(i, line, &at)) continue;
+    const Eigen::Vector2d row = line.scale * at.point;
     // The variance of the line so far matters only to beams that it can let in.
+    const double residual = at.slope * at.excess;
     const double square = residual * residual * inverse_outlier_threshold;
-    if (square > prediction.variance &&
-        square > prediction.variance + sums_.back().VarianceOf(prediction.row)) {
-      continue;
-    }
-    TakeUp(i, prediction);
-    const NormalEquations& sum = sums_.back();
-    q_ = sum.Solve();
-    chi2_.push_back(sum.square - sum.x * q_.x() - sum.y * q_.y());
+    if (square > at.variance && square > at.variance + sum.VarianceOf(row)) continue;
+    sum.Add(row, at.slope * (line.scale - at.excess), 1.0 / at.variance);
+    line = sum.SolveScaled();
+    point_beams_.push_back(i);
+    sums_.push_back(sum);
+    chi2_.push_back(sum.square - (sum.x * line.x + sum.y * line.y) / line.scale);
     gap = -1;
-    if (EndAtChange(static_cast<size_t>(num_kept))) return;
+    if (point_beams_.size() % 2 == 0 && EndAtChange(static_cast<size_t>(num_kept))) return;
   }
+  line_ = line;
 }
 
 // Tests the last 4, 8, 16, ... points against those before, a run of length 2 h whenever h
@@ -125,10 +130,14 @@ bool LineGrower::EndAtChange(size_t num_kept) {
 }
 
 // Sum of squares when the points from `begin` to before `end` lie on a line of their own and
-// all others on another.
+// all others on another: in the usual case with one division for both.
 double LineGrower::SplitChi2(size_t begin, size_t end) const {
   const NormalEquations run = sums_[end] - sums_[begin];
-  return run.Chi2() + (sums_.back() - run).Chi2();
+  const NormalEquations rest = sums_.back() - run;
+  if (!run.IsSolvable() || !rest.IsSolvable()) return run.Chi2() + rest.Chi2();
+  const double a = run.Determinant();
+  const double b = rest.Determinant();
+  return sums_.back().square - (run.ScaledGain() * b + rest.ScaledGain() * a) / (a * b);
 }
 
 bool LineGrower::FindForeignRun(int* begin, int* end) const {

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -101,7 +102,7 @@ void Segmenter::GrowAll() {
       end = num_beams;
       starts_at_change = true;
     }
-    if (!fan_.beam(next).is_valid || !grower_.Seed(next)) {
+    if (!fan_.HasReturn(next) || !grower_.Seed(next)) {
       ++next;
       continue;
     }
@@ -151,15 +152,9 @@ void Segmenter::AddGrownPiece(bool starts_at_change) {
 // remain.
 bool Segmenter::Fit(int max_iterations, Piece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    NormalEquations sum;
     int num_points = 0;
-    for (int i = piece->first; i <= piece->last; ++i) {
-      BeamFan::Prediction prediction;
-      double residual;
-      if (!fan_.Match(i, piece->q, &prediction, &residual)) continue;
-      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
-      ++num_points;
-    }
+    const NormalEquations sum =
+        fan_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
     if (num_points < options_.min_points || !sum.IsSolvable()) return false;
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
@@ -185,15 +180,24 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
 // `split` on both sides. Second: the change of chi square with respect to `split`.
 std::pair<int, double> Segmenter::BestSplit(
     const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
+  constexpr int kBlock = BeamFan::kBlock;
+  std::array<double, kBlock> differences;
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
-    cost += fan_.Deviation(i, a) - fan_.Deviation(i, b);
+    const int k = (i - split - 1) % kBlock;
+    if (k == 0) differences = fan_.DeviationDifferences(i, a, b);
+    cost += differences[static_cast<size_t>(k)];
     if (cost < best.second) best = {i, cost};
   }
   cost = 0.0;
+  int block = split + 1;  // first of the block before
   for (int i = split; i >= first && cost < best.second + limits_.run; --i) {
-    cost += fan_.Deviation(i, b) - fan_.Deviation(i, a);
+    if (i < block) {
+      block = std::max(0, block - kBlock);
+      differences = fan_.DeviationDifferences(block, b, a);
+    }
+    cost += differences[static_cast<size_t>(i - block)];
     if (cost < best.second) best = {i - 1, cost};
   }
   return best;
@@ -228,8 +232,10 @@ bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
 // Is the piece b between a and c needed, or do the lines a and c explain its beams?
 bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
   double cost = 0.0;
-  for (int i = b.first; i <= b.last; ++i) {
-    cost += fan_.Deviation(i, c.q) - fan_.Deviation(i, b.q);
+  for (int block = b.first; block <= b.last; block += BeamFan::kBlock) {
+    const auto differences = fan_.DeviationDifferences(block, c.q, b.q);
+    const int size = std::min(BeamFan::kBlock, b.last + 1 - block);
+    for (int k = 0; k < size; ++k) cost += differences[static_cast<size_t>(k)];
   }
   return cost + BestSplit(a.q, c.q, b.first, b.last, b.first - 1).second > limits_.run;
 }
@@ -404,23 +410,19 @@ void CheckConsistent(const Segment& segment, int min_points) {
 // The line's statistics follow from the information of q, since n . p = d for the points it is
 // made of: |q|^2 information = sum w p p^T, w = 1 / variance of a point along the normal.
 bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
-  NormalEquations sum;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    BeamFan::Prediction prediction;
-    double residual;
-    if (fan_.Match(i, piece.q, &prediction, &residual)) {
-      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
-      if (segment->num_points == 0) segment->first_beam = i;
-      segment->last_beam = i;
-      ++segment->num_points;
-    } else if (segment->num_points > 0) {
-      segment->excluded_beams.push_back(i);
-    }
-  }
+  int first = piece.first;
+  int last = piece.last;
+  while (first < last && !fan_.IsOnLine(first, piece.q)) ++first;
+  while (first < last && !fan_.IsOnLine(last, piece.q)) --last;
+  const NormalEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
   if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
-  while (!segment->excluded_beams.empty() &&
-         segment->excluded_beams.back() > segment->last_beam) {
-    segment->excluded_beams.pop_back();
+  segment->first_beam = first;
+  segment->last_beam = last;
+  if (segment->num_points < last - first + 1) {
+    for (int i = first; i <= last; ++i) {
+      if (!fan_.IsOnLine(i, piece.q)) segment->excluded_beams.push_back(i);
+    }
+    segment->num_points = last - first + 1 - static_cast<int>(segment->excluded_beams.size());
   }
   const Eigen::Vector2d change = sum.Solve();
   const Eigen::Vector2d q = piece.q + change;
