@@ -131,22 +131,18 @@ NormalEquations BeamFan::SumOnLine(int first,
   return {Sum(xx), Sum(xy), Sum(yy), Sum(x), Sum(y), Sum(square)};
 }
 
-std::array<double, BeamFan::kBlock> BeamFan::DeviationDifferences(
-    int first, const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
-  const auto deviation = [&](int i, const Eigen::Vector2d& q) {
-    const PairMeeting at = MeetPair(i, q);
-    const Pair ratio = at.f * at.f / at.variance;
-    return at.is_met & (ratio < outlier_threshold_)
-               ? ratio
-               : Pair{outlier_threshold_, outlier_threshold_};
-  };
-  std::array<double, kBlock> differences;
+std::array<double, BeamFan::kBlock> BeamFan::Deviations(int first,
+                                                        const Eigen::Vector2d& q) const {
+  const Pair largest = {outlier_threshold_, outlier_threshold_};
+  std::array<double, kBlock> deviations;
   for (int k = 0; k < kBlock; k += 2) {
     const Pair range = Load(range_ + first + k);
-    const Pair difference = deviation(first + k, a) - deviation(first + k, b);
-    Store(range == range ? difference : Pair{}, &differences[static_cast<size_t>(k)]);
+    const PairMeeting at = MeetPair(first + k, q);
+    const Pair square = at.f * at.f / at.variance;
+    const Pair deviation = at.is_met & (square < largest) ? square : largest;
+    Store(range == range ? deviation : Pair{}, &deviations[static_cast<size_t>(k)]);
   }
-  return differences;
+  return deviations;
 }
 
 }  // namespace plumbline

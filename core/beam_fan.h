@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "core/rig.h"
@@ -93,11 +94,12 @@ class BeamFan {
     double range;
     double variance;
   };
-  // s, N, e, p and V of a beam for a scaled line q = (x, y) / scale: all of them times scale
-  // to the power at which they contain q (e and N: the first).
+  // Of a beam and a scaled line q = (x, y) / scale; each times scale to the power at which it
+  // contains q (N and e: the first).
   struct Meeting {
-    double slope;
-    double excess;  // e
+    double slope;      // s
+    double numerator;  // N
+    double excess;     // e
     Eigen::Vector2d point;
     double variance;  // V
   };
@@ -139,6 +141,7 @@ class BeamFan {
     const double by_angle = angle_noise_ * numerator * cross;
     const double slope2 = slope * slope;
     meeting->slope = slope;
+    meeting->numerator = numerator;
     meeting->excess = range_[i] * slope - numerator;
     meeting->point = {slope * origin_x_[i] + numerator * direction_x_[i],
                       slope * origin_y_[i] + numerator * direction_y_[i]};
@@ -161,13 +164,29 @@ class BeamFan {
                             const Eigen::Vector2d& q,
                             int* num_points) const;
 
-  // By how much the beams first .. first + N - 1 deviate more from the line a than from b. A
-  // deviation is the squared whitened range residual, at most the outlier threshold; 0 without
-  // a return and past the last beam.
-  static constexpr int kBlock = 8;
-  std::array<double, kBlock> DeviationDifferences(int first,
-                                                  const Eigen::Vector2d& a,
-                                                  const Eigen::Vector2d& b) const;
+  // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most the
+  // outlier threshold; 0 without a return and past the last beam.
+  static constexpr int kBlock = 4;
+  std::array<double, kBlock> Deviations(int first, const Eigen::Vector2d& q) const;
+
+  // Difference of the ranges that two lines predict in standard deviations of a range.
+  struct Separation {
+    double square;  // infinite unless the beam meets both lines
+    bool is_above;  // the first predicts the longer range
+  };
+  Separation Separate(int i, const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+    Meeting in_a, in_b;
+    if (!Meet(i, {a.x(), a.y(), 1.0}, &in_a) || !Meet(i, {b.x(), b.y(), 1.0}, &in_b)) {
+      return {std::numeric_limits<double>::infinity(), true};
+    }
+    const double product = in_a.slope * in_b.slope;
+    const double difference = in_a.numerator * in_b.slope - in_b.numerator * in_a.slope;
+    const double a2 = in_a.slope * in_a.slope;
+    const double b2 = in_b.slope * in_b.slope;
+    return {2.0 * difference * difference * (product * product) /
+                (in_a.variance * (b2 * b2) + in_b.variance * (a2 * a2)),
+            difference > 0.0};
+  }
 
   // Where the beam meets the line.
   Eigen::Vector2d PointOnLine(int i, const Eigen::Vector2d& q) const {
