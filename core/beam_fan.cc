@@ -8,7 +8,6 @@ namespace {
 
 // Two beams at a time: all x86-64 and ARM64 processors compute so.
 using Pair = double __attribute__((vector_size(16)));
-using PairMask = decltype(Pair() < Pair());
 
 Pair Load(const double* from) {
   Pair pair;
@@ -20,14 +19,17 @@ void Store(const Pair& pair, double* to) { std::memcpy(to, &pair, sizeof(pair));
 
 double Sum(const Pair& pair) { return pair[0] + pair[1]; }
 
+// NaN where b is.
+Pair Smaller(const Pair& a, const Pair& b) { return a < b ? a : b; }
+
 }  // namespace
 
 // See the comment of the class.
 struct BeamFan::PairMeeting {
   Pair point_x, point_y;  // p
   Pair f;
-  Pair variance;    // V
-  PairMask is_met;  // f and V make sense
+  Pair variance;  // V
+  Pair is_met;    // positive if f and V make sense
 };
 
 inline BeamFan::PairMeeting BeamFan::MeetPair(int i, const Eigen::Vector2d& q) const {
@@ -45,7 +47,7 @@ inline BeamFan::PairMeeting BeamFan::MeetPair(int i, const Eigen::Vector2d& q) c
           slope * oy + numerator * uy,
           slope * (Load(range_ + i) * slope - numerator),
           range_variance_ * (slope2 * slope2) + by_angle * by_angle,
-          (numerator > 0.0) & (slope * (2.0 * max_range_) > numerator)};
+          Smaller(numerator, slope * (2.0 * max_range_) - numerator)};
 }
 
 // With a constant twist (v, w) the scanner at time t is turned by w t and lies at
@@ -108,26 +110,25 @@ NormalEquations BeamFan::SumOnLine(int first,
                                    int last,
                                    const Eigen::Vector2d& q,
                                    int* num_points) const {
-  Pair xx{}, xy{}, yy{}, x{}, y{}, square{};
-  PairMask minus_count{};
+  Pair count{}, xx{}, xy{}, yy{}, x{}, y{}, square{};
   for (int i = first; i <= last; i += 2) {
+    const Pair one = {1.0, i < last ? 1.0 : 0.0};
     const PairMeeting at = MeetPair(i, q);
-    const Pair f2 = at.f * at.f;
-    PairMask counts = at.is_met & (f2 < outlier_threshold_ * at.variance);
-    if (i == last) counts &= PairMask{-1, 0};
-    const Pair weight = counts ? 1.0 / at.variance : Pair{};
+    // One number decides about all conditions: masks that are combined get taken apart.
+    const Pair counts = Smaller(at.is_met, outlier_threshold_ * at.variance - at.f * at.f);
+    const Pair weight = counts > 0.0 ? one / at.variance : Pair{};
+    const Pair f = counts > 0.0 ? at.f : Pair{};  // NaN without a return
     const Pair weighted_x = weight * at.point_x;
     const Pair weighted_y = weight * at.point_y;
-    const Pair f = counts ? at.f : Pair{};  // NaN without a return
     xx += weighted_x * at.point_x;
     xy += weighted_x * at.point_y;
     yy += weighted_y * at.point_y;
     x -= weighted_x * f;
     y -= weighted_y * f;
     square += weight * (f * f);
-    minus_count += counts;
+    count += counts > 0.0 ? one : Pair{};
   }
-  *num_points = static_cast<int>(-(minus_count[0] + minus_count[1]));
+  *num_points = static_cast<int>(Sum(count));
   return {Sum(xx), Sum(xy), Sum(yy), Sum(x), Sum(y), Sum(square)};
 }
 
@@ -138,8 +139,8 @@ std::array<double, BeamFan::kBlock> BeamFan::Deviations(int first,
   for (int k = 0; k < kBlock; k += 2) {
     const Pair range = Load(range_ + first + k);
     const PairMeeting at = MeetPair(first + k, q);
-    const Pair square = at.f * at.f / at.variance;
-    const Pair deviation = at.is_met & (square < largest) ? square : largest;
+    const Pair deviation =
+        at.is_met > 0.0 ? Smaller(at.f * at.f / at.variance, largest) : largest;
     Store(range == range ? deviation : Pair{}, &deviations[static_cast<size_t>(k)]);
   }
   return deviations;
