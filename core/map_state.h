@@ -22,7 +22,7 @@ struct MapState {
   int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
   // Beams of planes between segments, too few for one of their own (core/segment_ends.h), with
   // their landmarks; by scan line and beam.
-  std::deque<Observation> short_runs;
+  std::deque<Observation> short_runs = {};
 };
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
