@@ -9,6 +9,7 @@
 
 #include "core/association.h"
 #include "core/scan_reader.h"
+#include "core/scan_trace.h"
 
 namespace plumbline {
 namespace {
@@ -28,35 +29,6 @@ constexpr int kOpenBeams = 8;
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
-
-// Trace of a plane in the scan plane: normal . p = distance. The normal's length is the sine
-// of the angle between the planes.
-struct Trace {
-  Eigen::Vector2d normal;
-  double distance;
-
-  Trace(const Rigid3d& world_from_scanner, const LandmarkCandidate& plane) {
-    const Eigen::Vector3d normal_scanner =
-        world_from_scanner.rotation.conjugate() * plane.normal;
-    normal = normal_scanner.head<2>();
-    distance = plane.distance - plane.normal.dot(world_from_scanner.translation);
-  }
-
-  // Infinite where the beam does not meet the plane.
-  double RangeAlong(const Eigen::Vector2d& direction) const {
-    const double range = distance / normal.dot(direction);
-    return range > 0.0 ? range : std::numeric_limits<double>::infinity();
-  }
-};
-
-std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
-  constexpr double kMinSine = 0.02;
-  const double sine = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
-  if (std::abs(sine) < kMinSine) return std::nullopt;
-  return Eigen::Vector2d(a.distance * b.normal.y() - b.distance * a.normal.y(),
-                         b.distance * a.normal.x() - a.distance * b.normal.x()) /
-         sine;
-}
 
 // One end of a segment: its last beam, which way the beams leave it, and how far they are
 // free.
@@ -367,21 +339,6 @@ void Recutter::Replace(const ScanLine& scan_line,
     recut.landmark_id = -1;
   }
   *observation = std::move(recut);
-}
-
-// Whether a beam meets the plane where segments have been seen of it.
-bool IsOnPatch(const ScanLine& scan_line,
-               const Rigid3d& world_from_scanner,
-               const Trace& trace,
-               const LandmarkCandidate& plane,
-               int beam) {
-  constexpr double kMargin = 0.02;  // m
-  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-  const double range = trace.RangeAlong(direction);
-  if (!std::isfinite(range)) return false;
-  return plane.landmark->extent.IsWithin(
-      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0),
-      kMargin);
 }
 
 // Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
