@@ -158,14 +158,20 @@ class BeamFan {
     return Meet(i, {q.x(), q.y(), 1.0}, &at) && IsOnLine(at);
   }
 
+  // Leaves out beams at both ends that are not on the line, except one.
+  void TrimToLine(const Eigen::Vector2d& q, int* first, int* last) const {
+    while (*first < *last && !IsOnLine(*first, q)) ++*first;
+    while (*first < *last && !IsOnLine(*last, q)) --*last;
+  }
+
   // Normal equations for a change of q from the beams first .. last that are on the line.
   NormalEquations SumOnLine(int first,
                             int last,
                             const Eigen::Vector2d& q,
                             int* num_points) const;
 
-  // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most the
-  // outlier threshold; 0 without a return and past the last beam.
+  // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most
+  // the outlier threshold; 0 without a return and past the last beam.
   static constexpr int kBlock = 4;
   std::array<double, kBlock> Deviations(int first, const Eigen::Vector2d& q) const;
 

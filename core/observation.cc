@@ -26,7 +26,8 @@ struct Line {
 };
 
 // Calls visit(index, beam, x, y, range) for the beams of a segment that count, along (x, y).
-// Each direction is that of the beam before turned on: exact to 1e-13 after thousands of beams.
+// Each direction is that of the beam before turned on: exact to 1e-13 after thousands of
+// beams.
 template <typename Visit>
 void VisitBeams(const ScanLine& scan_line, const Segment& segment, const Visit& visit) {
   const Eigen::Vector2d direction = scan_line.BeamDirection(segment.first_beam);
@@ -129,25 +130,27 @@ Observation ObserveBeams(const ScanLine& scan_line,
       observation.start, observation.end, observation.start_time_ns, observation.end_time_ns);
   double out_of_plane = 0.0;
   int middle_beam = segment.first_beam;
-  VisitBeams(scan_line, segment, [&](int index, int beam, double x, double y, double measured) {
-    const Line line = line_of(beam);
-    const double cosine = line.normal.x() * x + line.normal.y() * y;
-    const double sine = line.normal.x() * y - line.normal.y() * x;
-    const double range = line.RangeAt(cosine, measured);
-    const double across_variance = range * range * angle_variance;
-    const double variance = range_variance * cosine * cosine + across_variance * sine * sine;
-    const double weight = 1.0 / variance;
-    const double offset = cosine * (measured - range);
-    const double since_start_ns = (beam - segment.first_beam) * increment_ns;
-    moments.Add(range * x, range * y, since_start_ns, weight, offset);
-    out_of_plane += across_variance * weight;
-    if (2 * index <= segment.num_points) middle_beam = beam;
-    if (!keep_points) return;
-    observation.points.emplace_back(range * x, range * y);
-    observation.point_whitening.push_back(std::sqrt(weight));
-    observation.point_offsets.push_back(std::sqrt(weight) * offset);
-    observation.point_times_ns.push_back(scan_line.BeamTime(beam) + offset_ns);
-  });
+  VisitBeams(
+      scan_line, segment, [&](int index, int beam, double x, double y, double measured) {
+        const Line line = line_of(beam);
+        const double cosine = line.normal.x() * x + line.normal.y() * y;
+        const double sine = line.normal.x() * y - line.normal.y() * x;
+        const double range = line.RangeAt(cosine, measured);
+        const double across_variance = range * range * angle_variance;
+        const double variance =
+            range_variance * cosine * cosine + across_variance * sine * sine;
+        const double weight = 1.0 / variance;
+        const double offset = cosine * (measured - range);
+        const double since_start_ns = (beam - segment.first_beam) * increment_ns;
+        moments.Add(range * x, range * y, since_start_ns, weight, offset);
+        out_of_plane += across_variance * weight;
+        if (2 * index <= segment.num_points) middle_beam = beam;
+        if (!keep_points) return;
+        observation.points.emplace_back(range * x, range * y);
+        observation.point_whitening.push_back(std::sqrt(weight));
+        observation.point_offsets.push_back(std::sqrt(weight) * offset);
+        observation.point_times_ns.push_back(scan_line.BeamTime(beam) + offset_ns);
+      });
   moments.Finish();
   const Eigen::Vector2d normal = line_of(middle_beam).normal;
   observation.tangent = {-normal.y(), normal.x()};

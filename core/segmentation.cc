@@ -164,8 +164,7 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     // Length of the step in standard deviations; the error left is of its square.
     if (gain < 1e-4) break;
   }
-  while (piece->first < piece->last && !fan_.IsOnLine(piece->first, piece->q)) ++piece->first;
-  while (piece->first < piece->last && !fan_.IsOnLine(piece->last, piece->q)) --piece->last;
+  fan_.TrimToLine(piece->q, &piece->first, &piece->last);
   return true;
 }
 
@@ -180,8 +179,7 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
 std::pair<int, double> Segmenter::BestSplit(
     const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
   constexpr int kBlock = BeamFan::kBlock;
-  std::array<double, kBlock> in_a;
-  std::array<double, kBlock> in_b;
+  std::array<double, kBlock> in_a, in_b;
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
@@ -236,25 +234,22 @@ bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
 
 // Is the piece b between a and c needed, or do the lines a and c explain its beams?
 bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
-  constexpr int kBlock = BeamFan::kBlock;
-  const auto size = [&](int block) {
-    return static_cast<size_t>(std::min(kBlock, b.last + 1 - block));
-  };
+  std::array<double, BeamFan::kBlock> in_a, in_b, in_c;
   double cost = 0.0;
-  for (int block = b.first; block <= b.last; block += kBlock) {
-    const auto in_b = fan_.Deviations(block, b.q);
-    for (size_t k = 0; k < size(block); ++k) cost -= in_b[k];
+  for (int i = b.first; i <= b.last; ++i) {
+    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
+    if (k == 0) in_b = fan_.Deviations(i, b.q);
+    cost -= in_b[k];
   }
   // No split is better than the better line for each beam: that decides after a few of them.
   double cost_of_better = cost;
-  for (int block = b.first; block <= b.last; block += kBlock) {
-    const auto in_a = fan_.Deviations(block, a.q);
-    const auto in_c = fan_.Deviations(block, c.q);
-    for (size_t k = 0; k < size(block); ++k) {
-      cost_of_better += std::min(in_a[k], in_c[k]);
-      cost += in_c[k];
-    }
+  for (int i = b.first; i <= b.last; ++i) {
+    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
+    if (k == 0) in_a = fan_.Deviations(i, a.q);
+    if (k == 0) in_c = fan_.Deviations(i, c.q);
+    cost_of_better += std::min(in_a[k], in_c[k]);
     if (cost_of_better > limits_.run) return true;
+    cost += in_c[k];
   }
   return cost + BestSplit(a.q, c.q, b.first, b.last, b.first - 1).second > limits_.run;
 }
@@ -422,8 +417,7 @@ void CheckConsistent(const Segment& segment, int min_points) {
 bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
   int first = piece.first;
   int last = piece.last;
-  while (first < last && !fan_.IsOnLine(first, piece.q)) ++first;
-  while (first < last && !fan_.IsOnLine(last, piece.q)) --last;
+  fan_.TrimToLine(piece.q, &first, &last);
   const NormalEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
   if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
   segment->first_beam = first;

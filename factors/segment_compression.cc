@@ -256,9 +256,10 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
   Vector9d scale;
   scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend;
-  const Root root = Eliminate(scale.asDiagonal() * Matrix() * scale.asDiagonal(),
-                              scale.cwiseProduct(Eigen::Map<const Vector9d>(with_offset_.data())),
-                              3 * measurement.num_nodes);
+  const Root root =
+      Eliminate(scale.asDiagonal() * Matrix() * scale.asDiagonal(),
+                scale.cwiseProduct(Eigen::Map<const Vector9d>(with_offset_.data())),
+                3 * measurement.num_nodes);
   const int num_rows = NumSignificantRows(root);
   const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> rows =
       root.rows.topRows(num_rows) * scale.cwiseInverse().asDiagonal();

@@ -48,8 +48,8 @@ class SegmentMoments {
   SegmentMeasurement Compress(const std::array<int64_t, 3>& nodes_ns) const;
 
  private:
-  // Points are taken up in blocks, one group of sums after the other: the processor's registers
-  // hold a group, not all of the forty.
+  // Points are taken up in blocks, one group of sums after the other: the processor's
+  // registers hold a group, not all of the forty.
   static constexpr int kBlock = 32;
   struct Block {
     std::array<double, kBlock> along, across, tau, weight, offset;
@@ -69,7 +69,7 @@ class SegmentMoments {
   int num_points_ = 0;
   int num_waiting_ = 0;
   Block waiting_;
-  std::array<std::array<double, 6>, 5> products_{};  // by the power of tau
+  std::array<std::array<double, 6>, 5> products_{};        // by the power of tau
   Eigen::Matrix3d with_offset_ = Eigen::Matrix3d::Zero();  // columns: likewise; a, b, 1
   double offset2_ = 0.0;
 };
