@@ -25,6 +25,10 @@ constexpr double kHuberWidth = 5.0;
 // unknown.
 constexpr double kRoundTolerance = 1e-5;
 constexpr double kFinalTolerance = 1e-9;
+constexpr int kMaxIterations = 30;
+// Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
+// associations will move.
+constexpr int kRoundIterations = 1;
 // Share of the segments that may still change sides before the last estimation: what wavers
 // then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
@@ -33,6 +37,10 @@ class Batch {
  public:
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
       : rig_(rig), planar_(planar), options_(options), state_(state) {}
+
+  OpeningMap* openings() { return &openings_; }
+  // For the final estimation.
+  void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
 
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
@@ -52,15 +60,24 @@ class Batch {
         associated.push_back(&observation);
       }
     }
+    for (const Observation& run : state_->short_runs) {
+      if (factor == FactorKind::kPoint) {
+        problem->AddPoints(run);
+      } else {
+        associated.push_back(&run);
+      }
+    }
     problem->AddSegments(associated, huber_width, &groups_);
     return problem;
   }
 
-  ceres::Solver::Summary Solve(double function_tolerance, EstimationProblem* problem) {
+  ceres::Solver::Summary Solve(double function_tolerance,
+                               int max_iterations,
+                               EstimationProblem* problem) {
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 30;
+    options.max_num_iterations = max_iterations;
     options.function_tolerance = function_tolerance;
     // Gauss-Newton from the start: what the window leaves is close, and damping would only
     // slow the weakly determined directions, the shape of a long loop above all.
@@ -81,14 +98,30 @@ class Batch {
       landmark.last_scan = 0;
       landmark.last_time_ns = 0;
     }
+    SharedPoses poses(state_->trajectory);
     for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id >= 0) CountObservation(rig_, observation, state_);
+      if (observation.landmark_id < 0) continue;
+      CountObservation(rig_, observation, poses.Of(observation), state_);
+    }
+    for (const Observation& run : state_->short_runs) {
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(run.landmark_id)];
+      if (landmark.num_segments > 0) landmark.num_points += run.num_points;
+    }
+  }
+
+  // Only the counts: which landmarks still have segments.
+  void RecountLandmarks() {
+    for (Landmark& landmark : state_->landmarks) landmark.num_segments = 0;
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      ++state_->landmarks[static_cast<size_t>(observation.landmark_id)].num_segments;
     }
   }
 
   // Associates every observation anew; returns how many changed.
   int Reassociate() {
     int num_changed = 0;
+    SharedPoses poses(state_->trajectory);
     std::vector<LandmarkCandidate> candidates;
     int candidates_scan = -1;
     for (Observation& observation : state_->observations) {
@@ -101,7 +134,7 @@ class Batch {
       const int id = FindLandmark(
           observation,
           rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-          ObservationPoses(state_->trajectory, observation),
+          poses.Of(observation),
           Matrix6d::Zero(),
           candidates,
           options_.association);
@@ -175,14 +208,18 @@ class Batch {
   double VarianceFactor(const ceres::Solver::Summary& summary, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
-    for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id < 0) continue;
+    SharedPoses poses(state_->trajectory);
+    const auto add = [&](const Observation& observation) {
+      if (observation.landmark_id < 0) return;
       num_points += observation.num_points;
-      if (factor == FactorKind::kPoint) continue;  // its residuals hold everything
+      if (factor == FactorKind::kPoint) return;  // its residuals hold everything
       const double offset =
-          ObservationWeights(rig_, state_->trajectory, state_->landmarks, observation).offset;
+          ObservationWeights(rig_, poses.Of(observation), state_->landmarks, observation)
+              .offset;
       constant += offset * offset * observation.measurement.constant;
-    }
+    };
+    for (const Observation& observation : state_->observations) add(observation);
+    for (const Observation& run : state_->short_runs) add(run);
     return (2.0 * summary.final_cost + constant) /
            (num_points - summary.num_effective_parameters_reduced);
   }
@@ -206,7 +243,8 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  ObservationGroupCache groups_;
+  OpeningMap openings_;
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 
 }  // namespace
@@ -220,7 +258,9 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.Solve(kRoundTolerance, batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  batch.Solve(kRoundTolerance,
+              kMaxIterations,
+              batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();
@@ -238,14 +278,16 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool stands = num_merged == 0 && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments) {
-      batch.RebuildLandmarks();
-      const int num_recut = RecutSegments(rig, options, recording, state);
+      batch.RecountLandmarks();
+      const int num_recut = RecutSegments(rig, options, recording, batch.openings(), state);
       VLOG(1) << "ends of " << num_recut << " segments moved";
     }
+    if (last) batch.Refine();
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
                                             last ? 0.0 : kHuberWidth);
     const ceres::Solver::Summary summary =
-        batch.Solve(last ? kFinalTolerance : kRoundTolerance, problem.get());
+        last ? batch.Solve(kFinalTolerance, kMaxIterations, problem.get())
+             : batch.Solve(kRoundTolerance, kRoundIterations, problem.get());
     if (!last) continue;
     report.variance_factor = batch.VarianceFactor(summary, options.batch.factor);
     const Stopwatch::Running running(&report.covariance_watch);

@@ -97,11 +97,10 @@ bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
 
 void CandidatePlanes::Offer(const Observation& observation,
                             int observation_index,
-                            const Trajectory& trajectory,
+                            const ObservationPoses& poses,
                             const Matrix6d& pose_covariance) {
   const Rigid3d& body_from_scanner =
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const ObservationPoses poses(trajectory, observation);
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const double rotation_variance = pose_covariance.topLeftCorner<3, 3>().trace();
   const double direction_sigma = std::sqrt(

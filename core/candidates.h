@@ -46,7 +46,7 @@ class CandidatePlanes {
   // Gives the observation to the candidates it agrees with, or starts new ones.
   void Offer(const Observation& observation,
              int observation_index,
-             const Trajectory& trajectory,
+             const ObservationPoses& poses,
              const Matrix6d& pose_covariance);
 
   // Removes and returns the candidates that have become planes. min_scans: see PlaneOptions.

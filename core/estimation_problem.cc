@@ -1,6 +1,7 @@
 #include "core/estimation_problem.h"
 
 #include <ceres/cost_function.h>
+#include <ceres/iteration_callback.h>
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -141,8 +142,8 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const SegmentWeights weights =
-      ObservationWeights(rig_, *trajectory_, *landmarks_, observation);
+  const SegmentWeights weights = ObservationWeights(
+      rig_, ObservationPoses(*trajectory_, observation), *landmarks_, observation);
   Register(LandmarkBlock(landmark.id));
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
@@ -163,7 +164,7 @@ void EstimationProblem::AddPoints(const Observation& observation) {
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  ObservationGroupCache cache;
+  ObservationGroupCache cache(LinearisedGroup::kFine);
   AddSegments(observations, huber_width, &cache);
 }
 
@@ -178,6 +179,7 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
+    groups_.push_back(entry->group);
     problem_.AddResidualBlock(
         CreateSegmentGroupFactor(entry->group).release(), nullptr, blocks);
   }
@@ -238,7 +240,34 @@ std::vector<BlockId> EstimationProblem::Blocks() const {
   return blocks;
 }
 
-ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& options) {
+namespace {
+
+// Ends a solution after a step that no group has been linearised anew for.
+class LinearStepEnds : public ceres::IterationCallback {
+ public:
+  explicit LinearStepEnds(const std::vector<std::shared_ptr<LinearisedGroup>>& groups)
+      : groups_(groups) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    int num_linearisations = 0;
+    for (const auto& group : groups_) num_linearisations += group->num_linearisations();
+    const bool was_linear =
+        iteration.iteration > 0 && num_linearisations == num_linearisations_;
+    num_linearisations_ = num_linearisations;
+    return was_linear ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::vector<std::shared_ptr<LinearisedGroup>>& groups_;
+  int num_linearisations_ = 0;
+};
+
+}  // namespace
+
+ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& given) {
+  ceres::Solver::Options options = given;
+  LinearStepEnds linear_step_ends(groups_);
+  if (!groups_.empty()) options.callbacks.push_back(&linear_step_ends);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   if (!summary.IsSolutionUsable()) {

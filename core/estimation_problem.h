@@ -108,7 +108,8 @@ class EstimationProblem {
   // Blocks that occur in residuals, in order.
   std::vector<BlockId> Blocks() const;
 
-  // Throws Error when the solver fails.
+  // Ends early after a step for which no group of segments had to be linearised anew: the
+  // problem was linear there, and the step has solved it. Throws Error when the solver fails.
   ceres::Solver::Summary Solve(const ceres::Solver::Options& options);
 
   // Normal equations of all the residuals.
@@ -145,6 +146,7 @@ class EstimationProblem {
   std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
   std::vector<std::unique_ptr<ceres::Manifold>> plane_manifolds_;
   std::map<BlockId, double*> blocks_;
+  std::vector<std::shared_ptr<LinearisedGroup>> groups_;
   ceres::Problem problem_;
 };
 

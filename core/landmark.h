@@ -35,6 +35,11 @@ class PatchExtent {
   bool IsNear(const PatchExtent& other, double max_gap_m) const;
   // The same for the bounding rectangles, quickly: true wherever IsNear() is.
   bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
+  // Whether the point lies within the bounding rectangle, or at most margin_m beyond it.
+  bool IsWithin(const Eigen::Vector3d& p_world, double margin_m) const {
+    const Eigen::Array2d p = Project(p_world).array();
+    return (p >= min_.array() - margin_m).all() && (p <= max_.array() + margin_m).all();
+  }
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
   // The occupied cell that the point lies on, within the given middle share of the bounding

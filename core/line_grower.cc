@@ -8,41 +8,35 @@ namespace plumbline {
 LineGrower::LineGrower(const BeamFan& fan, const Thresholds& thresholds)
     : fan_(fan), thresholds_(thresholds) {
   const size_t num_beams = static_cast<size_t>(fan.num_beams());
-  point_beams_.reserve(num_beams);
-  sums_.reserve(num_beams + 1);
-  chi2_.reserve(num_beams + 1);
+  point_beams_.resize(num_beams);
+  sums_.resize(num_beams + 1);
+  chi2_.resize(num_beams + 1);
 }
 
-void LineGrower::Clear() {
-  point_beams_.clear();
-  sums_.assign(1, NormalEquations());
-  chi2_.assign(1, 0.0);
-}
+void LineGrower::Clear() { num_points_ = 0; }
 
 void LineGrower::TakeUpAll(int first, int last, const Eigen::Vector2d& q) {
-  q_ = q;
+  line_ = {q.x(), q.y(), 1.0};
   for (int i = first; i <= last; ++i) {
-    BeamFan::Prediction prediction;
-    if (!fan_.IsOnLine(i, q) || !fan_.Predict(i, q, &prediction)) continue;
-    TakeUp(i, prediction);
-    chi2_.push_back(sums_.back().Chi2());
+    BeamFan::Meeting at;
+    if (fan_.Meet(i, line_, &at) && fan_.IsOnLine(at)) TakeUp(i, at);
   }
 }
 
 void LineGrower::Truncate(int num_points) {
-  const size_t n = static_cast<size_t>(num_points);
-  point_beams_.resize(n);
-  sums_.resize(n + 1);
-  chi2_.resize(n + 1);
-  if (sums_.back().IsSolvable()) q_ = sums_.back().Solve();
+  num_points_ = static_cast<size_t>(num_points);
+  if (sums_[num_points_].IsSolvable()) line_ = sums_[num_points_].SolveScaled();
 }
 
-void LineGrower::TakeUp(int beam, const BeamFan::Prediction& prediction) {
-  const double residual = fan_.beam(beam).range - prediction.range;
-  point_beams_.push_back(beam);
-  sums_.push_back(sums_.back());
-  sums_.back().Add(
-      prediction.row, prediction.row.dot(q_) - residual, 1.0 / prediction.variance);
+// Linearised at line_: an observation of q itself, not of its change.
+void LineGrower::TakeUp(int beam, const BeamFan::Meeting& at) {
+  const double weight = 1.0 / at.variance;
+  const double value = at.slope * (line_.scale - at.excess);
+  NormalEquations sum = sums_[num_points_];
+  sum.Add(line_.scale * at.point, value, weight);
+  point_beams_[num_points_] = beam;
+  sums_[++num_points_] = sum;
+  chi2_[num_points_] = sum.Chi2();
 }
 
 bool LineGrower::Seed(int first) {
@@ -52,8 +46,8 @@ bool LineGrower::Seed(int first) {
   NormalEquations measured;
   int gap = 0;
   for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
-    const BeamFan::Beam& beam = fan_.beam(i);
-    if (!beam.is_valid) continue;
+    if (!fan_.HasReturn(i)) continue;
+    const BeamFan::Beam beam = fan_.beam(i);
     gap = -1;
     measured.Add(beam.origin + beam.range * beam.direction,
                  1.0,
@@ -63,56 +57,59 @@ bool LineGrower::Seed(int first) {
   }
   if (static_cast<int>(seed_beams_.size()) < thresholds_.min_points) return false;
   if (!measured.IsSolvable()) return false;
-  q_ = measured.Solve();
+  line_ = measured.SolveScaled();
   for (const int i : seed_beams_) {
-    BeamFan::Prediction prediction;
-    if (!fan_.Predict(i, q_, &prediction)) return false;
-    TakeUp(i, prediction);
-    chi2_.push_back(sums_.back().Chi2());
+    BeamFan::Meeting at;
+    if (!fan_.Meet(i, line_, &at)) return false;
+    TakeUp(i, at);
   }
-  if (!sums_.back().IsSolvable()) return false;
-  q_ = sums_.back().Solve();
-  return chi2_.back() <= thresholds_.seed;
+  if (!sums_[num_points_].IsSolvable()) return false;
+  line_ = sums_[num_points_].SolveScaled();
+  return chi2_[num_points_] <= thresholds_.seed;
 }
 
+// Each step waits for the line that the step before leaves. Hence the scaled line, and the
+// sums outside the array.
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
+  NormalEquations sum = sums_[num_points_];
+  ScaledLine line = line_;
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
-    BeamFan::Prediction prediction;
-    if (!fan_.beam(i).is_valid || !fan_.Predict(i, q_, &prediction)) continue;
-    const double residual = fan_.beam(i).range - prediction.range;
+    BeamFan::Meeting at;
+    if (!fan_.HasReturn(i) || !fan_.Meet(i, line, &at)) continue;
+    const Eigen::Vector2d row = line.scale * at.point;
     // The variance of the line so far matters only to beams that it can let in.
+    const double residual = at.slope * at.excess;
     const double square = residual * residual * inverse_outlier_threshold;
-    if (square > prediction.variance &&
-        square > prediction.variance + sums_.back().VarianceOf(prediction.row)) {
-      continue;
-    }
-    TakeUp(i, prediction);
-    const NormalEquations& sum = sums_.back();
-    q_ = sum.Solve();
-    chi2_.push_back(sum.square - sum.x * q_.x() - sum.y * q_.y());
+    if (square > at.variance && square > at.variance + sum.VarianceOf(row)) continue;
+    sum.Add(row, at.slope * (line.scale - at.excess), 1.0 / at.variance);
+    line = sum.SolveScaled();
+    point_beams_[num_points_] = i;
+    sums_[++num_points_] = sum;
+    chi2_[num_points_] = sum.square - (sum.x * line.x + sum.y * line.y) / line.scale;
     gap = -1;
-    if (EndAtChange(static_cast<size_t>(num_kept))) return;
+    if (num_points_ % 2 == 0 && EndAtChange(static_cast<size_t>(num_kept))) return;
   }
+  line_ = line;
 }
 
 // Tests the last 4, 8, 16, ... points against those before, a run of length 2 h whenever h
 // more have come in: one test per point on average, and no run is missed for long. The
 // statistic is the generalised likelihood ratio of two lines against one.
 bool LineGrower::EndAtChange(size_t num_kept) {
-  const size_t n = point_beams_.size();
+  const size_t n = num_points_;
   for (size_t half = 2; n % half == 0 && 2 * half + 3 <= n; half *= 2) {
     const size_t before = n - 2 * half;
     if (before < num_kept) break;
-    const double two_lines = chi2_[before] + (sums_.back() - sums_[before]).Chi2();
-    if (chi2_.back() - two_lines <= thresholds_.run) continue;
+    const double two_lines = chi2_[before] + (sums_[num_points_] - sums_[before]).Chi2();
+    if (chi2_[num_points_] - two_lines <= thresholds_.run) continue;
     // The most likely place of the change.
     const size_t reach = 8 * half;
     size_t best = before;
     double best_chi2 = two_lines;
     for (size_t k = std::max(num_kept, n > reach ? n - reach : 0); k < n; ++k) {
-      const double chi2 = chi2_[k] + (sums_.back() - sums_[k]).Chi2();
+      const double chi2 = chi2_[k] + (sums_[num_points_] - sums_[k]).Chi2();
       if (chi2 < best_chi2) {
         best = k;
         best_chi2 = chi2;
@@ -125,20 +122,24 @@ bool LineGrower::EndAtChange(size_t num_kept) {
 }
 
 // Sum of squares when the points from `begin` to before `end` lie on a line of their own and
-// all others on another.
+// all others on another: in the usual case with one division for both.
 double LineGrower::SplitChi2(size_t begin, size_t end) const {
   const NormalEquations run = sums_[end] - sums_[begin];
-  return run.Chi2() + (sums_.back() - run).Chi2();
+  const NormalEquations rest = sums_[num_points_] - run;
+  if (!run.IsSolvable() || !rest.IsSolvable()) return run.Chi2() + rest.Chi2();
+  const double a = run.Determinant();
+  const double b = rest.Determinant();
+  return sums_[num_points_].square - (run.ScaledGain() * b + rest.ScaledGain() * a) / (a * b);
 }
 
 bool LineGrower::FindForeignRun(int* begin, int* end) const {
   constexpr size_t kShortest = 8;  // the growing line sees shorter runs as well as this would
-  const size_t n = point_beams_.size();
-  const double limit = chi2_.back() - thresholds_.run;
+  const size_t n = num_points_;
+  const double limit = chi2_[num_points_] - thresholds_.run;
   bool is_found = false;
   size_t best_begin = 0;
   size_t best_end = n;
-  double best = chi2_.back();  // of the runs with points on both sides
+  double best = chi2_[num_points_];  // of the runs with points on both sides
   for (size_t length = kShortest; length + 3 <= n; length *= 2) {
     for (size_t k = 0; k + length <= n; k += length / 2) {
       const double chi2 = SplitChi2(k, k + length);

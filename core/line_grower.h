@@ -42,20 +42,22 @@ class LineGrower {
   // Keeps the first `num_points` points.
   void Truncate(int num_points);
 
-  int num_points() const { return static_cast<int>(point_beams_.size()); }
+  int num_points() const { return static_cast<int>(num_points_); }
   int PointBeam(int point) const { return point_beams_[static_cast<size_t>(point)]; }
-  const Eigen::Vector2d& q() const { return q_; }
-  const NormalEquations& equations() const { return sums_.back(); }
+  Eigen::Vector2d q() const { return line_.q(); }
+  const NormalEquations& equations() const { return sums_[num_points_]; }
 
  private:
-  void TakeUp(int beam, const BeamFan::Prediction& prediction);
+  void TakeUp(int beam, const BeamFan::Meeting& at);
   bool EndAtChange(size_t num_kept);
   double SplitChi2(size_t begin, size_t end) const;
 
   const BeamFan& fan_;
   const Thresholds thresholds_;
-  Eigen::Vector2d q_ = Eigen::Vector2d::Zero();
+  ScaledLine line_;
   std::vector<int> seed_beams_;
+  size_t num_points_ = 0;
+  // As long as there are beams. What follows the points is of no account.
   std::vector<int> point_beams_;
   std::vector<NormalEquations> sums_;  // [k]: of the first k points
   std::vector<double> chi2_;           // likewise

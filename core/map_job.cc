@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "core/config.h"
 #include "core/plane_covariance.h"
@@ -79,12 +80,13 @@ class SupportOverTime {
 class PointExporter {
  public:
   PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
-      : rig_(rig), state_(state), writer_(writer) {}
+      : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {}
 
   void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
     recording->Rewind();
     ScanLine scan_line;
     size_t next_observation = 0;
+    size_t next_run = 0;
     const int num_scan_lines = recording->num_scan_lines();
     for (int index = 0; recording->Next(&scan_line); ++index) {
       if (index % 256 == 0) progress("writing", static_cast<double>(index) / num_scan_lines);
@@ -94,7 +96,14 @@ class PointExporter {
              observations[next_observation].scan_line_index == index) {
         ++next_observation;
       }
-      Place(scan_line, first, next_observation, recording->start_ns());
+      landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
+      for (size_t i = first; i < next_observation; ++i) Assign(observations[i]);
+      for (; next_run < state_.short_runs.size() &&
+             state_.short_runs[next_run].scan_line_index == index;
+           ++next_run) {
+        Assign(state_.short_runs[next_run]);
+      }
+      Place(scan_line, recording->start_ns());
     }
     CHECK_EQ(next_observation, state_.observations.size()) << "observations out of order";
     for (const std::string& warning : support_.Warnings()) {
@@ -108,34 +117,39 @@ class PointExporter {
   }
 
  private:
-  void Place(const ScanLine& scan_line, size_t first, size_t last, int64_t start_ns) {
-    landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
-    for (size_t i = first; i < last; ++i) {
-      const Observation& observation = state_.observations[i];
-      if (observation.landmark_id < 0) continue;
-      const Landmark* landmark =
-          &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
-      for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
-        landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
-      }
-      for (const int beam : observation.excluded_beams) {
-        landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
-      }
+  // Notes the landmark of an observation's beams.
+  void Assign(const Observation& observation) {
+    if (observation.landmark_id < 0) return;
+    const Landmark* landmark = &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
+    for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
+      landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
     }
+    for (const int beam : observation.excluded_beams) {
+      landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
+    }
+  }
+
+  void Place(const ScanLine& scan_line, int64_t start_ns) {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Trajectory& trajectory = state_.trajectory;
+    int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
       ++num_points_;
       const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-      if (time_ns < state_.trajectory.start_ns() || time_ns >= state_.trajectory.end_ns()) {
+      if (time_ns < trajectory.start_ns() || time_ns >= trajectory.end_ns()) {
         continue;  // before the start or after the end of the map
       }
-      const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-      const Eigen::Vector3d p_world =
-          state_.trajectory.WorldFromBody(time_ns) *
-          (scanner.body_from_scanner *
-           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0));
+      if (time_ns > span_end_ns) {
+        const int last = scan_line.num_beams() - 1;
+        span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
+                                time_ns + kMaxSpanNs,
+                                trajectory.end_ns() - 1});
+        poses_.emplace(NodesOfSpan(time_ns, span_end_ns), &sampler_);
+      }
+      const Eigen::Vector3d p_world = poses_->ToWorld(
+          scanner.body_from_scanner, range * scan_line.BeamDirection(beam), time_ns);
       MapPoint point;
       point.p_world = p_world.cast<float>();
       point.time_s = SecondsBetween(start_ns, time_ns);
@@ -153,9 +167,15 @@ class PointExporter {
     }
   }
 
+  // Points in such a span are placed by the quadratic through three poses, to better than
+  // float's resolution.
+  static constexpr int64_t kMaxSpanNs = 25'000'000;
+
   const Rig& rig_;
   const MapState& state_;
   ResultWriter* writer_;
+  PoseSampler sampler_;
+  std::optional<ObservationPoses> poses_;
   std::vector<const Landmark*> landmark_of_beam_;
   SupportOverTime support_;
   int64_t num_points_ = 0;

@@ -3,21 +3,16 @@
 #include <algorithm>
 
 namespace plumbline {
-namespace {
-
-Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
-
-}  // namespace
-
-void CountObservation(const Rig& rig, const Observation& observation, MapState* state) {
+void CountObservation(const Rig& rig,
+                      const Observation& observation,
+                      const ObservationPoses& poses,
+                      MapState* state) {
   Landmark& landmark = state->landmarks[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d& body_from_scanner =
       rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Rigid3d start =
-      state->trajectory.WorldFromBody(observation.start_time_ns) * body_from_scanner;
-  const Rigid3d end =
-      state->trajectory.WorldFromBody(observation.end_time_ns) * body_from_scanner;
-  landmark.extent.AddSegment(start * Lift(observation.start), end * Lift(observation.end));
+  landmark.extent.AddSegment(
+      poses.ToWorld(body_from_scanner, observation.start, observation.start_time_ns),
+      poses.ToWorld(body_from_scanner, observation.end, observation.end_time_ns));
   if (landmark.num_segments == 0) {
     landmark.first_scan = observation.scan_index;
     landmark.first_time_ns = observation.start_time_ns;

@@ -20,10 +20,16 @@ struct MapState {
   std::deque<Landmark> landmarks;        // position = id; merged ones stay, without segments
   std::deque<Observation> observations;  // by time
   int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
+  // Beams of planes between segments, too few for one of their own (core/segment_ends.h), with
+  // their landmarks; by scan line and beam.
+  std::deque<Observation> short_runs = {};
 };
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
 // the order of time, or near it.
-void CountObservation(const Rig& rig, const Observation& observation, MapState* state);
+void CountObservation(const Rig& rig,
+                      const Observation& observation,
+                      const ObservationPoses& poses,
+                      MapState* state);
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "core/candidates.h"
@@ -70,7 +71,8 @@ class Follower {
   std::unique_ptr<Window> window_;
   std::unique_ptr<Tracker> tracker_;
   std::vector<int64_t> scan_times_ns_;
-  int64_t last_known_ns_ = 0;  // when the pose was last well determined
+  std::optional<SharedPoses> poses_;  // of the trajectory as the newest scan leaves it
+  int64_t last_known_ns_ = 0;         // when the pose was last well determined
   int last_solved_interval_ = -1;
   int last_solved_scan_ = 0;
   Stopwatch segmentation_watch_;
@@ -144,7 +146,7 @@ bool Follower::Start(const Scan& scan) {
   Trajectory trajectory(scan.start_ns + NanosecondsFromSeconds(earliest_s),
                         NanosecondsFromSeconds(interval_s),
                         {frame->world_from_body, Eigen::Vector3d::Zero()});
-  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns});
+  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());
@@ -154,12 +156,11 @@ bool Follower::Start(const Scan& scan) {
   for (Observation& observation : observations) {
     state_->observations.push_back(std::move(observation));
   }
+  poses_.emplace(state_->trajectory);
   // One scan must do for a start: its segments become planes at once, the first wall first.
   const auto offer = [&](int index) {
-    candidates_.Offer(state_->observations[static_cast<size_t>(index)],
-                      index,
-                      state_->trajectory,
-                      Matrix6d::Zero());
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    candidates_.Offer(observation, index, poses_->Of(observation), Matrix6d::Zero());
   };
   offer(frame->reference_observation);
   const int num_observations = static_cast<int>(state_->observations.size());
@@ -176,8 +177,9 @@ bool Follower::Start(const Scan& scan) {
 }
 
 void Follower::Accept(int observation_index, bool tracked) {
-  CountObservation(
-      rig_, state_->observations[static_cast<size_t>(observation_index)], state_.get());
+  const Observation& observation =
+      state_->observations[static_cast<size_t>(observation_index)];
+  CountObservation(rig_, observation, poses_->Of(observation), state_.get());
   window_->Add(observation_index);
   if (!tracked) tracker_->Add(observation_index);
 }
@@ -263,6 +265,7 @@ void Follower::Follow(const Scan& scan) {
   tracker_->Track(
       first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
   CheckNotLost(scan.end_ns);
+  poses_.emplace(state_->trajectory);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {
@@ -271,7 +274,7 @@ void Follower::Follow(const Scan& scan) {
       candidates_.Offer(
           observation,
           index,
-          state_->trajectory,
+          poses_->Of(observation),
           tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
     }
   }

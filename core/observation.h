@@ -35,7 +35,7 @@ struct Observation {
   double sigma_direction_rad = 0.0;
   double out_of_plane_ratio = 0.0;  // see WeightsOn
   int landmark_id = -1;
-  int revision = 0;  // counts changes of its beams
+  int revision = 0;   // counts changes of its beams
   int taken_to = -1;  // landmark on whose trace the beams are; -1: on the segment's own line
   // Single beams, kept only for the per-point factor.
   std::vector<Eigen::Vector2d> points;
@@ -85,10 +85,34 @@ Observation MakeObservationOn(const PlaneTrace& trace,
 
 // The rig's poses at the three interpolation nodes of an observation.
 struct ObservationPoses {
+  std::array<int64_t, 3> times_ns;
   std::array<Rigid3d, 3> world_from_body;
 
   ObservationPoses(const Trajectory& trajectory, const Observation& observation);
+  ObservationPoses(const std::array<int64_t, 3>& times_ns, PoseSampler* poses);
   const Rigid3d& middle() const { return world_from_body[1]; }
+  // A point in the scan plane, measured within the nodes' span: by the quadratic through its
+  // places for the three poses.
+  Eigen::Vector3d ToWorld(const Rigid3d& body_from_scanner,
+                          const Eigen::Vector2d& p_scanner,
+                          int64_t time_ns) const;
+};
+
+// ObservationPoses of observations of the same few scan lines, each computed once. The
+// trajectory stays as it is meanwhile.
+class SharedPoses {
+ public:
+  explicit SharedPoses(const Trajectory& trajectory) : sampler_(trajectory) {}
+
+  // Valid until the next call.
+  const ObservationPoses& Of(const Observation& observation);
+
+ private:
+  static constexpr size_t kNumKept = 4;  // scan lines; a scan's are asked for in any order
+
+  PoseSampler sampler_;
+  std::vector<ObservationPoses> kept_;
+  size_t next_ = 0;
 };
 
 // Factors from the whitening in the scan plane to that of point-to-plane distances. With c the

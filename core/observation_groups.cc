@@ -25,6 +25,7 @@ ObservationGroup MakeGroup(const Rig& rig,
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
     planes.push_back({landmark.model, landmark.sign});
   }
+  SharedPoses poses(trajectory);
   std::vector<SegmentGroup::Segment> segments;
   segments.reserve(members.size());
   int num_control_points = kSplineOrder;
@@ -40,7 +41,7 @@ ObservationGroup MakeGroup(const Rig& rig,
     segment.scanner = observation->scanner_index;
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
-    segment.weights = ObservationWeights(rig, trajectory, landmarks, *observation);
+    segment.weights = ObservationWeights(rig, poses.Of(*observation), landmarks, *observation);
     segments.push_back(segment);
   }
   return {
@@ -53,15 +54,13 @@ ObservationGroup MakeGroup(const Rig& rig,
 }  // namespace
 
 SegmentWeights ObservationWeights(const Rig& rig,
-                                  const Trajectory& trajectory,
+                                  const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation) {
   const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const Rigid3d world_from_body =
-      trajectory.WorldFromBody(observation.measurement.node_times_ns[1]);
   return WeightsOn(observation,
-                   world_from_body.rotation * rig.scanners[scanner].body_from_scanner.rotation,
+                   poses.middle().rotation * rig.scanners[scanner].body_from_scanner.rotation,
                    landmark.Normal());
 }
 
@@ -131,6 +130,7 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
       kept.members = std::move(members);
       kept.huber_width = huber_width;
     }
+    kept.entry.group->set_validity(validity_);
     entries.push_back(&kept.entry);
   }
   return entries;

@@ -41,12 +41,18 @@ class ObservationGroupCache {
     std::shared_ptr<LinearisedGroup> group;
   };
 
+  explicit ObservationGroupCache(const LinearisedGroup::Validity& validity)
+      : validity_(validity) {}
+
   // Groups of all these observations; valid until the next call.
   std::vector<const Entry*> Update(const Rig& rig,
                                    const Trajectory& trajectory,
                                    const std::deque<Landmark>& landmarks,
                                    const std::vector<const Observation*>& observations,
                                    double huber_width);
+
+  // From the next Update() on.
+  void set_validity(const LinearisedGroup::Validity& validity) { validity_ = validity; }
 
   // Drops the groups that begin before this control point.
   void ForgetBefore(int control_point);
@@ -68,12 +74,13 @@ class ObservationGroupCache {
     double huber_width = 0.0;
   };
 
+  LinearisedGroup::Validity validity_;
   std::map<int, Kept> groups_;  // by first control point
 };
 
 // WeightsOn an observation's landmark.
 SegmentWeights ObservationWeights(const Rig& rig,
-                                  const Trajectory& trajectory,
+                                  const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation);
 

@@ -9,6 +9,7 @@
 
 #include "core/association.h"
 #include "core/scan_reader.h"
+#include "core/scan_trace.h"
 
 namespace plumbline {
 namespace {
@@ -17,45 +18,17 @@ namespace {
 constexpr double kReach = 0.25;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
-// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever its
-// noise.
+// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever
+// its noise.
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
-constexpr int kMinPoints = 2;
+// Beams on both sides of an open end that may tell of an opening.
+constexpr int kOpenBeams = 8;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
-
-// Trace of a plane in the scan plane: normal . p = distance. The normal's length is the sine
-// of the angle between the planes.
-struct Trace {
-  Eigen::Vector2d normal;
-  double distance;
-
-  Trace(const Rigid3d& world_from_scanner, const LandmarkCandidate& plane) {
-    const Eigen::Vector3d normal_scanner =
-        world_from_scanner.rotation.conjugate() * plane.normal;
-    normal = normal_scanner.head<2>();
-    distance = plane.distance - plane.normal.dot(world_from_scanner.translation);
-  }
-
-  // Infinite where the beam does not meet the plane.
-  double RangeAlong(const Eigen::Vector2d& direction) const {
-    const double range = distance / normal.dot(direction);
-    return range > 0.0 ? range : std::numeric_limits<double>::infinity();
-  }
-};
-
-std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
-  constexpr double kMinSine = 0.02;
-  const double sine = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
-  if (std::abs(sine) < kMinSine) return std::nullopt;
-  return Eigen::Vector2d(a.distance * b.normal.y() - b.distance * a.normal.y(),
-                         b.distance * a.normal.x() - a.distance * b.normal.x()) /
-         sine;
-}
 
 // One end of a segment: its last beam, which way the beams leave it, and how far they are
 // free.
@@ -69,11 +42,20 @@ struct End {
 
 class Recutter {
  public:
-  Recutter(const Rig& rig, const MapperOptions& options, MapState* state)
-      : rig_(rig), options_(options), state_(state) {}
+  Recutter(const Rig& rig,
+           const MapperOptions& options,
+           const OpeningMap& openings,
+           MapState* state)
+      : rig_(rig),
+        options_(options),
+        openings_(openings),
+        state_(state),
+        sampler_(state->trajectory),
+        poses_(state->trajectory) {}
 
   // The observations [first, last) of a scan line; returns how many changed.
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
+  OpeningMap& new_openings() { return new_openings_; }
 
  private:
   struct Range {
@@ -83,21 +65,58 @@ class Recutter {
   struct Meeting {
     int last;  // beam before it, counted outwards from the segment's end; inside: negative
     Trace other;
+    const LandmarkCandidate* plane;
+  };
+  // Where a segment ends now, and the plane that meets its own there, if any.
+  struct NewEnd {
+    int beam;
+    const LandmarkCandidate* beyond;
+  };
+  // Beams between two segments.
+  struct Gap {
+    NewEnd before;  // of the segments on both sides
+    NewEnd after;
+    int landmark_before;  // their planes; -1: none
+    int landmark_after;
   };
 
   const LandmarkCandidate* Find(int landmark_id) const;
-  int NewEnd(const ScanLine& scan_line, const Observation& observation, const End& end) const;
+  NewEnd FindEnd(const ScanLine& scan_line, const Observation& observation, const End& end);
+  std::vector<Meeting> Meetings(const ScanLine& scan_line,
+                                const Rigid3d& world_from_scanner,
+                                const Trace& trace,
+                                const Eigen::Vector3d& p_world,
+                                const LandmarkCandidate& own,
+                                const End& end) const;
+  int FindOpenEnd(const ScanLine& scan_line,
+                  const Rigid3d& world_from_scanner,
+                  const Trace& trace,
+                  const LandmarkCandidate& own,
+                  const End& end);
+  const LandmarkCandidate* Beyond(const std::vector<Meeting>& meetings,
+                                  int last,
+                                  int scan_index) const;
+  void FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap);
+  int AddShortRun(const ScanLine& scan_line,
+                  const Observation& nearby,
+                  const LandmarkCandidate& plane,
+                  const End& end,
+                  int own_landmark);
   std::optional<Meeting> Meet(const ScanLine& scan_line,
                               const Rigid3d& world_from_scanner,
                               const Trace& trace,
                               const LandmarkCandidate& other,
                               const End& end) const;
   int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
-  void Replace(const ScanLine& scan_line, const Range& range, Observation* observation) const;
+  void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
   const Rig& rig_;
   const MapperOptions& options_;
+  const OpeningMap& openings_;  // as known before
+  OpeningMap new_openings_;
   MapState* state_;
+  PoseSampler sampler_;
+  SharedPoses poses_;
   std::vector<LandmarkCandidate> candidates_;
   int candidates_scan_ = -1;
 };
@@ -126,7 +145,7 @@ std::optional<Recutter::Meeting> Recutter::Meet(const ScanLine& scan_line,
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   const Eigen::Vector3d at_world = world_from_scanner * Eigen::Vector3d(at->x(), at->y(), 0.0);
   if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
-  return Meeting{static_cast<int>(std::floor(beyond)), other_trace};
+  return Meeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
 }
 
 // The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
@@ -146,46 +165,107 @@ int Recutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-int Recutter::NewEnd(const ScanLine& scan_line,
-                     const Observation& observation,
-                     const End& end) const {
-  const LandmarkCandidate* own = Find(observation.landmark_id);
-  if (own == nullptr) return end.beam;
-  const bool at_last = end.step > 0;
-  const Rigid3d world_from_scanner =
-      state_->trajectory.WorldFromBody(at_last ? observation.end_time_ns
-                                               : observation.start_time_ns) *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
-  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-  const Trace trace(world_from_scanner, *own);
+// From outside inwards: where three planes meet, what lies beyond the first may be far from
+// the second.
+std::vector<Recutter::Meeting> Recutter::Meetings(const ScanLine& scan_line,
+                                                  const Rigid3d& world_from_scanner,
+                                                  const Trace& trace,
+                                                  const Eigen::Vector3d& p_world,
+                                                  const LandmarkCandidate& own,
+                                                  const End& end) const {
   std::vector<Meeting> meetings;
   for (const LandmarkCandidate& other : candidates_) {
-    if (other.landmark == own->landmark ||
+    if (other.landmark == own.landmark ||
         std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
       continue;
     }
     const auto meeting = Meet(scan_line, world_from_scanner, trace, other, end);
     if (meeting) meetings.push_back(*meeting);
   }
-  // From outside inwards: where three planes meet, what lies beyond the first may be far from
-  // the second.
   std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
     return a.last > b.last;
   });
-  const double far_m =
-      kFarSigmas * rig_.scanners[static_cast<size_t>(observation.scanner_index)].range_noise_m;
+  return meetings;
+}
+
+// The plane beyond an end `last` beams from where the segment ended: one that may be given
+// beams of this scan.
+const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
+                                          int last,
+                                          int scan_index) const {
+  for (const Meeting& meeting : meetings) {
+    if (std::abs(meeting.last - last) <= 1 &&
+        IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) {
+      return meeting.plane;
+    }
+  }
+  return nullptr;
+}
+
+// The end where no plane bounds it: counts what its beams tell of the plane's openings, and
+// leaves out the last ones while they lie in one that is known.
+int Recutter::FindOpenEnd(const ScanLine& scan_line,
+                          const Rigid3d& world_from_scanner,
+                          const Trace& trace,
+                          const LandmarkCandidate& own,
+                          const End& end) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const auto point = [&](int beam) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const double range = trace.RangeAlong(direction);
+    if (!scanner.IsValidRange(range)) return std::nullopt;
+    return world_from_scanner *
+           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  };
+  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
+  for (int k = 1; k <= kOpenBeams; ++k) {
+    const int beam = end.beam + k * end.step;
+    if (beam < 0 || beam >= scan_line.num_beams()) break;
+    const auto p = point(beam);
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!p || !scanner.IsValidRange(range)) continue;
+    const bool goes_through =
+        range > trace.RangeAlong(scan_line.BeamDirection(beam)) + margin_m;
+    if (goes_through) new_openings_.CountPassage(*own.landmark, *p);
+  }
   int last = end.beam;
-  int free = end.beam;  // innermost meeting outside
+  bool is_open = true;  // up to here
+  for (int k = 0; k < kOpenBeams && end.step * (end.beam - end.middle) > k; ++k) {
+    const auto p = point(end.beam - k * end.step);
+    if (!p) break;
+    new_openings_.CountHit(*own.landmark, *p);
+    is_open = is_open && openings_.IsOpening(*own.landmark, *p);
+    if (is_open) last = end.beam - (k + 1) * end.step;
+  }
+  return last;
+}
+
+Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
+                                   const Observation& observation,
+                                   const End& end) {
+  const LandmarkCandidate* own = Find(observation.landmark_id);
+  if (own == nullptr) return {end.beam, nullptr};
+  const bool at_last = end.step > 0;
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
+  const Rigid3d world_from_scanner =
+      sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
+      scanner.body_from_scanner;
+  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
+  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  const Trace trace(world_from_scanner, *own);
+  const std::vector<Meeting> meetings =
+      Meetings(scan_line, world_from_scanner, trace, p_world, *own, end);
+  const double far_m = kFarSigmas * scanner.range_noise_m;
+  int last = 0;  // counted outwards, as the meetings
+  int free = 0;  // innermost meeting outside
   std::vector<Trace> outside;
   for (const Meeting& meeting : meetings) {
-    const int at = end.beam + end.step * meeting.last;
     if (meeting.last >= 0) {
-      free = at;
+      free = meeting.last;
       outside.push_back(meeting.other);
       continue;
     }
-    const Eigen::Vector2d direction = scan_line.BeamDirection(last);
+    const Eigen::Vector2d direction = scan_line.BeamDirection(end.beam + end.step * last);
     const double own_range = trace.RangeAlong(direction);
     double other_range = meeting.other.RangeAlong(direction);
     // What lies behind may be hidden by a plane that meets this one farther out.
@@ -193,21 +273,34 @@ int Recutter::NewEnd(const ScanLine& scan_line,
       const double range = nearer.RangeAlong(direction);
       if (range > own_range) other_range = std::min(other_range, range);
     }
-    if (std::abs(own_range - other_range) < far_m) last = at;
+    if (std::abs(own_range - other_range) < far_m) last = meeting.last;
   }
-  return last == end.beam ? Extend(scan_line, trace, end, free) : last;
+  NewEnd result{end.beam + end.step * last, nullptr};
+  if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
+  result.beyond =
+      Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
+  const bool is_met =
+      std::any_of(meetings.begin(), meetings.end(), [&](const Meeting& meeting) {
+        return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
+      });
+  if (!is_met) {
+    End open = end;
+    open.beam = result.beam;
+    result.beam = FindOpenEnd(scan_line, world_from_scanner, trace, *own, open);
+  }
+  return result;
 }
 
 void Recutter::Replace(const ScanLine& scan_line,
                        const Range& range,
-                       Observation* observation) const {
+                       Observation* observation) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   std::vector<int> beams;  // that count
   for (int beam = range.first; beam <= range.last; ++beam) {
     const auto& excluded = observation->excluded_beams;
     if (!std::binary_search(excluded.begin(), excluded.end(), beam)) beams.push_back(beam);
   }
-  if (static_cast<int>(beams.size()) < kMinPoints) {
+  if (beams.empty()) {
     observation->landmark_id = -1;
     return;
   }
@@ -225,8 +318,7 @@ void Recutter::Replace(const ScanLine& scan_line,
   std::array<Rigid3d, 3> world_from_scanner;
   for (size_t k = 0; k < 3; ++k) {
     world_from_scanner[k] =
-        state_->trajectory.WorldFromBody(observation->measurement.node_times_ns[k]) *
-        scanner.body_from_scanner;
+        poses_.Of(*observation).world_from_body[k] * scanner.body_from_scanner;
   }
   const PlaneTrace trace(
       observation->measurement.node_times_ns, world_from_scanner, own->normal, own->distance);
@@ -237,7 +329,81 @@ void Recutter::Replace(const ScanLine& scan_line,
   recut.landmark_id = observation->landmark_id;
   recut.taken_to = observation->landmark_id;
   recut.revision = observation->revision + 1;
+  // With other beams it may lie on its plane no more. (A single beam has no line to test.)
+  if (beams.size() > 1 && FindLandmark(recut,
+                                       scanner.body_from_scanner,
+                                       poses_.Of(recut),
+                                       Matrix6d::Zero(),
+                                       {*own},
+                                       options_.association) < 0) {
+    recut.landmark_id = -1;
+  }
   *observation = std::move(recut);
+}
+
+// Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
+// fit. Returns the last one taken. end: of the segment; own_landmark: its plane.
+int Recutter::AddShortRun(const ScanLine& scan_line,
+                          const Observation& nearby,
+                          const LandmarkCandidate& plane,
+                          const End& end,
+                          int own_landmark) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const int first = end.beam + end.step;
+  const Rigid3d world_from_scanner =
+      sampler_.WorldFromBody(BeamInstant(scan_line, first, rig_)) * scanner.body_from_scanner;
+  if (plane.normal.dot(world_from_scanner.translation) <= plane.distance) return end.beam;
+  const Trace trace(world_from_scanner, plane);
+  const Eigen::Vector2d direction = scan_line.BeamDirection(first);
+  const double range = trace.RangeAlong(direction);
+  if (!scanner.IsValidRange(range)) return end.beam;
+  const Eigen::Vector3d p_world =
+      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  int to = end.limit - end.step;
+  for (const Meeting& meeting :
+       Meetings(scan_line, world_from_scanner, trace, p_world, plane, end)) {
+    if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
+    to = end.beam + end.step * meeting.last;
+  }
+  int last = Extend(scan_line, trace, end, to);
+  while (last != end.beam && !IsOnPatch(scan_line, world_from_scanner, trace, plane, last)) {
+    last -= end.step;
+  }
+  const int num_points = end.step * (last - end.beam);
+  if (num_points < 1 || !IsOnPatch(scan_line, world_from_scanner, trace, plane, first)) {
+    return end.beam;
+  }
+  Observation run;
+  run.landmark_id = plane.landmark->id;
+  run.first_beam = std::min(first, last);
+  run.last_beam = std::max(first, last);
+  run.scan_index = nearby.scan_index;
+  run.scan_line_index = nearby.scan_line_index;
+  run.scanner_index = nearby.scanner_index;
+  run.sigma_offset_m = scanner.range_noise_m / std::sqrt(num_points);
+  run.sigma_direction_rad = M_PI;  // not known without the plane
+  run.measurement.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
+                                              BeamInstant(scan_line, run.last_beam, rig_));
+  if (!nearby.points.empty()) run.points.resize(1);  // so that Replace keeps them too
+  Replace(scan_line, {run.first_beam, run.last_beam}, &run);
+  if (run.landmark_id < 0) return end.beam;
+  state_->short_runs.push_back(std::move(run));
+  return last;
+}
+
+void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap) {
+  int from = gap.before.beam;
+  if (gap.before.beyond != nullptr && gap.before.beyond->landmark->id != gap.landmark_after) {
+    End end{from, 1, gap.after.beam, from, gap.landmark_after};
+    if (from + 1 < gap.after.beam) {
+      from = AddShortRun(scan_line, nearby, *gap.before.beyond, end, gap.landmark_before);
+    }
+  }
+  if (gap.after.beyond != nullptr && gap.after.beyond->landmark->id != gap.landmark_before &&
+      from + 1 < gap.after.beam) {
+    End end{gap.after.beam, -1, from, gap.after.beam, gap.landmark_before};
+    AddShortRun(scan_line, nearby, *gap.after.beyond, end, gap.landmark_after);
+  }
 }
 
 int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
@@ -249,14 +415,18 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     candidates_ = CandidatesWithinGap(state_->landmarks, scan_index, gap);
     candidates_scan_ = scan_index;
   }
-  std::vector<Range> ranges;
+  struct Ends {
+    NewEnd first;
+    NewEnd last;
+  };
+  std::vector<Ends> ends;
   for (size_t i = first; i < last; ++i) {
     const Observation& observation = observations[i];
-    Range range{observation.first_beam, observation.last_beam};
+    Ends now{{observation.first_beam, nullptr}, {observation.last_beam, nullptr}};
     if (observation.landmark_id >= 0) {
-      const int middle = range.first + (range.last - range.first) / 2;
-      End start{range.first, -1, -1, middle, -1};
-      End end{range.last, 1, scan_line.num_beams(), middle, -1};
+      const int middle = (now.first.beam + now.last.beam) / 2;
+      End start{now.first.beam, -1, -1, middle, -1};
+      End end{now.last.beam, 1, scan_line.num_beams(), middle, -1};
       if (i > first) {
         start.limit = observations[i - 1].last_beam;
         start.neighbour_landmark = observations[i - 1].landmark_id;
@@ -265,12 +435,28 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
         end.limit = observations[i + 1].first_beam;
         end.neighbour_landmark = observations[i + 1].landmark_id;
       }
-      range = {NewEnd(scan_line, observation, start), NewEnd(scan_line, observation, end)};
+      now = {FindEnd(scan_line, observation, start), FindEnd(scan_line, observation, end)};
     }
     // Each end has its own pose: neighbours may differ by a beam on where they meet.
-    if (!ranges.empty()) range.first = std::max(range.first, ranges.back().last + 1);
-    ranges.push_back(range);
+    if (!ends.empty()) {
+      now.first.beam = std::max(now.first.beam, ends.back().last.beam + 1);
+    }
+    ends.push_back(now);
   }
+  for (size_t i = 0; i <= ends.size(); ++i) {
+    Gap gap{{-1, nullptr}, {scan_line.num_beams(), nullptr}, -1, -1};
+    if (i > 0) {
+      gap.before = ends[i - 1].last;
+      gap.landmark_before = observations[first + i - 1].landmark_id;
+    }
+    if (i < ends.size()) {
+      gap.after = ends[i].first;
+      gap.landmark_after = observations[first + i].landmark_id;
+    }
+    FillGap(scan_line, observations[first], gap);
+  }
+  std::vector<Range> ranges;
+  for (const Ends& now : ends) ranges.push_back({now.first.beam, now.last.beam});
   int num_changed = 0;
   for (size_t i = first; i < last; ++i) {
     Observation& observation = state_->observations[i];
@@ -291,8 +477,12 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
+                  OpeningMap* openings,
                   MapState* state) {
-  Recutter recutter(rig, options, state);
+  // None of the new runs is to be taken for an old one.
+  const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
+  state->short_runs.clear();
+  Recutter recutter(rig, options, *openings, state);
   recording->Rewind();
   ScanLine scan_line;
   size_t next = 0;
@@ -305,6 +495,8 @@ int RecutSegments(const Rig& rig,
     }
     if (next > first) num_changed += recutter.Recut(scan_line, first, next);
   }
+  for (Observation& run : state->short_runs) run.revision = revision;
+  *openings = std::move(recutter.new_openings());
   return num_changed;
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/map_state.h"
 #include "core/mapper_options.h"
+#include "core/opening_map.h"
 #include "core/recording.h"
 #include "core/rig.h"
 
@@ -14,12 +15,18 @@ namespace plumbline {
 // always to the same side, and far out, where they turn the plane most. With the planes
 // estimated, the crossing of two of them is known to millimetres, whatever a beam's own noise.
 //
-// An end is left alone where no other plane's patch reaches the segment's plane, and where the
-// segment still follows its plane when the other would be far off. Observations left with
-// fewer than two beams lose their landmark. Reads the recording once, from its beginning.
+// Where no other plane's patch reaches the segment's plane, beams are taken away that lie
+// where an earlier call found an opening (openings, which this call counts anew). An end is
+// left alone where the segment still follows its plane when the other would be far off.
+// Observations left without beams, or off their plane, lose their landmark.
+//
+// Beams beyond such an end that lie on the plane met there, and belong to no segment, become
+// short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
+// others. Reads the recording once, from its beginning.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
+                  OpeningMap* openings,
                   MapState* state);
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -72,7 +73,6 @@ class Segmenter {
   bool IsNeeded(const Piece& a, const Piece& b, const Piece& c) const;
   void OptimiseSplitsAndMerge();
   void SeparateWeakRuns();
-  double Separation(int i, const Piece& a, const Piece& b) const;
   int PassDoubtful(
       int i, int end, int step, double limit, const Piece& a, const Piece& b) const;
   void LeaveOutBetween(Piece* a, Piece* b) const;
@@ -101,7 +101,7 @@ void Segmenter::GrowAll() {
       end = num_beams;
       starts_at_change = true;
     }
-    if (!fan_.beam(next).is_valid || !grower_.Seed(next)) {
+    if (!fan_.HasReturn(next) || !grower_.Seed(next)) {
       ++next;
       continue;
     }
@@ -151,15 +151,9 @@ void Segmenter::AddGrownPiece(bool starts_at_change) {
 // remain.
 bool Segmenter::Fit(int max_iterations, Piece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    NormalEquations sum;
     int num_points = 0;
-    for (int i = piece->first; i <= piece->last; ++i) {
-      BeamFan::Prediction prediction;
-      double residual;
-      if (!fan_.Match(i, piece->q, &prediction, &residual)) continue;
-      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
-      ++num_points;
-    }
+    const NormalEquations sum =
+        fan_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
     if (num_points < options_.min_points || !sum.IsSolvable()) return false;
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
@@ -170,8 +164,7 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     // Length of the step in standard deviations; the error left is of its square.
     if (gain < 1e-4) break;
   }
-  while (piece->first < piece->last && !fan_.IsOnLine(piece->first, piece->q)) ++piece->first;
-  while (piece->first < piece->last && !fan_.IsOnLine(piece->last, piece->q)) --piece->last;
+  fan_.TrimToLine(piece->q, &piece->first, &piece->last);
   return true;
 }
 
@@ -185,15 +178,29 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
 // `split` on both sides. Second: the change of chi square with respect to `split`.
 std::pair<int, double> Segmenter::BestSplit(
     const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
+  constexpr int kBlock = BeamFan::kBlock;
+  std::array<double, kBlock> in_a, in_b;
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
-    cost += fan_.Deviation(i, a) - fan_.Deviation(i, b);
+    const auto k = static_cast<size_t>((i - split - 1) % kBlock);
+    if (k == 0) {
+      in_a = fan_.Deviations(i, a);
+      in_b = fan_.Deviations(i, b);
+    }
+    cost += in_a[k] - in_b[k];
     if (cost < best.second) best = {i, cost};
   }
   cost = 0.0;
+  int block = split + 1;  // first of the block before
   for (int i = split; i >= first && cost < best.second + limits_.run; --i) {
-    cost += fan_.Deviation(i, b) - fan_.Deviation(i, a);
+    if (i < block) {
+      block = std::max(0, block - kBlock);
+      in_a = fan_.Deviations(block, a);
+      in_b = fan_.Deviations(block, b);
+    }
+    const auto k = static_cast<size_t>(i - block);
+    cost += in_b[k] - in_a[k];
     if (cost < best.second) best = {i - 1, cost};
   }
   return best;
@@ -227,9 +234,22 @@ bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
 
 // Is the piece b between a and c needed, or do the lines a and c explain its beams?
 bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
+  std::array<double, BeamFan::kBlock> in_a, in_b, in_c;
   double cost = 0.0;
   for (int i = b.first; i <= b.last; ++i) {
-    cost += fan_.Deviation(i, c.q) - fan_.Deviation(i, b.q);
+    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
+    if (k == 0) in_b = fan_.Deviations(i, b.q);
+    cost -= in_b[k];
+  }
+  // No split is better than the better line for each beam: that decides after a few of them.
+  double cost_of_better = cost;
+  for (int i = b.first; i <= b.last; ++i) {
+    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
+    if (k == 0) in_a = fan_.Deviations(i, a.q);
+    if (k == 0) in_c = fan_.Deviations(i, c.q);
+    cost_of_better += std::min(in_a[k], in_c[k]);
+    if (cost_of_better > limits_.run) return true;
+    cost += in_c[k];
   }
   return cost + BestSplit(a.q, c.q, b.first, b.last, b.first - 1).second > limits_.run;
 }
@@ -294,15 +314,6 @@ void Segmenter::SeparateWeakRuns() {
 // --- Doubtful beams. All decisions follow from the fitted lines. These are independent of
 // their points' residuals, so that leaving points out does not bias what the others say.
 
-// Difference of the ranges that two lines predict in standard deviations of a range.
-double Segmenter::Separation(int i, const Piece& a, const Piece& b) const {
-  BeamFan::Prediction in_a, in_b;
-  if (!fan_.Predict(i, a.q, &in_a) || !fan_.Predict(i, b.q, &in_b)) {
-    return std::numeric_limits<double>::infinity();
-  }
-  return (in_a.range - in_b.range) / std::sqrt(0.5 * (in_a.variance + in_b.variance));
-}
-
 // First beam from i on that belongs to one of the lines without doubt: either alone, separated
 // by `limit`, or because the beams passed over, all taken together, would: a run with the sum
 // S of squared separations goes to the wrong line with the probability of a normal variable >
@@ -312,9 +323,9 @@ int Segmenter::PassDoubtful(
   const double max_sum = 4.0 * options_.ambiguity_sigmas * options_.ambiguity_sigmas;
   double sum = 0.0;
   for (; i != end && sum < max_sum; i += step) {
-    const double separation = Separation(i, a, b);
-    if (std::abs(separation) >= limit) break;
-    sum += separation * separation;
+    const double square = fan_.Separate(i, a.q, b.q).square;
+    if (square >= limit * limit) break;
+    sum += square;
   }
   return i;
 }
@@ -326,9 +337,9 @@ void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
   const double any = std::numeric_limits<double>::infinity();
   const int low = PassDoubtful(a->last, a->first, -1, any, *a, *b);
   const int high = PassDoubtful(b->first, b->last, 1, any, *a, *b);
-  bool is_above = Separation(low, *a, *b) > 0.0;
+  bool is_above = fan_.Separate(low, a->q, b->q).is_above;
   for (int i = low; i < high; ++i) {
-    const bool is_next_above = Separation(i + 1, *a, *b) > 0.0;
+    const bool is_next_above = fan_.Separate(i + 1, a->q, b->q).is_above;
     if (is_next_above != is_above) {
       last_of_a = i;
       first_of_b = i + 1;
@@ -404,23 +415,18 @@ void CheckConsistent(const Segment& segment, int min_points) {
 // The line's statistics follow from the information of q, since n . p = d for the points it is
 // made of: |q|^2 information = sum w p p^T, w = 1 / variance of a point along the normal.
 bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
-  NormalEquations sum;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    BeamFan::Prediction prediction;
-    double residual;
-    if (fan_.Match(i, piece.q, &prediction, &residual)) {
-      sum.Add(prediction.row, -residual, 1.0 / prediction.variance);
-      if (segment->num_points == 0) segment->first_beam = i;
-      segment->last_beam = i;
-      ++segment->num_points;
-    } else if (segment->num_points > 0) {
-      segment->excluded_beams.push_back(i);
-    }
-  }
+  int first = piece.first;
+  int last = piece.last;
+  fan_.TrimToLine(piece.q, &first, &last);
+  const NormalEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
   if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
-  while (!segment->excluded_beams.empty() &&
-         segment->excluded_beams.back() > segment->last_beam) {
-    segment->excluded_beams.pop_back();
+  segment->first_beam = first;
+  segment->last_beam = last;
+  if (segment->num_points < last - first + 1) {
+    for (int i = first; i <= last; ++i) {
+      if (!fan_.IsOnLine(i, piece.q)) segment->excluded_beams.push_back(i);
+    }
+    segment->num_points = last - first + 1 - static_cast<int>(segment->excluded_beams.size());
   }
   const Eigen::Vector2d change = sum.Solve();
   const Eigen::Vector2d q = piece.q + change;

@@ -316,6 +316,7 @@ Tracker::Association Tracker::ChooseUnder(
   covariance += unsteady.replicate<2, 2>();
   std::vector<Pairing> pairings;
   int num_paired = 0;
+  SharedPoses poses(state_->trajectory);
   for (const int index : observations) {
     const Observation& observation = at(index);
     const double share = end_ns > begin_ns
@@ -327,7 +328,7 @@ Tracker::Association Tracker::ChooseUnder(
     for (const PossibleLandmark& possible : PossibleLandmarks(
              observation,
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-             ObservationPoses(state_->trajectory, observation),
+             poses.Of(observation),
              by_motion * covariance * by_motion.transpose(),
              candidates,
              options_.association)) {
@@ -403,17 +404,20 @@ bool Tracker::Associate(int first_observation,
                         int last_observation,
                         const std::vector<LandmarkCandidate>& candidates) {
   bool changed = false;
+  SharedPoses shared(state_->trajectory);
+  int64_t middle_ns = 0;
+  Matrix6d covariance;  // of the pose then
   for (int index = first_observation; index <= last_observation; ++index) {
     Observation& observation = state_->observations[static_cast<size_t>(index)];
     const Rigid3d& body_from_scanner =
         rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-    const int id =
-        FindLandmark(observation,
-                     body_from_scanner,
-                     ObservationPoses(state_->trajectory, observation),
-                     pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns()),
-                     candidates,
-                     options_.association);
+    const ObservationPoses& poses = shared.Of(observation);
+    if (poses.times_ns[1] != middle_ns) {
+      middle_ns = poses.times_ns[1];
+      covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
+    }
+    const int id = FindLandmark(
+        observation, body_from_scanner, poses, covariance, candidates, options_.association);
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

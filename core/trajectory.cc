@@ -76,6 +76,20 @@ Rigid3d Trajectory::WorldFromBody(int64_t time_ns) const {
   return {pose.world_from_body, pose.position};
 }
 
+Rigid3d PoseSampler::WorldFromBody(int64_t time_ns) {
+  const Trajectory::Location at = trajectory_.Locate(time_ns);
+  const Support support = SupportAt(trajectory_, at.first);
+  if (at.first != first_) {
+    for (size_t j = 0; j < steps_.size(); ++j) {
+      steps_[j] = MakeRotationStep(support.rotations[j], support.rotations[j + 1]);
+    }
+    first_ = at.first;
+  }
+  const SplinePose pose =
+      EvaluatePose(steps_.data(), support.rotations[0], support.positions, at.u, nullptr);
+  return {pose.world_from_body, pose.position};
+}
+
 SplinePoseJacobian Trajectory::PoseJacobian(const Location& at) const {
   const Support support = SupportAt(*this, at.first);
   SplinePoseJacobian jacobian;

@@ -61,4 +61,19 @@ class Trajectory {
   std::deque<ControlPoint> control_points_;
 };
 
+// Poses at instants near each other: keeps what the last one's knot interval needs. The
+// trajectory stays as it is meanwhile.
+class PoseSampler {
+ public:
+  explicit PoseSampler(const Trajectory& trajectory) : trajectory_(trajectory) {}
+
+  // As Trajectory::WorldFromBody.
+  Rigid3d WorldFromBody(int64_t time_ns);
+
+ private:
+  const Trajectory& trajectory_;
+  int first_ = -1;
+  std::array<RotationStep, 3> steps_;
+};
+
 }  // namespace plumbline

@@ -90,7 +90,7 @@ class Window {
   int num_solves_ = 0;
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
-  ObservationGroupCache groups_;
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
 };
 
 }  // namespace plumbline

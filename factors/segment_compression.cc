@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "factors/segment_factor.h"
+#include "factors/segment_moments.h"
 
 namespace plumbline {
 namespace {
@@ -20,72 +22,31 @@ constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-// Sums over a segment's points of m m^T, m o and o^2, where o is a point's offset and
-//   m = w (a, b, 1, tau a, tau b, tau, tau^2 a, tau^2 b, tau^2)
-// with a and b along and across the segment, from its middle. In these coordinates the columns
-// are as independent of each other as they can be: b is next to nothing.
-class Moments {
- public:
-  Moments(const Eigen::Matrix2Xd& points, const Eigen::VectorXd& whitening)
-      : middle_(0.5 * (points.col(0) + points.col(points.cols() - 1))) {
-    const Eigen::Vector2d along = points.col(points.cols() - 1) - points.col(0);
-    const double length = along.norm();
-    if (length > 0.0) along_ = along / length;
-    points_ = &points;
-    whitening_ = &whitening;
-  }
+// Two points at a time: all x86-64 and ARM64 processors compute so.
+using Pair = double __attribute__((vector_size(16)));
 
-  void Add(Eigen::Index i, double tau, double offset) {
-    const double weight = (*whitening_)[i];
-    const Eigen::Vector2d from_middle = points_->col(i) - middle_;
-    const double a = weight * along_.dot(from_middle);
-    const double b = weight * (along_.x() * from_middle.y() - along_.y() * from_middle.x());
-    const std::array<double, 6> products = {
-        a * a, a * b, b * b, a * weight, b * weight, weight * weight};
-    double power = 1.0;
-    for (auto& sums : products_) {
-      for (size_t k = 0; k < 6; ++k) sums[k] += power * products[k];
-      power *= tau;
-    }
-    power = offset;
-    for (int j = 0; j < 3; ++j) {
-      with_offset_.segment<3>(3 * j) += power * Eigen::Vector3d(a, b, weight);
-      power *= tau;
-    }
-    offset2_ += offset * offset;
-  }
+Pair Load(const double* from) {
+  Pair pair;
+  std::memcpy(&pair, from, sizeof(pair));
+  return pair;
+}
 
-  Matrix9d Matrix() const {
-    Matrix9d matrix;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const std::array<double, 6>& s = products_[static_cast<size_t>(i + j)];
-        matrix.block<3, 3>(3 * i, 3 * j) << s[0], s[1], s[3], s[1], s[2], s[4], s[3], s[4],
-            s[5];
-      }
+// Sums of value(i) tau^j, j below num_powers; value(i) is that of the points i and i + 1.
+template <size_t num_powers, typename Value>
+std::array<double, num_powers> SumByPower(const double* tau, size_t end, const Value& value) {
+  std::array<Pair, num_powers> pairs{};
+  for (size_t i = 0; i < end; i += 2) {
+    const Pair tau_i = Load(tau + i);
+    Pair term = value(i);
+    for (Pair& sum : pairs) {
+      sum += term;
+      term *= tau_i;
     }
-    return matrix;
   }
-  const Vector9d& with_offset() const { return with_offset_; }
-  double offset2() const { return offset2_; }
-  // (x, y, 1) . h = (a, b, 1) . (frame h)
-  Eigen::Matrix3d frame() const {
-    Eigen::Matrix3d frame;
-    frame << along_.x(), along_.y(), 0.0,  //
-        -along_.y(), along_.x(), 0.0,      //
-        middle_.x(), middle_.y(), 1.0;
-    return frame;
-  }
-
- private:
-  const Eigen::Matrix2Xd* points_;
-  const Eigen::VectorXd* whitening_;
-  Eigen::Vector2d middle_;
-  Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();
-  std::array<std::array<double, 6>, 5> products_{};  // by the power of tau
-  Vector9d with_offset_ = Vector9d::Zero();
-  double offset2_ = 0.0;
-};
+  std::array<double, num_powers> sums;
+  for (size_t j = 0; j < num_powers; ++j) sums[j] = pairs[j][0] + pairs[j][1];
+  return sums;
+}
 
 // Cholesky's elimination, largest remaining pivot first: matrix = root^T root.
 struct Root {
@@ -179,50 +140,140 @@ SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
   CHECK_EQ(num_points, static_cast<Eigen::Index>(times_ns.size()));
   CHECK_EQ(num_points, whitening.size());
   CHECK(offsets.size() == 0 || offsets.size() == num_points) << offsets.size();
-  CHECK_LE(times_ns.front(), times_ns.back());
 
+  SegmentMoments moments(points_scanner.col(0),
+                         points_scanner.col(num_points - 1),
+                         times_ns.front(),
+                         times_ns.back());
+  for (Eigen::Index i = 0; i < num_points; ++i) {
+    const auto since_start_ns =
+        static_cast<double>(times_ns[static_cast<size_t>(i)] - times_ns.front());
+    moments.Add(points_scanner(0, i),
+                points_scanner(1, i),
+                since_start_ns,
+                whitening[i] * whitening[i],
+                offsets.size() > 0 ? offsets[i] / whitening[i] : 0.0);
+  }
+  moments.Finish();
+  return moments.Compress(nodes_ns);
+}
+
+SegmentMoments::SegmentMoments(const Eigen::Vector2d& start,
+                               const Eigen::Vector2d& end,
+                               int64_t start_ns,
+                               int64_t end_ns)
+    : middle_(0.5 * (start + end)), start_ns_(start_ns), end_ns_(end_ns) {
+  CHECK_LE(start_ns, end_ns);
+  const Eigen::Vector2d along = end - start;
+  const double length = along.norm();
+  if (length > 0.0) along_ = along / length;
+  const int64_t half_span_ns = NodesOfSpan(start_ns, end_ns)[1] - start_ns;
+  half_span_ns_ = static_cast<double>(half_span_ns);
+  inverse_half_span_ = half_span_ns > 0 ? 1.0 / half_span_ns_ : 0.0;
+}
+
+void SegmentMoments::TakeUpWaiting() {
+  // Points across by less do not change a residual by a millionth of its standard deviation.
+  constexpr double kNegligible = 1e-9;
+  const auto end = static_cast<size_t>(num_waiting_);
+  num_waiting_ = 0;
+  double most_across = 0.0;
+  for (size_t i = 0; i < end; ++i) {
+    most_across = std::max(most_across, std::abs(waiting_.across[i]));
+  }
+  if (end % 2 == 1) {  // a companion without weight
+    waiting_.along[end] = waiting_.across[end] = waiting_.tau[end] = 0.0;
+    waiting_.weight[end] = waiting_.offset[end] = 0.0;
+  }
+  const auto add = [&](Product product, const auto& value) {
+    const auto sums = SumByPower<5>(waiting_.tau.data(), end, value);
+    for (size_t j = 0; j < 5; ++j) products_[j][product] += sums[j];
+  };
+  const auto add_with_offset = [&](int row, const auto& value) {
+    const auto sums = SumByPower<3>(waiting_.tau.data(), end, value);
+    for (int j = 0; j < 3; ++j) with_offset_(row, j) += sums[static_cast<size_t>(j)];
+  };
+  const auto a = [&](size_t i) { return Load(&waiting_.along[i]); };
+  const auto b = [&](size_t i) { return Load(&waiting_.across[i]); };
+  const auto w2 = [&](size_t i) { return Load(&waiting_.weight[i]); };
+  const auto o = [&](size_t i) { return Load(&waiting_.offset[i]); };
+  add(kOne, w2);
+  add(kAlong, [&](size_t i) { return w2(i) * a(i); });
+  add(kAlong2, [&](size_t i) { return w2(i) * a(i) * a(i); });
+  add_with_offset(0, [&](size_t i) { return w2(i) * o(i) * a(i); });
+  add_with_offset(2, [&](size_t i) { return w2(i) * o(i); });
+  offset2_ += SumByPower<1>(
+      waiting_.tau.data(), end, [&](size_t i) { return w2(i) * o(i) * o(i); })[0];
+  if (most_across < kNegligible) return;
+  add(kAcross, [&](size_t i) { return w2(i) * b(i); });
+  add(kAlongAcross, [&](size_t i) { return w2(i) * a(i) * b(i); });
+  add(kAcross2, [&](size_t i) { return w2(i) * b(i) * b(i); });
+  add_with_offset(1, [&](size_t i) { return w2(i) * o(i) * b(i); });
+}
+
+Eigen::Vector2d SegmentMoments::Centroid() const {
+  const double a = products_[0][kAlong] / sum_weights();
+  const double b = products_[0][kAcross] / sum_weights();
+  return middle_ + a * along_ + b * Eigen::Vector2d(-along_.y(), along_.x());
+}
+
+Matrix9d SegmentMoments::Matrix() const {
+  Matrix9d matrix;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const std::array<double, 6>& s = products_[static_cast<size_t>(i + j)];
+      matrix.block<3, 3>(3 * i, 3 * j) << s[kAlong2], s[kAlongAcross], s[kAlong],
+          s[kAlongAcross], s[kAcross2], s[kAcross], s[kAlong], s[kAcross], s[kOne];
+    }
+  }
+  return matrix;
+}
+
+// (x, y, 1) . h = (a, b, 1) . (frame h)
+Eigen::Matrix3d SegmentMoments::Frame() const {
+  Eigen::Matrix3d frame;
+  frame << along_.x(), along_.y(), 0.0,  //
+      -along_.y(), along_.x(), 0.0,      //
+      middle_.x(), middle_.y(), 1.0;
+  return frame;
+}
+
+SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_ns) const {
+  CHECK_GE(num_points_, 1);
   SegmentMeasurement measurement;
-  measurement.num_points = static_cast<int>(num_points);
+  measurement.num_points = num_points_;
   measurement.node_times_ns = nodes_ns;
-  const int64_t middle_ns = nodes_ns[1];
-  const int64_t half_span_ns = nodes_ns[2] - middle_ns;
-  CHECK_EQ(half_span_ns, middle_ns - nodes_ns[0]);
-  measurement.num_nodes = half_span_ns == 0 ? 1 : 3;
+  const int64_t node_half_span_ns = nodes_ns[2] - nodes_ns[1];
+  CHECK_EQ(node_half_span_ns, nodes_ns[1] - nodes_ns[0]);
+  measurement.num_nodes = node_half_span_ns == 0 ? 1 : 3;
 
   // About the segment's own middle and half span. The columns are scaled by the largest
   // plausible h.
-  const auto own = NodesOfSpan(times_ns.front(), times_ns.back());
-  const auto own_half_span_ns = static_cast<double>(std::max<int64_t>(1, own[2] - own[1]));
+  const double own_half_span_ns = std::max(1.0, half_span_ns_);
   const double half_span_s = own_half_span_ns * 1e-9;
   const double rate = kMaxRotationRate * half_span_s;
   const double speed = kMaxSpeed * half_span_s;
   const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
   Vector9d scale;
   scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend;
-  Moments moments(points_scanner, whitening);
-  for (Eigen::Index i = 0; i < num_points; ++i) {
-    const double tau = measurement.num_nodes == 1
-                           ? 0.0
-                           : static_cast<double>(times_ns[static_cast<size_t>(i)] - own[1]) /
-                                 own_half_span_ns;
-    moments.Add(i, tau, offsets.size() > 0 ? offsets[i] : 0.0);
-  }
-  const Root root = Eliminate(scale.asDiagonal() * moments.Matrix() * scale.asDiagonal(),
-                              scale.cwiseProduct(moments.with_offset()),
-                              3 * measurement.num_nodes);
+  const Root root =
+      Eliminate(scale.asDiagonal() * Matrix() * scale.asDiagonal(),
+                scale.cwiseProduct(Eigen::Map<const Vector9d>(with_offset_.data())),
+                3 * measurement.num_nodes);
   const int num_rows = NumSignificantRows(root);
   const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> rows =
       root.rows.topRows(num_rows) * scale.cwiseInverse().asDiagonal();
   measurement.offset = root.offset.head(num_rows);
-  measurement.constant = std::max(0.0, moments.offset2() - measurement.offset.squaredNorm());
+  measurement.constant = std::max(0.0, offset2_ - measurement.offset.squaredNorm());
 
-  const Eigen::Matrix3d frame = moments.frame();
+  const Eigen::Matrix3d frame = Frame();
   measurement.root.setZero(num_rows, 9);
   if (measurement.num_nodes == 1) {
     measurement.root.leftCols<3>() = rows.leftCols<3>() * frame;
     return measurement;
   }
-  const Eigen::Matrix3d polynomial = PolynomialOf(nodes_ns, own[1], own_half_span_ns);
+  const int64_t own_middle_ns = NodesOfSpan(start_ns_, end_ns_)[1];
+  const Eigen::Matrix3d polynomial = PolynomialOf(nodes_ns, own_middle_ns, own_half_span_ns);
   for (int j = 0; j < 3; ++j) {
     const Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3> by_power =
         rows.middleCols<3>(3 * j) * frame;

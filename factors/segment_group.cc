@@ -368,14 +368,14 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
     const int size = BlockSize(i);
     if (i < num_control_points) {
       const Eigen::Vector3d turn = Log(Quaternion(parameters[i]) * Quaternion(at).conjugate());
-      if (turn.squaredNorm() > kMaxTurn * kMaxTurn) return false;
+      if (turn.squaredNorm() > validity_.turn_rad * validity_.turn_rad) return false;
       step->segment<3>(row) = turn;
       row += 3;
     } else {
       for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
       // A plane's distance may move freely: the residuals are linear in it.
       const bool is_position = i < 2 * num_control_points;
-      const double limit = is_position ? kMaxShift : kMaxTurn;
+      const double limit = is_position ? validity_.shift_m : validity_.turn_rad;
       const int num_limited = is_position ? size : size - 1;
       for (int k = 0; k < num_limited; ++k) {
         if (std::abs((*step)[row + k]) > limit) return false;
@@ -395,6 +395,7 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
   for (int i = 0; i < num_blocks; ++i) {
     at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
   }
+  ++num_linearisations_;
   SegmentGroup::Quadratic quadratic;
   group_.Linearise(parameters, &quadratic);
   has_outliers_ = quadratic.has_outliers;

@@ -77,18 +77,27 @@ class SegmentGroup {
 
 // A group with its last linearisation: an orthogonal transformation of the segments' own
 // residuals with the same cost, gradient and Gauss-Newton matrix, in no more rows than the
-// group has unknowns, plus one. It stays in use while no rotation or plane has turned by more
-// than kMaxTurn and no position moved by more than kMaxShift since. What that leaves out are
-// products of two such changes, less than 0.01 mm for every point within 30 m; where it is
-// exceeded, the group is linearised anew. Serves one thread at a time.
+// group has unknowns, plus one. It stays in use while nothing has moved farther than its
+// validity; then the group is linearised anew. Serves one thread at a time.
 class LinearisedGroup {
  public:
-  static constexpr double kMaxTurn = 5e-4;   // rad
-  static constexpr double kMaxShift = 0.01;  // m
+  // How far rotations and planes may have turned and positions moved. What a linearisation
+  // leaves out are products of two such changes: with kFine less than 0.01 mm for every point
+  // within 30 m, with kCoarse 0.2 mm.
+  struct Validity {
+    double turn_rad;
+    double shift_m;
+  };
+  static constexpr Validity kFine = {5e-4, 0.01};
+  static constexpr Validity kCoarse = {3e-3, 0.02};
 
   explicit LinearisedGroup(SegmentGroup group);
 
+  void set_validity(const Validity& validity) { validity_ = validity; }
+
   const SegmentGroup& group() const { return group_; }
+  // How often it has been linearised.
+  int num_linearisations() const { return num_linearisations_; }
   // Whether the loss has changed nothing at the last linearisation, so that without it the
   // group would be the same.
   bool is_plain() const { return !has_outliers_; }
@@ -104,11 +113,13 @@ class LinearisedGroup {
   void Linearise(double const* const* parameters);
 
   SegmentGroup group_;
+  Validity validity_ = kFine;
   std::vector<double> at_;
   Eigen::MatrixXd root_;
   Eigen::VectorXd offset_;
   double rest_ = 0.0;  // the residual that no unknown can lower
   bool has_outliers_ = false;
+  int num_linearisations_ = 0;
 };
 
 // Ceres' view of a group.

@@ -191,7 +191,7 @@ class BoundComputer {
       Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = pose.rotation;
       Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = pose.translation;
     }
-    state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns()});
+    state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
     return true;
@@ -242,6 +242,21 @@ class BoundComputer {
     return state_->landmarks.back().id;
   }
 
+  PlaneTrace TraceOf(const ScanLine& scan_line,
+                     const Scanner& scanner,
+                     const Segment& segment,
+                     const Landmark& landmark) const {
+    const std::array<int64_t, 3> times_ns =
+        NodesOfSpan(BeamInstant(scan_line, segment.first_beam, experiment_.rig),
+                    BeamInstant(scan_line, segment.last_beam, experiment_.rig));
+    std::array<Rigid3d, 3> world_from_scanner;
+    for (size_t k = 0; k < 3; ++k) {
+      world_from_scanner[k] =
+          state_->trajectory.WorldFromBody(times_ns[k]) * scanner.body_from_scanner;
+    }
+    return PlaneTrace(times_ns, world_from_scanner, landmark.Normal(), landmark.Distance());
+  }
+
   void Add(const ScanLine& scan_line, std::vector<BeamRun> runs) {
     if (scan_line.scanner_index == 0) scan_times_ns_.push_back(scan_line.stamp_ns);
     const int scan_index = std::max<int>(0, static_cast<int>(scan_times_ns_.size()) - 1);
@@ -260,11 +275,16 @@ class BoundComputer {
           state_->landmarks[static_cast<size_t>(landmark_id)].Normal();
       if (normal.head<2>().norm() < 1e-3) continue;  // the scan plane runs along the plane
       segment.normal = normal.head<2>().normalized();
-      Observation observation = MakeObservation(scan_line, scanner, segment, false);
+      const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
+      // Single beams have no line of their own to be weighted by.
+      Observation observation = MakeObservationOn(
+          TraceOf(scan_line, scanner, segment, landmark), scan_line, scanner, segment, false);
       observation.scan_index = scan_index;
       observation.landmark_id = landmark_id;
       state_->observations.push_back(std::move(observation));
-      CountObservation(experiment_.rig, state_->observations.back(), state_.get());
+      const Observation& added = state_->observations.back();
+      CountObservation(
+          experiment_.rig, added, ObservationPoses(state_->trajectory, added), state_.get());
     }
   }
 

@@ -98,7 +98,7 @@ class WindowReplay {
                            mapped.trajectory.knot_interval_ns(),
                            mapped.trajectory.WorldFromBody(mapped.origin_time_ns));
     state_ = std::make_unique<MapState>(
-        MapState{start, mapped.landmarks, mapped.observations, mapped.origin_time_ns});
+        MapState{start, mapped.landmarks, mapped.observations, mapped.origin_time_ns, {}});
     window_ = std::make_unique<Window>(
         walk_.rig(), walk_.result().planar, walk_.options(), state_.get());
     now_ns_ = mapped.origin_time_ns;

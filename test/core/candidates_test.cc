@@ -105,7 +105,10 @@ class CandidatePlanesTest : public testing::Test {
         for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
           Observation observation = MakeObservation(line, scanner, segment, false);
           observation.scan_index = scan_;
-          candidates_.Offer(observation, num_offered_++, trajectory, Matrix6d::Zero());
+          candidates_.Offer(observation,
+                            num_offered_++,
+                            ObservationPoses(trajectory, observation),
+                            Matrix6d::Zero());
         }
       }
       ++scan_;

@@ -52,7 +52,7 @@ class DuplicatesTest : public testing::Test {
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
-  MapState state_{Trajectory(0, 125'000'000, Rigid3d()), {}, {}, 0};
+  MapState state_{Trajectory(0, 125'000'000, Rigid3d()), {}, {}, 0, {}};
 };
 
 TEST_F(DuplicatesTest, NeighbouringPiecesOfOneWallAreOne) {

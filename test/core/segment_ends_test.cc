@@ -34,7 +34,7 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     line_.time_increment_s = 1e-4;
     for (int beam = 0; beam <= 180; ++beam) line_.ranges.push_back(Range(beam));
     state_ = std::make_unique<MapState>(
-        MapState{Trajectory(kStart, 125'000'000, Rigid3d()), {}, {}, kStart});
+        MapState{Trajectory(kStart, 125'000'000, Rigid3d()), {}, {}, kStart, {}});
     state_->trajectory.ExtendTo(kStart + 100'000'000);
     AddWall({-1.0, 0.0, 0.0}, {2.0, -3.0, 0.0}, {2.0, 1.0, 0.0});
   }
@@ -76,13 +76,14 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     writer.Write(line_);
     writer.Close();
     RecordingReader recording(path, rig_);
-    return RecutSegments(rig_, MapperOptions(), &recording, state_.get());
+    return RecutSegments(rig_, MapperOptions(), &recording, &openings_, state_.get());
   }
 
   const Observation& observation(size_t i) const { return state_->observations[i]; }
 
   Rig rig_;
   ScanLine line_;
+  OpeningMap openings_;
   std::unique_ptr<MapState> state_;
 };
 
@@ -154,14 +155,89 @@ TEST_F(SegmentEndsTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
   EXPECT_EQ(observation(0).last_beam, 150);
 }
 
-TEST_F(SegmentEndsTest, ASegmentWithoutBeamsOfItsPlaneLosesIt) {
+TEST_F(SegmentEndsTest, WhatIsLeftOffItsPlaneLosesIt) {
   AddSideWall(2.0);
-  AddObservation(kFront, kLast, kLast + 2);
-  state_->observations[0].excluded_beams = {kLast + 1};
-  state_->observations[0].num_points = 2;
-  AddWall({0.0, 1.0, 0.0}, {1.5, 0.98, 0.0}, {2.0, 0.98, 0.0});
+  for (int beam = kLast - 4; beam <= kLast; ++beam) {
+    line_.ranges[static_cast<size_t>(beam)] += 0.2f;
+  }
+  AddObservation(kFront, kLast - 4, kLast + 2);
   Recut();
+  EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_EQ(observation(0).landmark_id, -1);
+}
+
+// Of the side wall, too few beams for a segment are seen before the view opens.
+class ShortRunTest : public SegmentEndsTest {
+ protected:
+  void See(int num_beams) {
+    for (size_t beam = kLast + 1 + static_cast<size_t>(num_beams); beam < line_.ranges.size();
+         ++beam) {
+      line_.ranges[beam] = 20.0f;
+    }
+    AddSideWall(2.0);
+    AddObservation(kFront, 40, kLast);
+  }
+};
+
+TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
+  for (const int num_beams : {1, 3}) {
+    state_->observations.clear();
+    See(num_beams);
+    Recut();
+    ASSERT_EQ(state_->short_runs.size(), 1u) << num_beams;
+    const Observation& run = state_->short_runs[0];
+    EXPECT_EQ(run.landmark_id, kSide);
+    EXPECT_EQ(run.first_beam, kLast + 1);
+    EXPECT_EQ(run.last_beam, kLast + num_beams);
+    EXPECT_EQ(run.num_points, num_beams);
+    for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) {
+      line_.ranges[beam] = Range(static_cast<int>(beam));
+    }
+    state_->landmarks.pop_back();
+  }
+}
+
+TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
+  See(3);
+  line_.ranges[kLast + 1] += 0.5f;
+  Recut();
+  EXPECT_TRUE(state_->short_runs.empty());
+}
+
+TEST_F(ShortRunTest, IsMadeAnewEachTime) {
+  See(3);
+  Recut();
+  const int revision = state_->short_runs.at(0).revision;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_GT(state_->short_runs[0].revision, revision);
+}
+
+// The wall ends at a door; its jamb takes the first beams behind the edge. From elsewhere,
+// beams go through there.
+TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
+  constexpr int kEdge = 100;  // last beam on the wall
+  for (size_t beam = kEdge + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 20.0f;
+  AddObservation(kFront, 40, kEdge);
+  for (int i = 0; i < 2; ++i) {
+    Recut();
+    EXPECT_EQ(observation(0).last_beam, kEdge) << "nothing lies beyond the edge";
+  }
+  state_->observations.clear();
+  for (int beam = kEdge + 1; beam <= kEdge + 4; ++beam) {
+    line_.ranges[static_cast<size_t>(beam)] = Range(beam) + 0.1f;
+  }
+  AddObservation(kFront, 40, kEdge + 4);
+  Recut();
+  EXPECT_GE(observation(0).last_beam, kEdge);
+  EXPECT_LE(observation(0).last_beam, kEdge + 1) << "to one cell";
+}
+
+TEST_F(SegmentEndsTest, WithoutPassagesAnOpenEndStays) {
+  AddObservation(kFront, 40, kLast);
+  for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 1.0f;
+  for (int i = 0; i < 2; ++i) Recut();
+  EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
 // The cause of a bias of 0.001 degrees a corner: weights and lever arms of the segment's own

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/quantiles.h"
 #include "test/core/flatland.h"
 
 namespace plumbline {
@@ -595,6 +596,15 @@ TEST(SegmentationTest, SameInputGivesSameSegments) {
     EXPECT_EQ(once[k].normal, again[k].normal);
     EXPECT_EQ(once[k].chi2, again[k].chi2);
   }
+}
+
+TEST(TwoSidedNormalQuantile, InvertsTheTailProbability) {
+  for (const double probability : {0.9999, 0.5, 0.05, 1e-4, 1e-7, 1e-20, 1e-290}) {
+    const double x = TwoSidedNormalQuantile(probability);
+    EXPECT_NEAR(std::erfc(x * M_SQRT1_2) / probability, 1.0, 1e-12) << probability;
+  }
+  EXPECT_EQ(TwoSidedNormalQuantile(1.0), 0.0);
+  EXPECT_GT(TwoSidedNormalQuantile(0.0), 36.0);
 }
 
 }  // namespace

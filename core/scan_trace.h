@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/association.h"
+#include "core/rigid3.h"
+#include "core/scan_line.h"
+
+namespace plumbline {
+
+// Trace of a plane in the scan plane: normal . p = distance. The normal's length is the sine
+// of the angle between the planes.
+struct Trace {
+  Eigen::Vector2d normal;
+  double distance;
+
+  Trace(const Rigid3d& world_from_scanner, const LandmarkCandidate& plane) {
+    const Eigen::Vector3d normal_scanner =
+        world_from_scanner.rotation.conjugate() * plane.normal;
+    normal = normal_scanner.head<2>();
+    distance = plane.distance - plane.normal.dot(world_from_scanner.translation);
+  }
+
+  // Infinite where the beam does not meet the plane.
+  double RangeAlong(const Eigen::Vector2d& direction) const {
+    const double range = distance / normal.dot(direction);
+    return range > 0.0 ? range : std::numeric_limits<double>::infinity();
+  }
+};
+
+// Where two traces cross; nothing where they are nearly parallel.
+inline std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
+  constexpr double kMinSine = 0.02;
+  const double sine = a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x();
+  if (std::abs(sine) < kMinSine) return std::nullopt;
+  return Eigen::Vector2d(a.distance * b.normal.y() - b.distance * a.normal.y(),
+                         b.distance * a.normal.x() - a.distance * b.normal.x()) /
+         sine;
+}
+
+// Whether a beam meets the plane where segments have been seen of it.
+inline bool IsOnPatch(const ScanLine& scan_line,
+                      const Rigid3d& world_from_scanner,
+                      const Trace& trace,
+                      const LandmarkCandidate& plane,
+                      int beam) {
+  constexpr double kMargin = 0.02;  // m
+  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+  const double range = trace.RangeAlong(direction);
+  if (!std::isfinite(range)) return false;
+  return plane.landmark->extent.IsWithin(
+      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0),
+      kMargin);
+}
+
+}  // namespace plumbline
