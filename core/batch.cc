@@ -32,6 +32,9 @@ constexpr int kRoundIterations = 1;
 // Share of the segments that may still change sides before the last estimation: what wavers
 // then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
+// Points in short runs over points in segments, at most: for a plane it is below one half, for
+// the underside of a door's lintel, which is mostly edges, three halves.
+constexpr int64_t kMaxRunsShare = 3;
 
 class Batch {
  public:
@@ -191,6 +194,33 @@ class Batch {
     return Release(is_weak);
   }
 
+  // Planes that segments hardly know: what almost only short runs lie on is a slant across a
+  // corner. Takes the observations from them, and drops their runs.
+  int DropSlants() {
+    std::vector<int64_t> in_segments(state_->landmarks.size(), 0);
+    std::vector<int64_t> in_runs(state_->landmarks.size(), 0);
+    for (const Observation& observation : state_->observations) {
+      if (observation.landmark_id < 0) continue;
+      in_segments[static_cast<size_t>(observation.landmark_id)] += observation.num_points;
+    }
+    for (const Observation& run : state_->short_runs) {
+      in_runs[static_cast<size_t>(run.landmark_id)] += run.num_points;
+    }
+    std::vector<bool> is_slant;
+    for (size_t i = 0; i < in_runs.size(); ++i) {
+      is_slant.push_back(in_runs[i] > kMaxRunsShare * in_segments[i]);
+    }
+    const int num_released = Release(is_slant);
+    std::deque<Observation>& runs = state_->short_runs;
+    runs.erase(std::remove_if(runs.begin(),
+                              runs.end(),
+                              [&](const Observation& run) {
+                                return is_slant[static_cast<size_t>(run.landmark_id)];
+                              }),
+               runs.end());
+    return num_released;
+  }
+
   MapCovariance SetCovariances(EstimationProblem* problem) {
     MapCovariance covariance = MapCovariance::Of(problem);
     const std::vector<int>& offsets = covariance.offsets();
@@ -280,7 +310,9 @@ BatchReport EstimateBatch(const Rig& rig,
     if (options.batch.recut_segments) {
       batch.RecountLandmarks();
       const int num_recut = RecutSegments(rig, options, recording, batch.openings(), state);
-      VLOG(1) << "ends of " << num_recut << " segments moved";
+      const int num_slants = batch.DropSlants();
+      VLOG(1) << "ends of " << num_recut << " segments moved, " << num_slants
+              << " segments taken from slants";
     }
     if (last) batch.Refine();
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,

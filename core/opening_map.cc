@@ -5,30 +5,72 @@
 namespace plumbline {
 namespace {
 
-constexpr double kCellSize = 0.05;  // m
+constexpr double kNarrow = 0.02;  // m
+constexpr double kWide = 0.25;
+constexpr int kMinCount = 2;
+constexpr double kMinShare = 0.1;
 
-CellGrid::Cell CellOf(const Landmark& landmark, const Eigen::Vector3d& p_world) {
+CellGrid::Cell CellOf(const Landmark& landmark,
+                      const Eigen::Vector3d& p_world,
+                      bool narrow_along_u) {
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector3d from_anchor = p_world - extent.anchor();
-  return {static_cast<int>(std::floor(extent.u_axis().dot(from_anchor) / kCellSize)),
-          static_cast<int>(std::floor(extent.v_axis().dot(from_anchor) / kCellSize))};
+  const double u = extent.u_axis().dot(from_anchor);
+  const double v = extent.v_axis().dot(from_anchor);
+  return {static_cast<int>(std::floor(u / (narrow_along_u ? kNarrow : kWide))),
+          static_cast<int>(std::floor(v / (narrow_along_u ? kWide : kNarrow)))};
 }
 
 }  // namespace
 
-void OpeningMap::CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  counts_[landmark.id].hits.Add(CellOf(landmark, p_world), 1);
+void OpeningMap::Count(const Landmark& landmark,
+                       const Eigen::Vector3d& p_world,
+                       CellGrid Counts::*grid) {
+  CountsOfPlane& counts = counts_[landmark.id];
+  for (const bool narrow_along_u : {true, false}) {
+    (counts[narrow_along_u ? 0 : 1].*grid).Add(CellOf(landmark, p_world, narrow_along_u), 1);
+  }
 }
 
+void OpeningMap::CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world) {
+  Count(landmark, p_world, &Counts::hits);
+}
 void OpeningMap::CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  counts_[landmark.id].passages.Add(CellOf(landmark, p_world), 1);
+  Count(landmark, p_world, &Counts::passages);
+}
+void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
+  Count(landmark, p_world, &Counts::blocks);
+}
+
+bool OpeningMap::HasOpenings(const Landmark& landmark) const {
+  const auto at = counts_.find(landmark.id);
+  if (at == counts_.end()) return false;
+  const Counts& counts = at->second.front();
+  return counts.passages.num_occupied() > 0 || counts.blocks.num_occupied() > 0;
+}
+
+bool OpeningMap::Counts::IsOpening(const CellGrid::Cell& cell, bool narrow_along_u) const {
+  const int blocked = blocks.Count(cell);
+  if (blocked >= kMinCount && blocked > hits.Count(cell)) return true;
+  for (int aside = -1; aside <= 1; ++aside) {
+    CellGrid::Cell near = cell;
+    (narrow_along_u ? near.first : near.second) += aside;
+    const int passed = passages.Count(near);
+    if (passed >= kMinCount && passed > kMinShare * (passed + hits.Count(near))) return true;
+  }
+  return false;
 }
 
 bool OpeningMap::IsOpening(const Landmark& landmark, const Eigen::Vector3d& p_world) const {
   const auto at = counts_.find(landmark.id);
   if (at == counts_.end()) return false;
-  const CellGrid::Cell cell = CellOf(landmark, p_world);
-  return at->second.passages.Count(cell) > at->second.hits.Count(cell);
+  for (const bool narrow_along_u : {true, false}) {
+    const Counts& counts = at->second[narrow_along_u ? 0 : 1];
+    if (counts.IsOpening(CellOf(landmark, p_world, narrow_along_u), narrow_along_u)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 
 #include "core/cell_grid.h"
@@ -8,24 +9,39 @@
 
 namespace plumbline {
 
-// Where planes have openings: counts, on a fine grid over each plane, the beams at segments'
-// ends that were taken to lie there and those beside them that went through. Where a wall ends
-// at a door, the first beams on its jamb may pass for the wall's, seen from one place; from
-// others the beams go through.
+// Where planes have openings: counts the beams at segments' ends that were taken to lie on a
+// plane, those beside them that went through and those that something in front of it stopped.
+// Where a wall ends at a door, beams on its jamb may pass for the wall's, or the floor's, seen
+// from one place; from others the beams go through, or are stopped.
+//
+// Counted twice, on cells that are narrow along u and on cells that are narrow along v:
+// openings have upright and level edges, and few beams pass close to one of them.
 class OpeningMap {
  public:
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world);
   void CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world);
-  // Whether more beams went through here than were taken to lie here.
+  void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
+  // Whether anything was counted that tells of openings.
+  bool HasOpenings(const Landmark& landmark) const;
+  // Whether more than a tenth of the beams went through here or at the next cell, or more were
+  // stopped here than not. What is solid lets none through, whatever the noise; but most beams
+  // that seem to lie in an opening are the jambs'.
   bool IsOpening(const Landmark& landmark, const Eigen::Vector3d& p_world) const;
 
  private:
   struct Counts {
     CellGrid hits;
     CellGrid passages;
+    CellGrid blocks;
+
+    bool IsOpening(const CellGrid::Cell& cell, bool narrow_along_u) const;
   };
 
-  std::map<int, Counts> counts_;  // by landmark id
+  // Counts on the cells that are narrow along u, along v.
+  using CountsOfPlane = std::array<Counts, 2>;
+  void Count(const Landmark& landmark, const Eigen::Vector3d& p_world, CellGrid Counts::*grid);
+
+  std::map<int, CountsOfPlane> counts_;  // by landmark id
 };
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/association.h"
+#include "core/hidden_beams.h"
 #include "core/scan_reader.h"
 #include "core/scan_trace.h"
 
@@ -25,6 +26,8 @@ constexpr double kFarSigmas = 9.0;
 constexpr double kOutlierSigmas = 5.0;
 // Beams on both sides of an open end that may tell of an opening.
 constexpr int kOpenBeams = 8;
+// A beam that went through a plane ended so far behind it.
+constexpr double kMinPassageDepth = 0.05;  // m
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
@@ -108,6 +111,7 @@ class Recutter {
                               const LandmarkCandidate& other,
                               const End& end) const;
   int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
+  bool LeaveOutHidden(const ScanLine& scan_line, const Range& range, Observation* observation);
   void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
   const Rig& rig_;
@@ -224,9 +228,16 @@ int Recutter::FindOpenEnd(const ScanLine& scan_line,
     const auto p = point(beam);
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!p || !scanner.IsValidRange(range)) continue;
-    const bool goes_through =
-        range > trace.RangeAlong(scan_line.BeamDirection(beam)) + margin_m;
-    if (goes_through) new_openings_.CountPassage(*own.landmark, *p);
+    const double beyond_m = range - trace.RangeAlong(scan_line.BeamDirection(beam));
+    // At grazing incidence the pose's uncertainty moves the range by decimetres.
+    const double behind_m =
+        beyond_m * std::abs(trace.normal.dot(scan_line.BeamDirection(beam)));
+    if (beyond_m > margin_m && behind_m > kMinPassageDepth) {
+      new_openings_.CountPassage(*own.landmark, *p);
+    }
+    if (own.landmark->model == PlaneModel::kHorizontal && beyond_m < -margin_m) {
+      new_openings_.CountBlock(*own.landmark, *p);
+    }
   }
   int last = end.beam;
   bool is_open = true;  // up to here
@@ -283,12 +294,33 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
       std::any_of(meetings.begin(), meetings.end(), [&](const Meeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
       });
-  if (!is_met) {
+  if (!is_met || own->landmark->model == PlaneModel::kHorizontal) {
     End open = end;
     open.beam = result.beam;
-    result.beam = FindOpenEnd(scan_line, world_from_scanner, trace, *own, open);
+    const int trimmed = FindOpenEnd(scan_line, world_from_scanner, trace, *own, open);
+    if (!is_met) result.beam = trimmed;
   }
   return result;
+}
+
+// Whether there were any.
+bool Recutter::LeaveOutHidden(const ScanLine& scan_line,
+                              const Range& range,
+                              Observation* observation) {
+  const LandmarkCandidate* own = Find(observation->landmark_id);
+  if (own == nullptr) return false;
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation->scanner_index)];
+  const HiddenBeams hidden{
+      scan_line, scanner, poses_.Of(*observation), *own, range.first, range.last};
+  std::vector<int> excluded = observation->excluded_beams;
+  for (const auto& beams : {hidden.InOpenings(openings_), hidden.BehindCorners(candidates_)}) {
+    excluded.insert(excluded.end(), beams.begin(), beams.end());
+  }
+  std::sort(excluded.begin(), excluded.end());
+  excluded.erase(std::unique(excluded.begin(), excluded.end()), excluded.end());
+  const bool is_changed = excluded.size() > observation->excluded_beams.size();
+  observation->excluded_beams = std::move(excluded);
+  return is_changed;
 }
 
 void Recutter::Replace(const ScanLine& scan_line,
@@ -465,7 +497,8 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
         range.first != observation.first_beam || range.last != observation.last_beam;
     num_changed += is_moved ? 1 : 0;
     if (observation.landmark_id < 0) continue;
-    if (is_moved || observation.taken_to != observation.landmark_id) {
+    const bool is_reduced = LeaveOutHidden(scan_line, range, &observation);
+    if (is_moved || is_reduced || observation.taken_to != observation.landmark_id) {
       Replace(scan_line, range, &observation);
     }
   }

@@ -1,0 +1,104 @@
+#include "core/hidden_beams.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/time.h"
+
+namespace plumbline {
+namespace {
+
+// At less than this between beam and normal, the pose does not tell where on the plane the
+// beam lies: 1 mm across it is 20 mm along the beam.
+constexpr double kMinCosine = 0.05;
+// How near the walls' seen parts have to come to what they hide: one cell of their grids.
+constexpr double kReach = 0.25;  // m
+// Walls whose normals are nearer to each other form no corner.
+constexpr double kMaxCosine = 0.7;
+
+// A wall that a segment crosses, at this share of its length.
+struct WallCrossing {
+  const LandmarkCandidate* wall;
+  double at;
+};
+
+}  // namespace
+
+PlaneTrace HiddenBeams::MakeTrace() const {
+  std::array<Rigid3d, 3> world_from_scanner;
+  for (size_t k = 0; k < 3; ++k) {
+    world_from_scanner[k] = poses.world_from_body[k] * scanner.body_from_scanner;
+  }
+  return {poses.times_ns, world_from_scanner, plane.normal, plane.distance};
+}
+
+std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const PlaneTrace& trace,
+                                                         int beam) const {
+  const int64_t time_ns =
+      scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
+  const Eigen::Vector3d line = trace.At(time_ns);
+  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+  const double cosine = line.head<2>().dot(direction);
+  if (std::abs(cosine) < kMinCosine) return std::nullopt;
+  return poses.ToWorld(scanner.body_from_scanner, line.z() / cosine * direction, time_ns);
+}
+
+std::vector<int> HiddenBeams::InOpenings(const OpeningMap& openings) const {
+  std::vector<int> beams;
+  if (!openings.HasOpenings(*plane.landmark)) return beams;
+  const PlaneTrace trace = MakeTrace();
+  for (int beam = first_beam; beam <= last_beam; ++beam) {
+    const std::optional<Eigen::Vector3d> at = MeetingPoint(trace, beam);
+    if (!at || openings.IsOpening(*plane.landmark, *at)) beams.push_back(beam);
+  }
+  return beams;
+}
+
+std::vector<int> HiddenBeams::BehindCorners(
+    const std::vector<LandmarkCandidate>& others) const {
+  std::vector<int> beams;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
+  const PlaneTrace trace = MakeTrace();
+  const std::optional<Eigen::Vector3d> start = MeetingPoint(trace, first_beam);
+  const std::optional<Eigen::Vector3d> end = MeetingPoint(trace, last_beam);
+  if (!start || !end) return beams;
+  const auto point_at = [&](double share) -> Eigen::Vector3d {
+    return *start + share * (*end - *start);
+  };
+  std::vector<WallCrossing> leaving;   // goes behind the wall
+  std::vector<WallCrossing> entering;  // comes from behind it
+  for (const LandmarkCandidate& other : others) {
+    if (other.landmark->model != PlaneModel::kVertical) continue;
+    const double from = other.normal.dot(*start) - other.distance;
+    const double to = other.normal.dot(*end) - other.distance;
+    if (from * to >= 0.0) continue;
+    (from > 0.0 ? leaving : entering).push_back({&other, from / (from - to)});
+  }
+  const Rigid3d scanner_from_world = (poses.middle() * scanner.body_from_scanner).Inverse();
+  const auto beam_at = [&](double share) {
+    const Eigen::Vector3d p = scanner_from_world * point_at(share);
+    const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
+    return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
+  };
+  for (const WallCrossing& first : leaving) {
+    for (const WallCrossing& second : entering) {
+      if (first.at >= second.at) continue;
+      if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCosine) continue;
+      const Eigen::Vector3d middle = point_at(0.5 * (first.at + second.at));
+      const auto is_near = [&](const WallCrossing& crossing) {
+        return crossing.wall->landmark->extent.IsNear(middle, middle, kReach);
+      };
+      if (!is_near(first) || !is_near(second)) continue;
+      // One beam more on both sides, for the motion within the scan line.
+      const auto [low, high] = std::minmax({beam_at(first.at), beam_at(second.at)});
+      const int from = std::max(first_beam, static_cast<int>(std::ceil(low)) - 1);
+      const int to = std::min(last_beam, static_cast<int>(std::floor(high)) + 1);
+      for (int beam = from; beam <= to; ++beam) beams.push_back(beam);
+    }
+  }
+  return beams;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/association.h"
+#include "core/observation.h"
+#include "core/opening_map.h"
+#include "core/rig.h"
+#include "core/scan_line.h"
+
+namespace plumbline {
+
+// Beams of a segment that can not lie on its plane, whatever their range: the place where they
+// meet it is an opening, or behind an edge of the building. At grazing incidence such a beam
+// may pass for the plane's, and there a single one weighs as much as thousands of others.
+struct HiddenBeams {
+  const ScanLine& scan_line;
+  const Scanner& scanner;
+  const ObservationPoses& poses;  // of the segment
+  const LandmarkCandidate& plane;
+  int first_beam;
+  int last_beam;  // inclusive
+
+  // Those that meet the plane in an opening of it, and where it has openings, those at grazing
+  // incidence, which may.
+  std::vector<int> InOpenings(const OpeningMap& openings) const;
+  // Those that meet a floor or ceiling behind two walls at once, both seen close by: between
+  // the two faces of a corner that stands into the segment. Without a corner there, nothing is
+  // behind both that a beam could reach.
+  std::vector<int> BehindCorners(const std::vector<LandmarkCandidate>& others) const;
+
+ private:
+  // Where a beam meets the plane, in the world; nothing at grazing incidence.
+  std::optional<Eigen::Vector3d> MeetingPoint(const PlaneTrace& trace, int beam) const;
+  PlaneTrace MakeTrace() const;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,112 @@
+#include "core/hidden_beams.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kStart = 1'600'000'000'000'000'000;
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kHeight = 1.5;
+
+// A scanner at rest, 1.5 m above the floor, turns in the plane x = 0: beam i meets the floor
+// at y = 1.5 m tan(i degrees), and the wall y = 4 m beyond that.
+class HiddenBeamsTest : public ::testing::Test {
+ protected:
+  HiddenBeamsTest() : trajectory_(kStart, 125'000'000, Rigid3d()) {
+    trajectory_.ExtendTo(kStart + 100'000'000);
+    Eigen::Matrix3d rotation;
+    rotation.col(0) = -Eigen::Vector3d::UnitZ();
+    rotation.col(1) = Eigen::Vector3d::UnitY();
+    rotation.col(2) = Eigen::Vector3d::UnitX();
+    scanner_.body_from_scanner = {Eigen::Quaterniond(rotation), {0.0, 0.0, kHeight}};
+    line_.stamp_ns = kStart;
+    line_.angle_increment = kDegree;
+    line_.time_increment_s = 1e-5;
+    line_.ranges.assign(100, 1.0f);
+    sampler_.emplace(trajectory_);
+    poses_.emplace(NodesOfSpan(kStart, line_.BeamTime(99)), &*sampler_);
+  }
+
+  static LandmarkCandidate Candidate(const Landmark& landmark) {
+    return {&landmark, landmark.Normal(), landmark.Distance()};
+  }
+  // A wall through the point, seen 0.5 m to both sides of it.
+  static Landmark Wall(const Eigen::Vector3d& normal, const Eigen::Vector3d& p) {
+    Landmark wall = MakeVerticalLandmark(normal.normalized(), p);
+    const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal).normalized();
+    wall.extent.AddSegment(p - 0.5 * along, p + 0.5 * along);
+    return wall;
+  }
+  HiddenBeams Beams(const LandmarkCandidate& plane, int first, int last) const {
+    return {line_, scanner_, *poses_, plane, first, last};
+  }
+
+  Trajectory trajectory_;
+  Scanner scanner_;
+  ScanLine line_;
+  std::optional<PoseSampler> sampler_;
+  std::optional<ObservationPoses> poses_;
+};
+
+// The corner's edge stands at (0.1, 2.0): behind both faces the segment runs from y = 1.9 to
+// 2.1 m, beams 51.7 to 54.5.
+TEST_F(HiddenBeamsTest, FloorBehindACornerIsHidden) {
+  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
+  const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 1.9, 0.0});
+  const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 2.1, 0.0});
+  const LandmarkCandidate plane = Candidate(floor);
+  const std::vector<LandmarkCandidate> walls = {Candidate(near), Candidate(far)};
+  EXPECT_EQ(Beams(plane, 20, 65).BehindCorners(walls), std::vector<int>({51, 52, 53, 54, 55}));
+  EXPECT_EQ(Beams(plane, 53, 54).BehindCorners(walls), std::vector<int>()) << "within it";
+  EXPECT_TRUE(Beams(plane, 20, 65).BehindCorners({Candidate(near)}).empty());
+}
+
+TEST_F(HiddenBeamsTest, FloorInFrontOfARecessIsNot) {
+  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
+  const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 2.1, 0.0});
+  const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 1.9, 0.0});
+  EXPECT_TRUE(Beams(Candidate(floor), 20, 65)
+                  .BehindCorners({Candidate(near), Candidate(far)})
+                  .empty());
+}
+
+// From one room through its door into the next, which has a door of its own farther on.
+TEST_F(HiddenBeamsTest, FloorBetweenDistantWallsIsNotHidden) {
+  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
+  const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 0.6, 0.0});
+  const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 3.0, 0.0});
+  EXPECT_TRUE(Beams(Candidate(floor), 20, 65)
+                  .BehindCorners({Candidate(near), Candidate(far)})
+                  .empty());
+}
+
+TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 4.0, 1.0});
+  const LandmarkCandidate plane = Candidate(wall);
+  OpeningMap openings;
+  EXPECT_TRUE(Beams(plane, 72, 88).InOpenings(openings).empty());
+  const Eigen::Vector3d in_opening(0.0, 4.0, kHeight - 4.0 / std::tan(80.0 * kDegree));
+  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, in_opening);
+  const std::vector<int> beams = Beams(plane, 72, 88).InOpenings(openings);
+  EXPECT_NE(std::find(beams.begin(), beams.end(), 80), beams.end());
+  EXPECT_EQ(std::find(beams.begin(), beams.end(), 74), beams.end());
+  EXPECT_EQ(std::find(beams.begin(), beams.end(), 86), beams.end());
+}
+
+// Where along the wall a beam at 1 degree lies is for the pose to say, to decimetres.
+TEST_F(HiddenBeamsTest, WithOpeningsGrazingBeamsMayLieInOne) {
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
+  OpeningMap openings;
+  EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(openings).empty());
+  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, 9.0});
+  EXPECT_EQ(Beams(Candidate(wall), 1, 10).InOpenings(openings), std::vector<int>({1, 2}));
+}
+
+}  // namespace
+}  // namespace plumbline

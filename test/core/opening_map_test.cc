@@ -1,0 +1,54 @@
+#include "core/opening_map.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+// A wall along x; u runs along it, v upwards.
+class OpeningMapTest : public ::testing::Test {
+ protected:
+  OpeningMapTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {}
+
+  static Eigen::Vector3d At(double x, double z = 0.01) { return {x, 2.0, z}; }
+
+  Landmark wall_;
+  OpeningMap openings_;
+};
+
+TEST_F(OpeningMapTest, WhereNothingWasCountedIsNoOpening) {
+  EXPECT_FALSE(openings_.HasOpenings(wall_));
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.0)));
+  openings_.CountHit(wall_, At(1.0));
+  EXPECT_FALSE(openings_.HasOpenings(wall_));
+}
+
+TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
+  openings_.CountPassage(wall_, At(1.01));
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01))) << "once is not enough";
+  openings_.CountPassage(wall_, At(1.01));
+  EXPECT_TRUE(openings_.HasOpenings(wall_));
+  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
+  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.03, 0.2))) << "0.02 m aside, at its height";
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.07, 0.2)));
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01, 0.6)));
+}
+
+TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {
+  for (int i = 0; i < 3; ++i) openings_.CountPassage(wall_, At(1.01));
+  for (int i = 0; i < 26; ++i) openings_.CountHit(wall_, At(1.01));
+  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
+  openings_.CountHit(wall_, At(1.01));
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01)));
+}
+
+TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
+  for (int i = 0; i < 3; ++i) openings_.CountBlock(wall_, At(1.01));
+  for (int i = 0; i < 2; ++i) openings_.CountHit(wall_, At(1.01));
+  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
+  openings_.CountHit(wall_, At(1.01));
+  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01)));
+}
+
+}  // namespace
+}  // namespace plumbline
