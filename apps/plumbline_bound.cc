@@ -11,6 +11,11 @@
 
 DEFINE_string(experiment, "", "experiment file (YAML)");
 DEFINE_string(config, "", "mapper settings (YAML), in place of the experiment's own");
+DEFINE_int64(
+    seed,
+    -1,
+    "estimate from the noise of this seed, every beam on its true plane: the best that "
+    "any mapper could make of it; -1: no noise and no estimation");
 DEFINE_string(output, "", "directory for the planes, the trajectory and their covariances");
 
 int main(int argc, char** argv) {
@@ -25,8 +30,12 @@ int main(int argc, char** argv) {
         const plumbline::MapperOptions options = plumbline::ReadMapperOptions(
             FLAGS_config.empty() ? FLAGS_experiment : FLAGS_config);
         plumbline::Progress progress("bound");
-        const plumbline::Bound bound = plumbline::ComputeBound(
-            experiment, options, [&](double share_done) { progress.Report(share_done); });
+        const auto report = [&](double share_done) { progress.Report(share_done); };
+        const plumbline::Bound bound =
+            FLAGS_seed < 0
+                ? plumbline::ComputeBound(experiment, options, report)
+                : plumbline::EstimateWithTrueAssociations(
+                      experiment, options, static_cast<uint64_t>(FLAGS_seed), report);
         plumbline::WriteBound(bound, FLAGS_output);
         std::cout << plumbline::BoundTable(bound);
       });

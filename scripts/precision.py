@@ -4,7 +4,8 @@ against the covariances that the runs state themselves.
 
 Quantities that do not depend on the model frame: angles between walls, distances between what
 different loops saw of one wall. For a building whose walls follow each other round a corridor,
-walls are counted by the corners between them. Prints Markdown tables and writes precision.json.
+walls are counted by the corners between them. With --ideal, also against the best estimate that
+the same noise allows. Prints Markdown tables and writes precision.json.
 """
 
 import argparse
@@ -235,21 +236,63 @@ def read_run(directory):
             pose_nees(directory, truth, frame), truth)
 
 
-def bound_variances(bound_directory, truth):
-    """Pair -> variance, as the bound has it."""
-    lines = (bound_directory / "faces.csv").read_text().splitlines()[1:]
+def read_bound(directory, truth):
+    """What plumbline_bound wrote: pairs, NEES of planes (of the best estimate from a seed)."""
+    lines = (directory / "faces.csv").read_text().splitlines()[1:]
     face_of_plane = dict(tuple(map(int, line.split(","))) for line in lines)
     # A face that no noisy beam hit is not in the truth.
     face_of_plane = {plane: face for plane, face in face_of_plane.items()
                      if face in truth.faces}
-    planes = Planes(bound_directory, face_of_plane)
-    # The frame from one wall's normal and the first pose, which is its origin.
+    planes = Planes(directory, face_of_plane)
+    # The frame from the reference wall's normal and the first pose, which is its origin.
     plane = next(p for p in planes.planes.values() if p["type"] == "vertical")
     turn = azimuth(plane["normal"]) - azimuth(truth.faces[face_of_plane[plane["id"]]]["normal"])
     rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0],
                          [0, 0, 1.0]])
-    return {key: variance for key, (_, variance) in pair_quantities(
-        planes, truth, (rotation, -rotation @ truth.poses[0, 1:4])).items()}
+    frame = (rotation, -rotation @ truth.poses[0, 1:4])
+    return pair_quantities(planes, truth, frame), plane_nees(planes, truth, frame)
+
+
+def bound_variances(bound_directory, truth):
+    """Pair -> variance, as the bound has it."""
+    pairs, _ = read_bound(bound_directory, truth)
+    return {key: variance for key, (_, variance) in pairs.items()}
+
+
+def read_ideals(directory, run_directories, runs):
+    """What the best estimate makes of each run's noise; None for runs that have none."""
+    ideals = [read_bound(directory / run_directory.name, run[3])
+              if (directory / run_directory.name).is_dir() else None
+              for run_directory, run in zip(run_directories, runs)]
+    if sum(ideal is not None for ideal in ideals) < 2:
+        raise ValueError(f"{directory}: at least two of the runs' seeds (run_*) expected")
+    return ideals
+
+
+def ratio_of_means(values, others):
+    """Square root of the ratio of two means over the same runs, and its standard error."""
+    values, others = np.array(values), np.array(others)
+    ratio = values.mean() / others.mean()
+    spread = (values - ratio * others).std(ddof=1) / np.sqrt(len(values)) / others.mean()
+    return np.sqrt(ratio), 0.5 * spread / np.sqrt(ratio)
+
+
+def compare_with_ideal(runs, summary):
+    """Adds to each category the map's error over that of the best estimate, same seeds."""
+    squares = collections.defaultdict(list)
+    for pairs, ideal in runs:
+        of_run = collections.defaultdict(list)
+        for key, (error, _) in pairs.items():
+            if key in ideal and key[0] in summary:
+                of_run[key[0]].append((error ** 2, ideal[key][0] ** 2))
+        for category, values in of_run.items():
+            squares[category].append(np.mean(values, axis=0))
+    for category, values in squares.items():
+        if len(values) < 2:
+            continue
+        ratio, ratio_error = ratio_of_means(*np.transpose(values))
+        summary[category].update({"ideal_runs": len(values), "ideal_ratio": ratio,
+                                  "ideal_ratio_error": ratio_error})
 
 
 def summarise_pairs(runs, bound):
@@ -299,8 +342,11 @@ def natural(name):
 
 
 def table(summary):
+    has_ideal = any("ideal_ratio" in figures for figures in summary.values())
     lines = ["| quantity | runs | empirical | bound | empirical / bound | NEES "
-             "| largest bias, in standard errors |", "|---|---|---|---|---|---|---|"]
+             "| largest bias, in standard errors |" +
+             (" empirical / best, same seeds |" if has_ideal else ""),
+             "|---|---|---|---|---|---|---|" + ("---|" if has_ideal else "")]
     for name in sorted(summary, key=natural):
         figures = summary[name]
         scale, unit = (180 / np.pi, "deg") if name.startswith("angle") else (1e3, "mm")
@@ -312,6 +358,9 @@ def table(summary):
                 figures["nees"], figures["nees_error"],
                 "" if figures["largest_bias"] is None else
                 "{:.1f} of {} pairs".format(figures["largest_bias"], figures["pairs"])))
+        if has_ideal:
+            lines[-1] += (" {ideal_ratio:.3f} +- {ideal_ratio_error:.3f} |".format(**figures)
+                          if "ideal_ratio" in figures else " |")
     return "\n".join(lines)
 
 
@@ -323,11 +372,21 @@ def nees_line(what, values, freedom):
             "inside": bool(abs(mean - 1) <= half)}
 
 
+def nees_of_runs(what, values, freedom):
+    """The same where a run's values (its row) depend on each other: from the runs' spread."""
+    means = np.mean(values, axis=1) / freedom
+    half = 1.96 * means.std(ddof=1) / np.sqrt(len(means))
+    return {"what": what, "mean": means.mean(), "low": 1 - half, "high": 1 + half,
+            "inside": bool(abs(means.mean() - 1) <= half)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("runs", type=pathlib.Path, help="directory of scripts/monte_carlo.py")
     parser.add_argument("--bound", type=pathlib.Path, required=True,
                         help="directory of plumbline_bound for the same experiment")
+    parser.add_argument("--ideal", type=pathlib.Path,
+                        help="directory of run_0001, ...: plumbline_bound --seed=1, ...")
     parser.add_argument("--output", type=pathlib.Path, help="file for the figures (JSON)")
     arguments = parser.parse_args()
     directories = sorted(arguments.runs.glob("run_*"))
@@ -336,6 +395,7 @@ def main():
     try:
         runs = [read_run(directory) for directory in directories]
         bound = bound_variances(arguments.bound, runs[0][3])
+        ideals = read_ideals(arguments.ideal, directories, runs) if arguments.ideal else []
     except (OSError, ValueError) as error:
         sys.exit(f"precision.py: {error}")
     except KeyError as error:
@@ -344,7 +404,14 @@ def main():
     plane_values = np.array([run[1] for run in runs])
     pose_values = np.array([run[2] for run in runs])
     nees = [nees_line("all planes of a run", plane_values[:, 0], plane_values[:, 1]),
-            nees_line("poses, each of its own", pose_values, np.full(pose_values.shape, 6))]
+            nees_of_runs("poses, each of its own", pose_values, 6)]
+    if arguments.ideal:
+        compared = [(run, ideal) for run, ideal in zip(runs, ideals) if ideal is not None]
+        compare_with_ideal([(run[0], ideal[0]) for run, ideal in compared], summary)
+        values = np.array([ideal[1] for _, ideal in compared])
+        nees.append(nees_line("all planes of the best estimate", values[:, 0], values[:, 1]))
+        values = np.array([run[1] for run, _ in compared])
+        nees.append(nees_line("all planes of these seeds' runs", values[:, 0], values[:, 1]))
     growth = {prefix + suffix: growth_exponent(summary, prefix, suffix)
               for prefix, suffix in (("angle, outer, ", "corners"),
                                      ("distance, outer, ", "centre"),

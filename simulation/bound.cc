@@ -1,10 +1,13 @@
 #include "simulation/bound.h"
 
+#include <ceres/solver.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -75,9 +78,13 @@ std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
 
 class BoundComputer {
  public:
-  BoundComputer(const Experiment& experiment, const MapperOptions& options)
+  // Without a seed, for errorless beams.
+  BoundComputer(const Experiment& experiment,
+                const MapperOptions& options,
+                std::optional<uint64_t> seed)
       : experiment_(experiment),
         options_(options),
+        seed_(seed),
         simulator_(experiment),
         plane_of_face_(PlaneOfFace(experiment.building)),
         planar_(IsPlanar(experiment.rig)) {}
@@ -88,25 +95,9 @@ class BoundComputer {
       Take(perfect);
       progress(static_cast<double>(++num_done) / simulator_.num_scan_lines());
     });
-    EstimationProblem problem(
-        experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
-    problem.AddStartVelocityPrior(options_.trajectory);
-    problem.AddOrigin(state_->origin_time_ns);
-    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
-      problem.AddMotionPrior(i, options_.trajectory);
-    }
-    std::vector<const Observation*> observations;
-    for (Observation& observation : state_->observations) {
-      Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
-      // Fewer beams than a segment needs may leave a plane open.
-      if (landmark.num_points < options_.segmentation.min_points) {
-        landmark.num_segments = 0;
-        continue;
-      }
-      observations.push_back(&observation);
-    }
-    problem.AddSegments(observations, 0.0);
-    const MapCovariance covariance = MapCovariance::Of(&problem);
+    if (seed_) Estimate();
+    const auto problem = MakeProblem();
+    const MapCovariance covariance = MapCovariance::Of(problem.get());
     for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
       const int offset = covariance.offsets()[i];
       const int size = covariance.offsets()[i + 1] - offset;
@@ -129,13 +120,76 @@ class BoundComputer {
   }
 
  private:
+  // Beams that an observation was made of.
+  struct Source {
+    std::shared_ptr<const ScanLine> scan_line;
+    Segment segment;
+  };
+
+  std::unique_ptr<EstimationProblem> MakeProblem() {
+    auto problem = std::make_unique<EstimationProblem>(
+        experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
+    problem->AddStartVelocityPrior(options_.trajectory);
+    problem->AddOrigin(state_->origin_time_ns);
+    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
+      problem->AddMotionPrior(i, options_.trajectory);
+    }
+    std::vector<const Observation*> observations;
+    for (const Observation& observation : state_->observations) {
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+      // Fewer beams than a segment needs may leave a plane open.
+      if (landmark.num_points < options_.segmentation.min_points) {
+        landmark.num_segments = 0;
+        continue;
+      }
+      observations.push_back(&observation);
+    }
+    problem->AddSegments(observations, 0.0);
+    return problem;
+  }
+
+  // Least squares with the true associations. Lever arms and weights follow the estimate.
+  void Estimate() {
+    constexpr int kRounds = 3;
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    solver.function_tolerance = 1e-9;
+    solver.initial_trust_region_radius = 1e12;
+    solver.num_threads = 1;
+    solver.logging_type = ceres::SILENT;
+    for (int round = 0; round < kRounds; ++round) {
+      MakeProblem()->Solve(solver);
+      for (size_t i = 0; i < sources_.size(); ++i) {
+        Observation& observation = state_->observations[i];
+        Observation anew =
+            Observe(*sources_[i].scan_line, sources_[i].segment, observation.landmark_id);
+        anew.scan_index = observation.scan_index;
+        observation = std::move(anew);
+      }
+    }
+    MakeProblem()->Solve(solver);
+  }
+
+  Observation Observe(const ScanLine& scan_line, const Segment& segment, int landmark_id) {
+    const Scanner& scanner =
+        experiment_.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
+    // Single beams have no line of their own to be weighted by.
+    Observation observation = MakeObservationOn(
+        TraceOf(scan_line, scanner, segment, landmark), scan_line, scanner, segment, false);
+    observation.landmark_id = landmark_id;
+    return observation;
+  }
+
   void Take(const PerfectScanLine& perfect) {
-    NoiseOptions no_noise;
-    no_noise.scale = 0.0;
-    no_noise.dropout = 0.0;
+    NoiseOptions noise = experiment_.noise;
+    if (!seed_) {
+      noise.scale = 0.0;
+      noise.dropout = 0.0;
+    }
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
     const Scanner& scanner = experiment_.rig.scanners[scanner_index];
-    const ScanLine scan_line = AddNoise(perfect, scanner, no_noise, 0);
+    const ScanLine scan_line = AddNoise(perfect, scanner, noise, seed_.value_or(0));
     std::vector<BeamRun> runs = FindRuns(perfect, scan_line, plane_of_face_);
     if (!state_) {
       first_lines_.emplace_back(scan_line, runs);
@@ -262,6 +316,7 @@ class BoundComputer {
     const int scan_index = std::max<int>(0, static_cast<int>(scan_times_ns_.size()) - 1);
     const auto scanner_index = static_cast<size_t>(scan_line.scanner_index);
     const Scanner& scanner = experiment_.rig.scanners[scanner_index];
+    std::shared_ptr<const ScanLine> kept;
     for (BeamRun& run : runs) {
       const int landmark_id = LandmarkOf(run.plane, scan_index);
       Segment& segment = run.segment;
@@ -275,12 +330,12 @@ class BoundComputer {
           state_->landmarks[static_cast<size_t>(landmark_id)].Normal();
       if (normal.head<2>().norm() < 1e-3) continue;  // the scan plane runs along the plane
       segment.normal = normal.head<2>().normalized();
-      const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
-      // Single beams have no line of their own to be weighted by.
-      Observation observation = MakeObservationOn(
-          TraceOf(scan_line, scanner, segment, landmark), scan_line, scanner, segment, false);
+      Observation observation = Observe(scan_line, segment, landmark_id);
       observation.scan_index = scan_index;
-      observation.landmark_id = landmark_id;
+      if (seed_) {
+        if (!kept) kept = std::make_shared<const ScanLine>(scan_line);
+        sources_.push_back({kept, segment});
+      }
       state_->observations.push_back(std::move(observation));
       const Observation& added = state_->observations.back();
       CountObservation(
@@ -290,6 +345,7 @@ class BoundComputer {
 
   const Experiment& experiment_;
   const MapperOptions& options_;
+  std::optional<uint64_t> seed_;
   Simulator simulator_;
   std::vector<int> plane_of_face_;
   bool planar_;
@@ -299,6 +355,7 @@ class BoundComputer {
   Rigid3d model_from_world_;
   std::unique_ptr<MapState> state_;
   std::vector<int64_t> scan_times_ns_;
+  std::vector<Source> sources_;  // of the observations; with a seed only
 };
 
 }  // namespace
@@ -306,7 +363,14 @@ class BoundComputer {
 Bound ComputeBound(const Experiment& experiment,
                    const MapperOptions& options,
                    const std::function<void(double)>& progress) {
-  return BoundComputer(experiment, options).Run(progress);
+  return BoundComputer(experiment, options, std::nullopt).Run(progress);
+}
+
+Bound EstimateWithTrueAssociations(const Experiment& experiment,
+                                   const MapperOptions& options,
+                                   uint64_t seed,
+                                   const std::function<void(double)>& progress) {
+  return BoundComputer(experiment, options, seed).Run(progress);
 }
 
 std::string BoundTable(const Bound& bound) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -29,6 +30,15 @@ struct Bound {
 Bound ComputeBound(const Experiment& experiment,
                    const MapperOptions& options,
                    const std::function<void(double)>& progress);
+
+// What an estimator can make at best of the noise of one seed: least squares over all beams,
+// each on its true plane, from the true geometry on. The planes and the trajectory are the
+// estimated ones. Over the same seeds, what a map is off beyond this is the mapper's own
+// share. Keeps the beams in memory.
+Bound EstimateWithTrueAssociations(const Experiment& experiment,
+                                   const MapperOptions& options,
+                                   uint64_t seed,
+                                   const std::function<void(double)>& progress);
 
 // For people, lengths in millimetres; ends with a line break.
 std::string BoundTable(const Bound& bound);

@@ -71,7 +71,8 @@ TEST_F(BoundTest, ScalesWithTheRangeNoise) {
 }
 
 TEST_F(BoundTest, FourTimesTheBeamsHalveTheStandardDeviation) {
-  MapperOptions options;  // the motion prior, which does not depend on the beams, as good as off
+  MapperOptions
+      options;  // the motion prior, which does not depend on the beams, as good as off
   options.trajectory.acceleration_stddev_m_s2 *= 100.0;
   options.trajectory.angular_acceleration_stddev_deg_s2 *= 100.0;
   const double sigma_m = FloorSigma(Compute(options));
@@ -111,6 +112,41 @@ TEST_F(BoundTest, MapperStatesWhatTheBoundSays) {
       result.AngleStddev(result_a, result_b) / bound.planes.AngleStddev(bound_a, bound_b);
   EXPECT_GT(ratio, 0.99);
   EXPECT_LT(ratio, 1.1);  // beams at the segments' ends are left out
+}
+
+// Every beam on its true plane, optimal weights: the errors are what the bound says.
+TEST_F(BoundTest, WithTrueAssociationsTheBoundIsReached) {
+  const double reference_rad = [&] {
+    const Bound bound = Compute();
+    const PlanePatch& wall = bound.planes.planes().front();
+    return std::atan2(wall.normal.y(), wall.normal.x());
+  }();
+  const Experiment experiment = ReadExperiment(Path("experiment.yaml"));
+  const auto true_angle = [&](int face) {
+    const Eigen::Vector3d& normal =
+        experiment.building.faces[static_cast<size_t>(face)].normal;
+    return std::atan2(normal.y(), normal.x());
+  };
+  double sum = 0.0;
+  int count = 0;
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    const Bound estimate =
+        EstimateWithTrueAssociations(experiment, MapperOptions(), seed, [](double) {});
+    const auto& planes = estimate.planes.planes();
+    EXPECT_EQ(estimate.face_ids.size(), planes.size());
+    for (size_t i = 1; i < planes.size(); ++i) {
+      if (planes[i].type != PlaneType::kVertical) continue;
+      const double turned = std::atan2(planes[i].normal.y(), planes[i].normal.x()) -
+                            reference_rad - true_angle(estimate.face_ids[i]) +
+                            true_angle(estimate.face_ids[0]);
+      const double error = std::remainder(turned, 2.0 * M_PI) / planes[i].sigma_angle_rad;
+      sum += error * error;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 60);
+  // The walls of a run are hardly correlated: four standard errors.
+  EXPECT_NEAR(sum / count, 1.0, 4.0 * std::sqrt(2.0 / count));
 }
 
 TEST_F(BoundTest, WritesWhatCanBeReadBack) {

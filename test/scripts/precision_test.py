@@ -94,10 +94,24 @@ class PrecisionTest(unittest.TestCase):
         (directory / "faces.csv").write_text(
             "plane,face\n" + "".join(f"{i},{i % 4}\n" for i in range(8)))
 
-    def run_script(self):
+    def write_ideal(self, number, share):
+        """The best estimate of a run: its planes, off by a share of the run's errors."""
+        planes = json.loads(
+            (self.directory / "runs" / f"run_{number:04d}" / "planes.json").read_text())
+        errors = []
+        for entry, (normal, distance) in zip(planes, WALLS + WALLS):
+            turn = np.arctan2(entry["normal"][1], entry["normal"][0])
+            angle = (turn - np.arctan2(normal[1], normal[0]) + np.pi) % (2 * np.pi) - np.pi
+            errors.append((share * angle, share * (entry["distance"] - distance)))
+        directory = self.directory / "ideal" / f"run_{number:04d}"
+        self.write_planes(directory, np.array(errors))
+        (directory / "faces.csv").write_text(
+            "plane,face\n" + "".join(f"{i},{i % 4}\n" for i in range(8)))
+
+    def run_script(self, *more):
         return subprocess.run(
             [sys.executable, SCRIPT, self.directory / "runs", "--bound", self.directory / "bound",
-             "--output", self.directory / "precision.json"],
+             "--output", self.directory / "precision.json", *more],
             capture_output=True, text=True, check=False)
 
     def figures(self, scale):
@@ -124,6 +138,23 @@ class PrecisionTest(unittest.TestCase):
         pair = figures["pairs"]["angle, outer, 1 corners"]
         self.assertLess(abs(pair["ratio"] - 2), 4 * pair["ratio_error"])
         self.assertFalse(figures["nees"][0]["inside"])
+
+    def test_best_estimate_of_the_same_seeds(self):
+        for number in range(10):
+            self.write_run(number, 1.0)
+        for number in range(8):
+            self.write_ideal(number, 0.8)
+        self.write_bound()
+        result = self.run_script("--ideal", self.directory / "ideal")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        figures = json.loads((self.directory / "precision.json").read_text())
+        pair = figures["pairs"]["angle, outer, 1 corners"]
+        self.assertEqual(pair["ideal_runs"], 8)
+        self.assertAlmostEqual(pair["ideal_ratio"], 1 / 0.8, places=5)
+        self.assertLess(pair["ideal_ratio_error"], 1e-4)
+        self.assertIn("1.250 +- 0.000", result.stdout)
+        result = self.run_script("--ideal", self.directory)
+        self.assertIn("at least two of the runs' seeds", result.stderr)
 
     def test_missing_file_is_named(self):
         for number in range(2):
