@@ -43,7 +43,10 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("min_scans", o.planes.min_scans, 1, 1000);
     s.Number("max_candidate_age_s", o.planes.max_candidate_age_s, 0.0, 1e6);
   });
-  v.Section("window", [&](auto& s) { s.Integer("num_scans", o.window.num_scans, 2, 10000); });
+  v.Section("window", [&](auto& s) {
+    s.Integer("num_scans", o.window.num_scans, 2, 10000);
+    s.Flag("keep_statements", o.window.keep_statements);
+  });
   v.Section("loop_closure", [&](auto& s) {
     s.Flag("enabled", o.loop_closure.enabled);
     s.Integer(

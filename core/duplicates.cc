@@ -95,7 +95,7 @@ double MaxRangeNoise(const Rig& rig) {
 
 bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;
-  constexpr double kRangeSigmas = 3.0;
+  constexpr double kRangeSigmas = 5.0;
   if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < 0.8) return false;
   const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;

@@ -202,6 +202,18 @@ std::vector<StampedCovariance> PoseCovariances(const MapResult& result) {
   return covariances;
 }
 
+void WriteWindow(const MapResult& result, ResultWriter* writer) {
+  std::vector<StampedPose> poses;
+  std::vector<StampedCovariance> covariances;
+  const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
+  for (const WindowStatement& statement : result.window_statements) {
+    poses.push_back(statement.newest_pose);
+    covariances.push_back({statement.newest_pose.time_ns,
+                           statement.pose_covariance(position_first, position_first)});
+  }
+  writer->WriteWindow(poses, covariances, result.window_planes);
+}
+
 std::string PlaneName(int id) { return "plane " + std::to_string(id); }
 
 // What the covariance says of how well the unknowns are determined.
@@ -258,6 +270,7 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
   writer.WriteTrajectoryCovariance(PoseCovariances(result));
   writer.WritePlaneCovariance(covariance);
+  if (!result.window_statements.empty()) WriteWindow(result, &writer);
   PointExporter(rig, result.state, &writer).Run(progress, &recording, &summary);
   writer.WriteConfig(MapperOptionsToYaml(options));
   writing.reset();

@@ -44,6 +44,7 @@ class Follower {
   bool started() const { return window_ != nullptr; }
   MapState& state() { return *state_; }
   const std::vector<int64_t>& scan_times_ns() const { return scan_times_ns_; }
+  const std::vector<WindowStatement>& statements() const { return window_->statements(); }
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
 
   // Looks for the model frame in this scan; false when it does not show.
@@ -331,6 +332,27 @@ void FollowRecording(const Rig& rig,
   }
 }
 
+// The planes of the last statement, as they are estimated now.
+PlaneCovariance PlanesOf(const std::vector<WindowStatement>& statements,
+                         const MapState& state) {
+  if (statements.empty()) return {};
+  const WindowStatement& last = statements.back();
+  std::vector<PlanePatch> patches;
+  std::vector<int> rows;
+  int row = 0;
+  for (const PlanePatch& patch : PlanePatches(state)) {
+    const auto& ids = last.landmark_ids;
+    if (std::binary_search(ids.begin(), ids.end(), patch.id)) patches.push_back(patch);
+  }
+  for (const int id : last.landmark_ids) {
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(id)];
+    for (int k = 0; k < landmark.num_parameters(); ++k, ++row) {
+      if (landmark.num_segments > 0) rows.push_back(row);
+    }
+  }
+  return {std::move(patches), last.landmark_covariance(rows, rows)};
+}
+
 }  // namespace
 
 MapResult MapRecording(const Rig& rig,
@@ -352,7 +374,10 @@ MapResult MapRecording(const Rig& rig,
     const Stopwatch::Running running(&tracking_watch);
     FollowRecording(rig, planar, options, progress, recording, &follower, &warnings);
   }
+  PlaneCovariance window_planes = PlanesOf(follower.statements(), follower.state());
   MapResult result(std::move(follower.state()));
+  result.window_statements = follower.statements();
+  result.window_planes = std::move(window_planes);
   result.planar = planar;
   result.scan_times_ns = follower.scan_times_ns();
   result.warnings = std::move(warnings);

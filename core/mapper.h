@@ -9,8 +9,10 @@
 #include "core/map_state.h"
 #include "core/map_types.h"
 #include "core/mapper_options.h"
+#include "core/plane_covariance.h"
 #include "core/recording.h"
 #include "core/rig.h"
+#include "core/window.h"
 
 namespace plumbline {
 
@@ -20,7 +22,9 @@ struct MapResult {
 
   MapState state;
   bool planar = false;
-  std::vector<int64_t> scan_times_ns;  // instant of each mapped scan
+  std::vector<int64_t> scan_times_ns;              // instant of each mapped scan
+  std::vector<WindowStatement> window_statements;  // where the options ask for them
+  PlaneCovariance window_planes;                   // of the last one
   BatchReport batch;
   std::vector<std::pair<std::string, double>> stages;  // name, seconds
   std::vector<std::string> warnings;

@@ -41,6 +41,8 @@ struct PlaneOptions {
 
 struct WindowOptions {
   int num_scans = 10;  // estimated together; what is older is marginalised
+  // Whether what it states, pose by pose, is kept for the result: what one knows on the way.
+  bool keep_statements = false;
 };
 
 struct LoopClosureOptions {

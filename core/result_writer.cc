@@ -88,6 +88,15 @@ void ResultWriter::WritePlaneCovariance(const PlaneCovariance& covariance) {
   impl_->Write("plane_covariance.csv", FormatPlaneCovariance(covariance));
 }
 
+void ResultWriter::WriteWindow(const std::vector<StampedPose>& poses,
+                               const std::vector<StampedCovariance>& covariances,
+                               const PlaneCovariance& planes) {
+  impl_->Write("window_trajectory.tum", FormatTrajectory(poses));
+  impl_->Write("window_trajectory_covariance.csv", FormatTrajectoryCovariance(covariances));
+  impl_->Write("window_planes.json", FormatPlanes(planes.planes()));
+  impl_->Write("window_plane_covariance.csv", FormatPlaneCovariance(planes));
+}
+
 void ResultWriter::AddMapPoint(const MapPoint& point) { impl_->points->Add(point); }
 
 void ResultWriter::WriteSummary(const Summary& summary) {

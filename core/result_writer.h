@@ -32,9 +32,14 @@ class ResultWriter {
   void WritePlanes(const std::vector<PlanePatch>& planes);      // planes.json, planes.ply
   void WriteTrajectoryCovariance(const std::vector<StampedCovariance>& poses);
   void WritePlaneCovariance(const PlaneCovariance& covariance);  // plane_covariance.csv
-  void AddMapPoint(const MapPoint& point);                       // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);                     // summary.json
-  void WriteConfig(const std::string& yaml);                     // config_used.yaml
+  // window_trajectory.tum and window_trajectory_covariance.csv; window_planes.json and
+  // window_plane_covariance.csv.
+  void WriteWindow(const std::vector<StampedPose>& poses,
+                   const std::vector<StampedCovariance>& covariances,
+                   const PlaneCovariance& planes);
+  void AddMapPoint(const MapPoint& point);    // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);  // summary.json
+  void WriteConfig(const std::string& yaml);  // config_used.yaml
   void Commit();
 
  private:

@@ -218,6 +218,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
 
   const int newest = state_->trajectory.Locate(now_ns).first;
   PoseGaussian newest_poses = NewestPoses(equations, newest);
+  if (options_.window.keep_statements) KeepStatement(equations, newest, now_ns);
 
   // What the planes' uncertainty is to somebody who stands at the newest pose.
   const Eigen::MatrixXd covariance =
@@ -262,7 +263,14 @@ PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) c
   for (int i = newest; i < state_->trajectory.num_control_points(); ++i) {
     gaussian.mean.push_back(state_->trajectory.control_point(i));
   }
-  // From the blocks' rows to six a control point; a planar rotation is a yaw.
+  const std::vector<int> rows = RowsInPoses(equations, newest);
+  const auto size = static_cast<Eigen::Index>(6 * gaussian.mean.size());
+  gaussian.information.setZero(size, size);
+  gaussian.information(rows, rows) = older->hessian();
+  return gaussian;
+}
+
+std::vector<int> Window::RowsInPoses(const NormalEquations& equations, int newest) const {
   std::vector<int> rows;
   for (size_t i = 0; i < equations.blocks.size(); ++i) {
     const BlockId& block = equations.blocks[i];
@@ -272,10 +280,33 @@ PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) c
     const int first = block.kind == BlockId::Kind::kPosition ? 3 : 3 - size;
     for (int k = 0; k < size; ++k) rows.push_back(base + first + k);
   }
-  const auto size = static_cast<Eigen::Index>(6 * gaussian.mean.size());
-  gaussian.information.setZero(size, size);
-  gaussian.information(rows, rows) = older->hessian();
-  return gaussian;
+  return rows;
+}
+
+void Window::KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns) {
+  const Eigen::MatrixXd covariance =
+      InverseOn(equations, RowsOf(equations, [](const BlockId&) { return true; }));
+  const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index >= newest;
+  });
+  const std::vector<int> rows = RowsInPoses(equations, newest);
+  const int size = 6 * (state_->trajectory.num_control_points() - newest);
+  Eigen::MatrixXd of_poses = Eigen::MatrixXd::Zero(size, size);
+  of_poses(rows, rows) = covariance(newest_rows, newest_rows);
+  WindowStatement statement;
+  statement.newest_pose = {now_ns, state_->trajectory.WorldFromBody(now_ns)};
+  statement.pose_covariance =
+      PoseUncertainty(newest, std::move(of_poses)).At(state_->trajectory, now_ns);
+  for (const BlockId& block : equations.blocks) {
+    if (IsLandmark(block)) statement.landmark_ids.push_back(block.index);
+  }
+  const std::vector<int> landmark_rows = RowsOf(equations, IsLandmark);
+  statement.landmark_covariance = covariance(landmark_rows, landmark_rows);
+  if (!statements_.empty()) {
+    statements_.back().landmark_ids.clear();
+    statements_.back().landmark_covariance.resize(0, 0);
+  }
+  statements_.push_back(std::move(statement));
 }
 
 void Window::Marginalise(int new_start) {

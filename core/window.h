@@ -10,12 +10,21 @@
 #include "core/estimation_problem.h"
 #include "core/history.h"
 #include "core/map_state.h"
+#include "core/map_types.h"
 #include "core/mapper_options.h"
 #include "core/rig.h"
 #include "core/tracker.h"
 #include "factors/elimination.h"
 
 namespace plumbline {
+
+// What the window knows after a solution, in the model frame.
+struct WindowStatement {
+  StampedPose newest_pose;
+  Matrix6d pose_covariance;             // world-frame rotation (rad) and position (m)
+  std::vector<int> landmark_ids;        // in view, ascending
+  Eigen::MatrixXd landmark_covariance;  // of their parameters together
+};
 
 // The full step of the estimation while scans come in, once per knot interval (paper, section
 // 4.6, with marginalised history in place of frozen planes): all control points and planes of
@@ -40,6 +49,10 @@ class Window {
   // the newest pose given. Returns what is then known of the newest control points, the planes
   // given. Throws Error when the scans do not determine the poses and planes.
   PoseGaussian Solve(int64_t now_ns, double window_s);
+
+  // What it has stated so far; empty unless the options ask for it. The planes are those of
+  // the last statement only.
+  const std::vector<WindowStatement>& statements() const { return statements_; }
 
   // Makes landmark `from` part of landmark `into` in the history.
   void MergeLandmarks(int into, int from);
@@ -76,6 +89,10 @@ class Window {
   // How far a block has moved since the history was written, in its tangent.
   Eigen::VectorXd Moved(const EstimationProblem& problem, size_t block) const;
   PoseGaussian NewestPoses(const NormalEquations& equations, int newest) const;
+  // Rows of the control points from `newest` on in a matrix with six for each; a planar
+  // rotation is a yaw.
+  std::vector<int> RowsInPoses(const NormalEquations& equations, int newest) const;
+  void KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns);
   void Marginalise(int new_start);
 
   const Rig& rig_;
@@ -91,6 +108,7 @@ class Window {
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
   ObservationGroupCache groups_{LinearisedGroup::kCoarse};
+  std::vector<WindowStatement> statements_;
 };
 
 }  // namespace plumbline

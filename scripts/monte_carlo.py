@@ -21,7 +21,9 @@ EXPERIMENTS = job_runner.ROOT / "configs" / "experiments"
 PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
 REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json",
             "result/trajectory.tum", "truth/truth_planes.json", "truth/truth_trajectory.tum")
-OPTIONAL = ("result/trajectory_covariance.csv", "result/plane_covariance.csv")
+OPTIONAL = ("result/trajectory_covariance.csv", "result/plane_covariance.csv",
+            "result/window_trajectory.tum", "result/window_trajectory_covariance.csv",
+            "result/window_planes.json", "result/window_plane_covariance.csv")
 
 # Key in summary.json, name in the table, its unit, value in that unit per value in the file,
 # decimals, file and keys in it.

@@ -58,13 +58,16 @@ def rotation_vector(matrix):
 
 
 class Planes:
-    """The planes of a result or of a bound with their covariance, each with its true face."""
+    """The planes of a result or of a bound with their covariance, each with its true face.
+    prefix: of the files' names."""
 
-    def __init__(self, directory, face_of_plane):
-        self.planes = {plane["id"]: plane for plane in read_json(directory / "planes.json")
+    def __init__(self, directory, face_of_plane, prefix=""):
+        self.planes = {plane["id"]: plane
+                       for plane in read_json(directory / f"{prefix}planes.json")
                        if plane["num_points"] >= MIN_POINTS and plane["id"] in face_of_plane}
         self.face_of_plane = face_of_plane
-        self.rows, self.covariance = read_covariance(directory / "plane_covariance.csv")
+        self.rows, self.covariance = read_covariance(
+            directory / f"{prefix}plane_covariance.csv")
 
     def angle_row(self, plane):
         row = np.zeros(len(self.covariance))
@@ -100,6 +103,16 @@ class Truth:
         self.turn = np.sign(self.heading[-1] - self.heading[0]) or 1.0
         walls = [face for face in self.faces.values() if face["type"] == "vertical"]
         self.centre = np.mean([corner for face in walls for corner in face["outline"]], axis=0)
+
+    def pose_at(self, time):
+        """Position and rotation matrix."""
+        position = [np.interp(time, self.poses[:, 0], self.poses[:, k]) for k in (1, 2, 3)]
+        after = np.clip(np.searchsorted(self.poses[:, 0], time), 1, len(self.poses) - 1)
+        before, after = self.poses[after - 1], self.poses[after]
+        share = np.clip((time - before[0]) / (after[0] - before[0]), 0, 1)
+        sign = np.sign(before[4:8] @ after[4:8])
+        quaternion = (1 - share) * before[4:8] + share * sign * after[4:8]
+        return np.array(position), rotation_matrix(quaternion / np.linalg.norm(quaternion))
 
     def is_outer(self, face):
         wall = self.faces[face]
@@ -205,17 +218,17 @@ def plane_nees(planes, truth, frame):
     return white @ np.linalg.solve(covariance * np.outer(scale, scale), white), len(white)
 
 
-def pose_nees(directory, truth, frame, count=20):
+def pose_nees(directory, truth, frame, prefix="", count=20):
     """Normalised squared errors of poses spread over the path, 6 degrees of freedom each."""
     rotation, translation = frame
-    poses = np.loadtxt(directory / "trajectory.tum")
-    covariances = np.loadtxt(directory / "trajectory_covariance.csv", delimiter=",", skiprows=1)
+    poses = np.loadtxt(directory / f"{prefix}trajectory.tum")
+    covariances = np.loadtxt(directory / f"{prefix}trajectory_covariance.csv",
+                             delimiter=",", skiprows=1)
     values = []
     for index in np.linspace(0.02 * len(poses), 0.98 * len(poses), count).astype(int):
-        true = truth.poses[np.argmin(np.abs(truth.poses[:, 0] - poses[index, 0]))]
-        turn = rotation_matrix(poses[index, 4:8]) @ (
-            rotation @ rotation_matrix(true[4:8])).T
-        error = np.concatenate([poses[index, 1:4] - rotation @ true[1:4] - translation,
+        true_position, true_rotation = truth.pose_at(poses[index, 0])
+        turn = rotation_matrix(poses[index, 4:8]) @ (rotation @ true_rotation).T
+        error = np.concatenate([poses[index, 1:4] - rotation @ true_position - translation,
                                 rotation_vector(turn)])
         covariance = np.zeros((6, 6))
         covariance[np.triu_indices(6)] = covariances[index, 1:]
@@ -225,15 +238,21 @@ def pose_nees(directory, truth, frame, count=20):
 
 
 def read_run(directory):
-    """All that one run says: pairs, NEES of planes and of poses."""
+    """All that one run says: pairs, NEES of planes, of poses, the truth, and NEES of planes and
+    poses of the window where the run kept its statements."""
     evaluation = read_json(directory / "evaluation.json")
     truth = Truth(directory)
     face_of_plane = {entry["id"]: min(entry["true_faces"])
                      for entry in evaluation["planes"]["list"] if entry["status"] != "wrong"}
     planes = Planes(directory, face_of_plane)
     frame = model_frame(evaluation)
+    window = None
+    if (directory / "window_trajectory.tum").exists():
+        in_view = Planes(directory, face_of_plane, "window_")
+        window = (plane_nees(in_view, truth, frame),
+                  pose_nees(directory, truth, frame, "window_"))
     return (pair_quantities(planes, truth, frame), plane_nees(planes, truth, frame),
-            pose_nees(directory, truth, frame), truth)
+            pose_nees(directory, truth, frame), truth, window)
 
 
 def read_bound(directory, truth):
@@ -405,6 +424,13 @@ def main():
     pose_values = np.array([run[2] for run in runs])
     nees = [nees_line("all planes of a run", plane_values[:, 0], plane_values[:, 1]),
             nees_of_runs("poses, each of its own", pose_values, 6)]
+    windows = [run[4] for run in runs if run[4] is not None]
+    if len(windows) >= 2:
+        values = np.array([window[0] for window in windows])
+        nees.append(nees_line("planes in view, as the window left them",
+                              values[:, 0], values[:, 1]))
+        nees.append(nees_of_runs("poses, as the window stated each when it was the newest",
+                                 np.array([window[1] for window in windows]), 6))
     if arguments.ideal:
         compared = [(run, ideal) for run, ideal in zip(runs, ideals) if ideal is not None]
         compare_with_ideal([(run[0], ideal[0]) for run, ideal in compared], summary)

@@ -156,6 +156,33 @@ class PrecisionTest(unittest.TestCase):
         result = self.run_script("--ideal", self.directory)
         self.assertIn("at least two of the runs' seeds", result.stderr)
 
+    def test_window_is_judged_where_it_was_kept(self):
+        for number in range(100):
+            self.write_run(number, 1.0)
+            run = self.directory / "runs" / f"run_{number:04d}"
+            planes = json.loads((run / "planes.json").read_text())
+            (run / "window_planes.json").write_text(json.dumps(planes[6:]))
+            rows = (run / "plane_covariance.csv").read_text().splitlines()
+            keep = [0, 1] + list(range(14, 18))
+            (run / "window_plane_covariance.csv").write_text("".join(
+                ",".join(line.split(",")[i] for i in keep) + "\n"
+                for line in [rows[0]] + rows[13:]))
+            # Between the instants of the truth, half as good as stated.
+            error = 2e-3 * self.random.normal(size=(70, 3))
+            (run / "window_trajectory.tum").write_text("".join(
+                f"{step + 0.5} {step + 0.5 + x} {y} {z} 0 0 0 1\n" if step < 9 else ""
+                for step, (x, y, z) in enumerate(error)))
+            (run / "window_trajectory_covariance.csv").write_text(
+                "\n".join(pose_covariances().splitlines()[:10]) + "\n")
+        self.write_bound()
+        result = self.run_script()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        nees = json.loads((self.directory / "precision.json").read_text())["nees"]
+        window = {entry["what"]: entry["mean"] for entry in nees if "window" in entry["what"]}
+        planes, poses = (window[name] for name in sorted(window))
+        self.assertLess(abs(planes - 1), 0.3)
+        self.assertLess(abs(poses - 2), 0.3)  # positions 4, rotations 0
+
     def test_missing_file_is_named(self):
         for number in range(2):
             self.write_run(number, 1.0)
