@@ -41,7 +41,14 @@ class Batch {
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
       : rig_(rig), planar_(planar), options_(options), state_(state) {}
 
-  OpeningMap* openings() { return &openings_; }
+  // See RecutSegments; last: the openings are not counted once more.
+  int Recut(RecordingReader* recording, bool last) {
+    OpeningMap counted;
+    const int num_recut =
+        RecutSegments(rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
+    openings_ = std::move(counted);
+    return num_recut;
+  }
   // For the final estimation.
   void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
 
@@ -309,7 +316,7 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments) {
       batch.RecountLandmarks();
-      const int num_recut = RecutSegments(rig, options, recording, batch.openings(), state);
+      const int num_recut = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();
       VLOG(1) << "ends of " << num_recut << " segments moved, " << num_slants
               << " segments taken from slants";

@@ -24,6 +24,12 @@ struct WallCrossing {
   double at;
 };
 
+// Beams on both sides of an end that may tell of an opening.
+constexpr int kNumBeams = 8;
+constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
+// A beam that went through a plane ended so far behind it.
+constexpr double kMinPassageDepth = 0.05;  // m
+
 }  // namespace
 
 PlaneTrace HiddenBeams::MakeTrace() const {
@@ -99,6 +105,39 @@ std::vector<int> HiddenBeams::BehindCorners(
     }
   }
   return beams;
+}
+
+void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
+  const auto meeting_point = [&](int beam) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
+    const double range = end.trace.RangeAlong(direction);
+    if (!end.scanner.IsValidRange(range)) return std::nullopt;
+    return end.world_from_scanner *
+           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  };
+  const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
+  for (int k = 1; k <= kNumBeams; ++k) {
+    const int beam = end.beam + k * end.step;
+    if (beam < 0 || beam >= end.scan_line.num_beams()) break;
+    const std::optional<Eigen::Vector3d> at = meeting_point(beam);
+    const double range = end.scan_line.ranges[static_cast<size_t>(beam)];
+    if (!at || !end.scanner.IsValidRange(range)) continue;
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
+    const double beyond_m = range - end.trace.RangeAlong(direction);
+    // At grazing incidence the pose's uncertainty moves the range by decimetres.
+    const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
+    if (beyond_m > margin_m && behind_m > kMinPassageDepth) {
+      openings->CountPassage(end.landmark, *at);
+    }
+    if (end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m) {
+      openings->CountBlock(end.landmark, *at);
+    }
+  }
+  for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
+    const std::optional<Eigen::Vector3d> at = meeting_point(end.beam - k * end.step);
+    if (!at) break;
+    openings->CountHit(end.landmark, *at);
+  }
 }
 
 }  // namespace plumbline

@@ -9,6 +9,7 @@
 #include "core/opening_map.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
+#include "core/scan_trace.h"
 
 namespace plumbline {
 
@@ -36,5 +37,20 @@ struct HiddenBeams {
   std::optional<Eigen::Vector3d> MeetingPoint(const PlaneTrace& trace, int beam) const;
   PlaneTrace MakeTrace() const;
 };
+
+// The end of a segment on a plane's trace; the beams leave it in steps of +1 or -1.
+struct SegmentEnd {
+  const ScanLine& scan_line;
+  const Scanner& scanner;
+  const Rigid3d& world_from_scanner;  // at the end's instant
+  const Trace& trace;
+  const Landmark& landmark;
+  int beam;    // the last one
+  int step;    // outwards
+  int middle;  // of the segment
+};
+
+// Counts what the beams on both sides of the end tell of openings in its plane.
+void CountOpenings(const SegmentEnd& end, OpeningMap* openings);
 
 }  // namespace plumbline

@@ -7,6 +7,8 @@ namespace {
 
 constexpr double kNarrow = 0.02;  // m
 constexpr double kWide = 0.25;
+// What is farther than this from a plane's bounding rectangle says nothing of it.
+constexpr double kMargin = 1.0;
 constexpr int kMinCount = 2;
 constexpr double kMinShare = 0.1;
 
@@ -26,6 +28,7 @@ CellGrid::Cell CellOf(const Landmark& landmark,
 void OpeningMap::Count(const Landmark& landmark,
                        const Eigen::Vector3d& p_world,
                        CellGrid Counts::*grid) {
+  if (!landmark.extent.IsWithin(p_world, kMargin)) return;
   CountsOfPlane& counts = counts_[landmark.id];
   for (const bool narrow_along_u : {true, false}) {
     (counts[narrow_along_u ? 0 : 1].*grid).Add(CellOf(landmark, p_world, narrow_along_u), 1);

@@ -24,10 +24,6 @@ constexpr double kMaxDistance = 1.0;  // m
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
-// Beams on both sides of an open end that may tell of an opening.
-constexpr int kOpenBeams = 8;
-// A beam that went through a plane ended so far behind it.
-constexpr double kMinPassageDepth = 0.05;  // m
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
@@ -48,17 +44,18 @@ class Recutter {
   Recutter(const Rig& rig,
            const MapperOptions& options,
            const OpeningMap& openings,
+           OpeningMap* counted,
            MapState* state)
       : rig_(rig),
         options_(options),
         openings_(openings),
+        counted_(counted),
         state_(state),
         sampler_(state->trajectory),
         poses_(state->trajectory) {}
 
   // The observations [first, last) of a scan line; returns how many changed.
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
-  OpeningMap& new_openings() { return new_openings_; }
 
  private:
   struct Range {
@@ -91,11 +88,6 @@ class Recutter {
                                 const Eigen::Vector3d& p_world,
                                 const LandmarkCandidate& own,
                                 const End& end) const;
-  int FindOpenEnd(const ScanLine& scan_line,
-                  const Rigid3d& world_from_scanner,
-                  const Trace& trace,
-                  const LandmarkCandidate& own,
-                  const End& end);
   const LandmarkCandidate* Beyond(const std::vector<Meeting>& meetings,
                                   int last,
                                   int scan_index) const;
@@ -117,7 +109,7 @@ class Recutter {
   const Rig& rig_;
   const MapperOptions& options_;
   const OpeningMap& openings_;  // as known before
-  OpeningMap new_openings_;
+  OpeningMap* counted_;         // anew; null: not
   MapState* state_;
   PoseSampler sampler_;
   SharedPoses poses_;
@@ -206,51 +198,6 @@ const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
   return nullptr;
 }
 
-// The end where no plane bounds it: counts what its beams tell of the plane's openings, and
-// leaves out the last ones while they lie in one that is known.
-int Recutter::FindOpenEnd(const ScanLine& scan_line,
-                          const Rigid3d& world_from_scanner,
-                          const Trace& trace,
-                          const LandmarkCandidate& own,
-                          const End& end) {
-  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const auto point = [&](int beam) -> std::optional<Eigen::Vector3d> {
-    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-    const double range = trace.RangeAlong(direction);
-    if (!scanner.IsValidRange(range)) return std::nullopt;
-    return world_from_scanner *
-           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
-  };
-  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
-  for (int k = 1; k <= kOpenBeams; ++k) {
-    const int beam = end.beam + k * end.step;
-    if (beam < 0 || beam >= scan_line.num_beams()) break;
-    const auto p = point(beam);
-    const double range = scan_line.ranges[static_cast<size_t>(beam)];
-    if (!p || !scanner.IsValidRange(range)) continue;
-    const double beyond_m = range - trace.RangeAlong(scan_line.BeamDirection(beam));
-    // At grazing incidence the pose's uncertainty moves the range by decimetres.
-    const double behind_m =
-        beyond_m * std::abs(trace.normal.dot(scan_line.BeamDirection(beam)));
-    if (beyond_m > margin_m && behind_m > kMinPassageDepth) {
-      new_openings_.CountPassage(*own.landmark, *p);
-    }
-    if (own.landmark->model == PlaneModel::kHorizontal && beyond_m < -margin_m) {
-      new_openings_.CountBlock(*own.landmark, *p);
-    }
-  }
-  int last = end.beam;
-  bool is_open = true;  // up to here
-  for (int k = 0; k < kOpenBeams && end.step * (end.beam - end.middle) > k; ++k) {
-    const auto p = point(end.beam - k * end.step);
-    if (!p) break;
-    new_openings_.CountHit(*own.landmark, *p);
-    is_open = is_open && openings_.IsOpening(*own.landmark, *p);
-    if (is_open) last = end.beam - (k + 1) * end.step;
-  }
-  return last;
-}
-
 Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
                                    const Observation& observation,
                                    const End& end) {
@@ -294,11 +241,17 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
       std::any_of(meetings.begin(), meetings.end(), [&](const Meeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
       });
-  if (!is_met || own->landmark->model == PlaneModel::kHorizontal) {
-    End open = end;
-    open.beam = result.beam;
-    const int trimmed = FindOpenEnd(scan_line, world_from_scanner, trace, *own, open);
-    if (!is_met) result.beam = trimmed;
+  // Walls hide the floor beyond them: for floors, ends at walls tell something too.
+  if (counted_ != nullptr && (!is_met || own->landmark->model == PlaneModel::kHorizontal)) {
+    CountOpenings({scan_line,
+                   scanner,
+                   world_from_scanner,
+                   trace,
+                   *own->landmark,
+                   result.beam,
+                   end.step,
+                   end.middle},
+                  counted_);
   }
   return result;
 }
@@ -510,12 +463,13 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
-                  OpeningMap* openings,
+                  const OpeningMap& openings,
+                  OpeningMap* counted,
                   MapState* state) {
   // None of the new runs is to be taken for an old one.
   const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
   state->short_runs.clear();
-  Recutter recutter(rig, options, *openings, state);
+  Recutter recutter(rig, options, openings, counted, state);
   recording->Rewind();
   ScanLine scan_line;
   size_t next = 0;
@@ -529,7 +483,6 @@ int RecutSegments(const Rig& rig,
     if (next > first) num_changed += recutter.Recut(scan_line, first, next);
   }
   for (Observation& run : state->short_runs) run.revision = revision;
-  *openings = std::move(recutter.new_openings());
   return num_changed;
 }
 

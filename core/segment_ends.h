@@ -15,10 +15,11 @@ namespace plumbline {
 // always to the same side, and far out, where they turn the plane most. With the planes
 // estimated, the crossing of two of them is known to millimetres, whatever a beam's own noise.
 //
-// Where no other plane's patch reaches the segment's plane, beams are taken away that lie
-// where an earlier call found an opening (openings, which this call counts anew). An end is
-// left alone where the segment still follows its plane when the other would be far off.
-// Observations left without beams, or off their plane, lose their landmark.
+// Beams that can not lie on the segment's plane are left out (HiddenBeams): those in an
+// opening that an earlier call has counted, those behind corners. Counts the planes' openings
+// for the next call; counted: nullptr where there is none. An end is left alone where the
+// segment still follows its plane when the other would be far off. Observations left without
+// beams, or off their plane, lose their landmark.
 //
 // Beams beyond such an end that lie on the plane met there, and belong to no segment, become
 // short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
@@ -26,7 +27,8 @@ namespace plumbline {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
-                  OpeningMap* openings,
+                  const OpeningMap& openings,
+                  OpeningMap* counted,
                   MapState* state);
 
 }  // namespace plumbline

@@ -104,7 +104,7 @@ TEST_F(HiddenBeamsTest, WithOpeningsGrazingBeamsMayLieInOne) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
   OpeningMap openings;
   EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(openings).empty());
-  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, 9.0});
+  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, -0.8});
   EXPECT_EQ(Beams(Candidate(wall), 1, 10).InOpenings(openings), std::vector<int>({1, 2}));
 }
 

@@ -8,7 +8,9 @@ namespace {
 // A wall along x; u runs along it, v upwards.
 class OpeningMapTest : public ::testing::Test {
  protected:
-  OpeningMapTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {}
+  OpeningMapTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {
+    wall_.extent.AddSegment(At(-3.0), At(3.0));
+  }
 
   static Eigen::Vector3d At(double x, double z = 0.01) { return {x, 2.0, z}; }
 
@@ -32,6 +34,11 @@ TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   EXPECT_TRUE(openings_.IsOpening(wall_, At(1.03, 0.2))) << "0.02 m aside, at its height";
   EXPECT_FALSE(openings_.IsOpening(wall_, At(1.07, 0.2)));
   EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01, 0.6)));
+}
+
+TEST_F(OpeningMapTest, FarFromThePlaneNothingIsCounted) {
+  for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(4.1));
+  EXPECT_FALSE(openings_.HasOpenings(wall_));
 }
 
 TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {

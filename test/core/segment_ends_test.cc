@@ -76,7 +76,11 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     writer.Write(line_);
     writer.Close();
     RecordingReader recording(path, rig_);
-    return RecutSegments(rig_, MapperOptions(), &recording, &openings_, state_.get());
+    OpeningMap counted;
+    const int num_recut =
+        RecutSegments(rig_, MapperOptions(), &recording, openings_, &counted, state_.get());
+    openings_ = std::move(counted);
+    return num_recut;
   }
 
   const Observation& observation(size_t i) const { return state_->observations[i]; }
