@@ -312,7 +312,9 @@ BatchReport EstimateBatch(const Rig& rig,
              std::to_string(num_dropped) + " segments taken from planes that are none");
     const double share = static_cast<double>(report.changed_associations) /
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
-    const bool stands = num_merged == 0 && share < kStandingShare;
+    // Openings are known from the second reading of the recording on.
+    const bool may_stand = round > 1 || !options.batch.recut_segments;
+    const bool stands = may_stand && num_merged == 0 && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments) {
       batch.RecountLandmarks();

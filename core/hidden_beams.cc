@@ -40,12 +40,11 @@ PlaneTrace HiddenBeams::MakeTrace() const {
   return {poses.times_ns, world_from_scanner, plane.normal, plane.distance};
 }
 
-std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const PlaneTrace& trace,
-                                                         int beam) const {
+std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(
+    const PlaneTrace& trace, int beam, const Eigen::Vector2d& direction) const {
   const int64_t time_ns =
       scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
   const Eigen::Vector3d line = trace.At(time_ns);
-  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
   const double cosine = line.head<2>().dot(direction);
   if (std::abs(cosine) < kMinCosine) return std::nullopt;
   return poses.ToWorld(scanner.body_from_scanner, line.z() / cosine * direction, time_ns);
@@ -55,8 +54,9 @@ std::vector<int> HiddenBeams::InOpenings(const OpeningMap& openings) const {
   std::vector<int> beams;
   if (!openings.HasOpenings(*plane.landmark)) return beams;
   const PlaneTrace trace = MakeTrace();
-  for (int beam = first_beam; beam <= last_beam; ++beam) {
-    const std::optional<Eigen::Vector3d> at = MeetingPoint(trace, beam);
+  BeamSweep sweep(scan_line, first_beam);
+  for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
+    const std::optional<Eigen::Vector3d> at = MeetingPoint(trace, beam, sweep.direction());
     if (!at || openings.IsOpening(*plane.landmark, *at)) beams.push_back(beam);
   }
   return beams;
@@ -67,8 +67,10 @@ std::vector<int> HiddenBeams::BehindCorners(
   std::vector<int> beams;
   if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
   const PlaneTrace trace = MakeTrace();
-  const std::optional<Eigen::Vector3d> start = MeetingPoint(trace, first_beam);
-  const std::optional<Eigen::Vector3d> end = MeetingPoint(trace, last_beam);
+  const std::optional<Eigen::Vector3d> start =
+      MeetingPoint(trace, first_beam, scan_line.BeamDirection(first_beam));
+  const std::optional<Eigen::Vector3d> end =
+      MeetingPoint(trace, last_beam, scan_line.BeamDirection(last_beam));
   if (!start || !end) return beams;
   const auto point_at = [&](double share) -> Eigen::Vector3d {
     return *start + share * (*end - *start);

@@ -33,8 +33,11 @@ struct HiddenBeams {
   std::vector<int> BehindCorners(const std::vector<LandmarkCandidate>& others) const;
 
  private:
-  // Where a beam meets the plane, in the world; nothing at grazing incidence.
-  std::optional<Eigen::Vector3d> MeetingPoint(const PlaneTrace& trace, int beam) const;
+  // Where a beam along a direction meets the plane, in the world; nothing at grazing
+  // incidence.
+  std::optional<Eigen::Vector3d> MeetingPoint(const PlaneTrace& trace,
+                                              int beam,
+                                              const Eigen::Vector2d& direction) const;
   PlaneTrace MakeTrace() const;
 };
 

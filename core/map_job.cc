@@ -133,7 +133,8 @@ class PointExporter {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const Trajectory& trajectory = state_.trajectory;
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
-    for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
+    BeamSweep sweep(scan_line, 0);
+    for (int beam = 0; beam < scan_line.num_beams(); ++beam, sweep.Next()) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
       ++num_points_;
@@ -148,8 +149,8 @@ class PointExporter {
                                 trajectory.end_ns() - 1});
         poses_.emplace(NodesOfSpan(time_ns, span_end_ns), &sampler_);
       }
-      const Eigen::Vector3d p_world = poses_->ToWorld(
-          scanner.body_from_scanner, range * scan_line.BeamDirection(beam), time_ns);
+      const Eigen::Vector3d p_world =
+          poses_->ToWorld(scanner.body_from_scanner, range * sweep.direction(), time_ns);
       MapPoint point;
       point.p_world = p_world.cast<float>();
       point.time_s = SecondsBetween(start_ns, time_ns);

@@ -394,12 +394,30 @@ MapResult MapRecording(const Rig& rig,
         recording,
         &result.state);
   }
+  if (const auto warning = JudgeVarianceFactor(result.batch.variance_factor)) {
+    result.warnings.push_back(*warning);
+  }
   result.stages = {
       {"segmentation", follower.segmentation_watch().seconds()},
       {"window", tracking_watch.seconds() - follower.segmentation_watch().seconds()},
       {"batch", batch_watch.seconds() - result.batch.covariance_watch.seconds()},
       {"covariance", result.batch.covariance_watch.seconds()}};
   return result;
+}
+
+std::optional<std::string> JudgeVarianceFactor(double variance_factor) {
+  constexpr double kDoubtful = 3.0;
+  constexpr double kAstray = 25.0;
+  if (variance_factor < kDoubtful) return std::nullopt;
+  char ratio[32];
+  std::snprintf(ratio, sizeof(ratio), "%.1f", std::sqrt(variance_factor));
+  const std::string what = "the scans deviate from the planes " + std::string(ratio) +
+                           " times as far as the rig file's noise says: ";
+  if (variance_factor > kAstray) {
+    throw Error(what +
+                "the estimate has gone astray, or range_noise_m in the rig file is wrong");
+  }
+  return what + "stated standard deviations are too small by as much";
 }
 
 std::vector<PlanePatch> PlanePatches(const MapState& state) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,10 @@ MapResult MapRecording(const Rig& rig,
                        int num_threads,
                        const ProgressCallback& progress,
                        RecordingReader* recording);
+
+// What the variance factor says of a map: a warning where its standard deviations are too
+// small by more than 1.7. Throws Error where the scans contradict the map.
+std::optional<std::string> JudgeVarianceFactor(double variance_factor);
 
 // The landmarks with observations as plane patches, ids as in the state.
 std::vector<PlanePatch> PlanePatches(const MapState& state);

