@@ -135,6 +135,7 @@ class Batch {
     std::vector<LandmarkCandidate> candidates;
     int candidates_scan = -1;
     for (Observation& observation : state_->observations) {
+      if (observation.num_points == 0) continue;  // all of its beams are left out
       if (candidates_scan < 0 ||
           (!options_.loop_closure.enabled && observation.scan_index != candidates_scan)) {
         candidates_scan = observation.scan_index;

@@ -103,7 +103,7 @@ class Recutter {
                               const LandmarkCandidate& other,
                               const End& end) const;
   int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
-  bool LeaveOutHidden(const ScanLine& scan_line, const Range& range, Observation* observation);
+  bool LeaveOutHidden(const ScanLine& scan_line, Range* range, Observation* observation);
   void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
   const Rig& rig_;
@@ -256,24 +256,37 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
   return result;
 }
 
-// Whether there were any.
+// Leaves out the beams of a range that can not lie on the segment's plane, at its ends by
+// making it shorter. Returns whether the segment is another one then.
 bool Recutter::LeaveOutHidden(const ScanLine& scan_line,
-                              const Range& range,
+                              Range* range,
                               Observation* observation) {
   const LandmarkCandidate* own = Find(observation->landmark_id);
   if (own == nullptr) return false;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation->scanner_index)];
   const HiddenBeams hidden{
-      scan_line, scanner, poses_.Of(*observation), *own, range.first, range.last};
+      scan_line, scanner, poses_.Of(*observation), *own, range->first, range->last};
   std::vector<int> excluded = observation->excluded_beams;
   for (const auto& beams : {hidden.InOpenings(openings_), hidden.BehindCorners(candidates_)}) {
     excluded.insert(excluded.end(), beams.begin(), beams.end());
   }
   std::sort(excluded.begin(), excluded.end());
   excluded.erase(std::unique(excluded.begin(), excluded.end()), excluded.end());
-  const bool is_changed = excluded.size() > observation->excluded_beams.size();
+  const auto is_excluded = [&](int beam) {
+    return std::binary_search(excluded.begin(), excluded.end(), beam);
+  };
+  while (range->first <= range->last && is_excluded(range->first)) ++range->first;
+  while (range->first <= range->last && is_excluded(range->last)) --range->last;
+  excluded.erase(
+      std::remove_if(excluded.begin(),
+                     excluded.end(),
+                     [&](int beam) { return beam < range->first || beam > range->last; }),
+      excluded.end());
+  const bool is_another = range->first != observation->first_beam ||
+                          range->last != observation->last_beam ||
+                          excluded != observation->excluded_beams;
   observation->excluded_beams = std::move(excluded);
-  return is_changed;
+  return is_another;
 }
 
 void Recutter::Replace(const ScanLine& scan_line,
@@ -287,6 +300,7 @@ void Recutter::Replace(const ScanLine& scan_line,
   }
   if (beams.empty()) {
     observation->landmark_id = -1;
+    observation->num_points = 0;
     return;
   }
   Segment segment;
@@ -445,13 +459,16 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
   int num_changed = 0;
   for (size_t i = first; i < last; ++i) {
     Observation& observation = state_->observations[i];
-    const Range& range = ranges[i - first];
+    Range range = ranges[i - first];
     const bool is_moved =
         range.first != observation.first_beam || range.last != observation.last_beam;
-    num_changed += is_moved ? 1 : 0;
-    if (observation.landmark_id < 0) continue;
-    const bool is_reduced = LeaveOutHidden(scan_line, range, &observation);
-    if (is_moved || is_reduced || observation.taken_to != observation.landmark_id) {
+    if (observation.landmark_id < 0) {
+      num_changed += is_moved ? 1 : 0;
+      continue;
+    }
+    const bool is_another = LeaveOutHidden(scan_line, &range, &observation);
+    num_changed += is_another ? 1 : 0;
+    if (is_another || observation.taken_to != observation.landmark_id) {
       Replace(scan_line, range, &observation);
     }
   }

@@ -19,7 +19,7 @@ namespace plumbline {
 // opening that an earlier call has counted, those behind corners. Counts the planes' openings
 // for the next call; counted: nullptr where there is none. An end is left alone where the
 // segment still follows its plane when the other would be far off. Observations left without
-// beams, or off their plane, lose their landmark.
+// beams (num_points = 0), or off their plane, lose their landmark.
 //
 // Beams beyond such an end that lie on the plane met there, and belong to no segment, become
 // short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
