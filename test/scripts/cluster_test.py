@@ -22,13 +22,20 @@ class ClusterTest(ScriptTest):
         super().setUp()
         self.contact = self.directory / "scheduler.json"
         self.scheduler = self.start("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+        # Dask writes the file in place: only when it is whole do workers come.
+        wait_until(lambda: self.scheduler_address() is not None)
+        self.address = self.scheduler_address()
         self.workers = {}
         for _ in range(2):
             worker = self.start("dask_worker", "--host", "127.0.0.1", "--nthreads", "1",
                                 "--no-nanny")
             self.workers[str(worker.pid)] = worker
-        wait_until(self.contact.exists)
-        self.address = json.loads(self.contact.read_text())["address"]
+
+    def scheduler_address(self):
+        try:
+            return json.loads(self.contact.read_text())["address"]
+        except (FileNotFoundError, json.JSONDecodeError):
+            return None
 
     def start(self, module, *arguments):
         # Dask itself would do a killed worker's run again. Not here, to see that the script does.
