@@ -54,6 +54,21 @@ std::vector<int> HiddenBeams::InOpenings(const OpeningMap& openings) const {
   std::vector<int> beams;
   if (!openings.HasOpenings(*plane.landmark)) return beams;
   const PlaneTrace trace = MakeTrace();
+  const auto is_open = [&](int beam) {
+    const auto at = MeetingPoint(trace, beam, scan_line.BeamDirection(beam));
+    return at && openings.IsOpening(*plane.landmark, *at);
+  };
+  if (!OpeningMap::HasHeight(*plane.landmark)) {  // at the ends only
+    int first = first_beam;
+    while (first <= last_beam && first < first_beam + kNumBeams && is_open(first)) {
+      beams.push_back(first++);
+    }
+    for (int last = last_beam; last > first && last > last_beam - kNumBeams && is_open(last);
+         --last) {
+      beams.push_back(last);
+    }
+    return beams;
+  }
   BeamSweep sweep(scan_line, first_beam);
   for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
     const std::optional<Eigen::Vector3d> at = MeetingPoint(trace, beam, sweep.direction());

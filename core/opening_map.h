@@ -21,9 +21,13 @@ class OpeningMap {
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world);
   void CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
+  // Whether the plane has been seen at different heights. Level scan planes alone see
+  // furniture as often as walls, with gaps that are no openings.
+  static bool HasHeight(const Landmark& landmark);
   // Whether anything was counted that tells of openings.
   bool HasOpenings(const Landmark& landmark) const;
-  // Whether more than a tenth of the beams went through here or at the next cell, or more were
+  // Whether more than a tenth of the beams (half of them, of a plane without height) went
+  // through here or at the next cell, or more were
   // stopped here than not. What is solid lets none through, whatever the noise; but most beams
   // that seem to lie in an opening are the jambs'.
   bool IsOpening(const Landmark& landmark, const Eigen::Vector3d& p_world) const;
@@ -34,7 +38,7 @@ class OpeningMap {
     CellGrid passages;
     CellGrid blocks;
 
-    bool IsOpening(const CellGrid::Cell& cell, bool narrow_along_u) const;
+    bool IsOpening(const CellGrid::Cell& cell, bool narrow_along_u, double min_share) const;
   };
 
   // Counts on the cells that are narrow along u, along v.

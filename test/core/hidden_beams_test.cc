@@ -41,6 +41,8 @@ class HiddenBeamsTest : public ::testing::Test {
     Landmark wall = MakeVerticalLandmark(normal.normalized(), p);
     const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal).normalized();
     wall.extent.AddSegment(p - 0.5 * along, p + 0.5 * along);
+    const Eigen::Vector3d up = p + Eigen::Vector3d::UnitZ();
+    wall.extent.AddSegment(up - 0.5 * along, up + 0.5 * along);
     return wall;
   }
   HiddenBeams Beams(const LandmarkCandidate& plane, int first, int last) const {

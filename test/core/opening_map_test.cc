@@ -10,6 +10,7 @@ class OpeningMapTest : public ::testing::Test {
  protected:
   OpeningMapTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {
     wall_.extent.AddSegment(At(-3.0), At(3.0));
+    wall_.extent.AddSegment(At(-3.0, 1.0), At(3.0, 1.0));
   }
 
   static Eigen::Vector3d At(double x, double z = 0.01) { return {x, 2.0, z}; }

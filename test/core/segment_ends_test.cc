@@ -45,6 +45,7 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     Landmark wall = MakeVerticalLandmark(normal, from);
     wall.id = static_cast<int>(state_->landmarks.size());
     wall.extent.AddSegment(from, to);
+    wall.extent.AddSegment(from + Eigen::Vector3d::UnitZ(), to + Eigen::Vector3d::UnitZ());
     wall.num_segments = 1;
     state_->landmarks.push_back(wall);
   }
