@@ -454,18 +454,12 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     }
     FillGap(scan_line, observations[first], gap);
   }
-  std::vector<Range> ranges;
-  for (const Ends& now : ends) ranges.push_back({now.first.beam, now.last.beam});
   int num_changed = 0;
   for (size_t i = first; i < last; ++i) {
     Observation& observation = state_->observations[i];
-    Range range = ranges[i - first];
-    const bool is_moved =
-        range.first != observation.first_beam || range.last != observation.last_beam;
-    if (observation.landmark_id < 0) {
-      num_changed += is_moved ? 1 : 0;
-      continue;
-    }
+    if (observation.landmark_id < 0) continue;
+    const Ends& now = ends[i - first];
+    Range range{now.first.beam, now.last.beam};
     const bool is_another = LeaveOutHidden(scan_line, &range, &observation);
     num_changed += is_another ? 1 : 0;
     if (is_another || observation.taken_to != observation.landmark_id) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 
@@ -99,6 +101,29 @@ TEST_F(MappingEstimateTest, StatesItsPrecision) {
   // 20,000 ranges each: the sum of squares has a standard deviation of 1 %; the beams that
   // are left out at doubtful ends take another 1 % from it.
   EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 0.05);
+}
+
+TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
+  Scenario scenario = Base();
+  Run(scenario);
+  EXPECT_FALSE(std::filesystem::exists(Path("result/window_trajectory.tum")));
+  scenario.config = "window: {keep_statements: true}\n";
+  Run(scenario);
+  const auto batch = ReadTrajectory(Path("result/trajectory.tum"));
+  const auto window = ReadTrajectory(Path("result/window_trajectory.tum"));
+  ASSERT_GT(window.size(), 10u);
+  EXPECT_LT(window.size(), batch.size()) << "one for each solution";
+  const StampedPose& last = window.back();
+  const StampedPose& final_pose = batch.back();
+  EXPECT_LT((last.world_from_body.translation - final_pose.world_from_body.translation).norm(),
+            0.3)
+      << "the same place, but for the motion within a knot interval";
+  std::ifstream file(Path("result/window_trajectory_covariance.csv"));
+  size_t num_lines = 0;
+  for (std::string line; std::getline(file, line);) ++num_lines;
+  EXPECT_EQ(num_lines, window.size() + 1);
+  const auto planes = ReadPlanes(Path("result/window_planes.json"));
+  EXPECT_GE(planes.size(), 3u);
 }
 
 TEST(VarianceFactorTest, SmallIsSilentLargeWarnsAstrayIsAnError) {
