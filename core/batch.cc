@@ -46,7 +46,7 @@ class Batch {
     OpeningMap counted;
     const int num_recut =
         RecutSegments(rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
-    openings_ = std::move(counted);
+    if (!last) openings_ = std::move(counted);
     return num_recut;
   }
   // For the final estimation.
@@ -317,7 +317,7 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool may_stand = round > 1 || !options.batch.recut_segments;
     const bool stands = may_stand && num_merged == 0 && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
-    if (options.batch.recut_segments) {
+    if (options.batch.recut_segments && (round == 1 || last)) {
       batch.RecountLandmarks();
       const int num_recut = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();
