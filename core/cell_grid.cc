@@ -44,14 +44,6 @@ void CellGrid::Cover(const Cell& cell) {
   *this = std::move(larger);
 }
 
-void CellGrid::Add(const Cell& cell, int count) {
-  if (count <= 0) return;
-  Cover(cell);
-  int& at = counts_[Index(cell.first - first_.first, cell.second - first_.second)];
-  if (at == 0) ++num_occupied_;
-  at += count;
-}
-
 bool CellGrid::IsNear(const Cell& cell, int reach) const {
   const int first_i = std::max(cell.first - reach - first_.first, 0);
   const int last_i = std::min(cell.first + reach - first_.first, size_.first - 1);

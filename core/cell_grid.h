@@ -12,11 +12,16 @@ class CellGrid {
   using Cell = std::pair<int, int>;
 
   // Throws Error when the rectangle grows beyond any building's.
-  void Add(const Cell& cell, int count);
+  void Add(const Cell& cell, int count) {
+    if (count <= 0) return;
+    if (!Covers(cell)) Cover(cell);
+    int& at = counts_[Index(cell.first - first_.first, cell.second - first_.second)];
+    if (at == 0) ++num_occupied_;
+    at += count;
+  }
   int Count(const Cell& cell) const {
-    const int i = cell.first - first_.first;
-    const int j = cell.second - first_.second;
-    return i >= 0 && i < size_.first && j >= 0 && j < size_.second ? counts_[Index(i, j)] : 0;
+    return Covers(cell) ? counts_[Index(cell.first - first_.first, cell.second - first_.second)]
+                        : 0;
   }
   // Whether a cell at most `reach` away in both directions has a count.
   bool IsNear(const Cell& cell, int reach) const;
@@ -39,6 +44,11 @@ class CellGrid {
  private:
   size_t Index(int i, int j) const {
     return static_cast<size_t>(i) * static_cast<size_t>(size_.second) + static_cast<size_t>(j);
+  }
+  bool Covers(const Cell& cell) const {
+    const int i = cell.first - first_.first;
+    const int j = cell.second - first_.second;
+    return i >= 0 && i < size_.first && j >= 0 && j < size_.second;
   }
   void Cover(const Cell& cell);
 

@@ -32,33 +32,31 @@ constexpr double kMinPassageDepth = 0.05;  // m
 
 }  // namespace
 
-PlaneTrace HiddenBeams::MakeTrace() const {
-  std::array<Rigid3d, 3> world_from_scanner;
-  for (size_t k = 0; k < 3; ++k) {
-    world_from_scanner[k] = poses.world_from_body[k] * scanner.body_from_scanner;
-  }
-  return {poses.times_ns, world_from_scanner, plane.normal, plane.distance};
+HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
+  const auto world_from_scanner = poses.WorldFromScanner(scanner.body_from_scanner);
+  return {{poses.times_ns, world_from_scanner, plane.normal, plane.distance},
+          {poses.times_ns, world_from_scanner}};
 }
 
 std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(
-    const PlaneTrace& trace, int beam, const Eigen::Vector2d& direction) const {
+    const Meeting& meeting, int beam, const Eigen::Vector2d& direction) const {
   const int64_t time_ns =
       scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
-  const Eigen::Vector3d line = trace.At(time_ns);
+  const Eigen::Vector3d line = meeting.trace.At(time_ns);
   const double cosine = line.head<2>().dot(direction);
   if (std::abs(cosine) < kMinCosine) return std::nullopt;
-  return poses.ToWorld(scanner.body_from_scanner, line.z() / cosine * direction, time_ns);
+  return meeting.motion.ToWorld(line.z() / cosine * direction, time_ns);
 }
 
-std::vector<int> HiddenBeams::InOpenings(const OpeningMap& openings) const {
+std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
   std::vector<int> beams;
-  if (!openings.HasOpenings(*plane.landmark)) return beams;
-  const PlaneTrace trace = MakeTrace();
+  if (openings.none()) return beams;
+  const Meeting meeting = MakeMeeting();
   const auto is_open = [&](int beam) {
-    const auto at = MeetingPoint(trace, beam, scan_line.BeamDirection(beam));
-    return at && openings.IsOpening(*plane.landmark, *at);
+    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam));
+    return at && openings.IsAt(*at);
   };
-  if (!OpeningMap::HasHeight(*plane.landmark)) {  // at the ends only
+  if (!openings.has_height()) {  // at the ends only
     int first = first_beam;
     while (first <= last_beam && first < first_beam + kNumBeams && is_open(first)) {
       beams.push_back(first++);
@@ -71,8 +69,8 @@ std::vector<int> HiddenBeams::InOpenings(const OpeningMap& openings) const {
   }
   BeamSweep sweep(scan_line, first_beam);
   for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
-    const std::optional<Eigen::Vector3d> at = MeetingPoint(trace, beam, sweep.direction());
-    if (!at || openings.IsOpening(*plane.landmark, *at)) beams.push_back(beam);
+    const std::optional<Eigen::Vector3d> at = MeetingPoint(meeting, beam, sweep.direction());
+    if (!at || openings.IsAt(*at)) beams.push_back(beam);
   }
   return beams;
 }
@@ -81,11 +79,11 @@ std::vector<int> HiddenBeams::BehindCorners(
     const std::vector<LandmarkCandidate>& others) const {
   std::vector<int> beams;
   if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const PlaneTrace trace = MakeTrace();
+  const Meeting meeting = MakeMeeting();
   const std::optional<Eigen::Vector3d> start =
-      MeetingPoint(trace, first_beam, scan_line.BeamDirection(first_beam));
+      MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam));
   const std::optional<Eigen::Vector3d> end =
-      MeetingPoint(trace, last_beam, scan_line.BeamDirection(last_beam));
+      MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam));
   if (!start || !end) return beams;
   const auto point_at = [&](double share) -> Eigen::Vector3d {
     return *start + share * (*end - *start);
@@ -125,35 +123,44 @@ std::vector<int> HiddenBeams::BehindCorners(
 }
 
 void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
-  const auto meeting_point = [&](int beam) -> std::optional<Eigen::Vector3d> {
-    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
-    const double range = end.trace.RangeAlong(direction);
-    if (!end.scanner.IsValidRange(range)) return std::nullopt;
-    return end.world_from_scanner *
-           Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  // Where a beam meets the plane; nothing where that is out of range.
+  const auto meeting_point = [&](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector3d> {
+    if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
+    return end.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
   };
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
+  BeamSweep outwards(end.scan_line, end.beam, end.step);
   for (int k = 1; k <= kNumBeams; ++k) {
+    outwards.Next();
     const int beam = end.beam + k * end.step;
     if (beam < 0 || beam >= end.scan_line.num_beams()) break;
-    const std::optional<Eigen::Vector3d> at = meeting_point(beam);
     const double range = end.scan_line.ranges[static_cast<size_t>(beam)];
-    if (!at || !end.scanner.IsValidRange(range)) continue;
-    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
-    const double beyond_m = range - end.trace.RangeAlong(direction);
+    if (!end.scanner.IsValidRange(range)) continue;
+    const Eigen::Vector2d& direction = outwards.direction();
+    const double on_plane_m = end.trace.RangeAlong(direction);
+    const double beyond_m = range - on_plane_m;
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
-    if (beyond_m > margin_m && behind_m > kMinPassageDepth) {
+    const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
+    const bool stops =
+        end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m;
+    if (!passes && !stops) continue;
+    const std::optional<Eigen::Vector3d> at = meeting_point(on_plane_m * direction);
+    if (!at) continue;
+    if (passes) {
       openings->CountPassage(end.landmark, *at);
-    }
-    if (end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m) {
+    } else {
       openings->CountBlock(end.landmark, *at);
     }
   }
+  BeamSweep inwards(end.scan_line, end.beam, -end.step);
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
-    const std::optional<Eigen::Vector3d> at = meeting_point(end.beam - k * end.step);
+    const Eigen::Vector2d& direction = inwards.direction();
+    const std::optional<Eigen::Vector3d> at =
+        meeting_point(end.trace.RangeAlong(direction) * direction);
     if (!at) break;
     openings->CountHit(end.landmark, *at);
+    inwards.Next();
   }
 }
 

@@ -7,6 +7,7 @@
 #include "core/association.h"
 #include "core/observation.h"
 #include "core/opening_map.h"
+#include "core/scan_motion.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
 #include "core/scan_trace.h"
@@ -26,19 +27,25 @@ struct HiddenBeams {
 
   // Those that meet the plane in an opening of it, and where it has openings, those at grazing
   // incidence, which may.
-  std::vector<int> InOpenings(const OpeningMap& openings) const;
+  std::vector<int> InOpenings(const PlaneOpenings& openings) const;
   // Those that meet a floor or ceiling behind two walls at once, both seen close by: between
   // the two faces of a corner that stands into the segment. Without a corner there, nothing is
   // behind both that a beam could reach.
   std::vector<int> BehindCorners(const std::vector<LandmarkCandidate>& others) const;
 
  private:
+  // Where beams meet the plane.
+  struct Meeting {
+    PlaneTrace trace;
+    ScanMotion motion;
+  };
+
+  Meeting MakeMeeting() const;
   // Where a beam along a direction meets the plane, in the world; nothing at grazing
   // incidence.
-  std::optional<Eigen::Vector3d> MeetingPoint(const PlaneTrace& trace,
+  std::optional<Eigen::Vector3d> MeetingPoint(const Meeting& meeting,
                                               int beam,
                                               const Eigen::Vector2d& direction) const;
-  PlaneTrace MakeTrace() const;
 };
 
 // The end of a segment on a plane's trace; the beams leave it in steps of +1 or -1.

@@ -80,7 +80,11 @@ class SupportOverTime {
 class PointExporter {
  public:
   PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
-      : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {}
+      : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {
+    for (const Landmark& landmark : state.landmarks) {
+      planes_.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+    }
+  }
 
   void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
     recording->Rewind();
@@ -96,7 +100,7 @@ class PointExporter {
              observations[next_observation].scan_line_index == index) {
         ++next_observation;
       }
-      landmark_of_beam_.assign(scan_line.ranges.size(), nullptr);
+      plane_of_beam_.assign(scan_line.ranges.size(), nullptr);
       for (size_t i = first; i < next_observation; ++i) Assign(observations[i]);
       for (; next_run < state_.short_runs.size() &&
              state_.short_runs[next_run].scan_line_index == index;
@@ -117,15 +121,15 @@ class PointExporter {
   }
 
  private:
-  // Notes the landmark of an observation's beams.
+  // Notes the plane of an observation's beams.
   void Assign(const Observation& observation) {
     if (observation.landmark_id < 0) return;
-    const Landmark* landmark = &state_.landmarks[static_cast<size_t>(observation.landmark_id)];
+    const LandmarkCandidate* plane = &planes_[static_cast<size_t>(observation.landmark_id)];
     for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
-      landmark_of_beam_[static_cast<size_t>(beam)] = landmark;
+      plane_of_beam_[static_cast<size_t>(beam)] = plane;
     }
     for (const int beam : observation.excluded_beams) {
-      landmark_of_beam_[static_cast<size_t>(beam)] = nullptr;
+      plane_of_beam_[static_cast<size_t>(beam)] = nullptr;
     }
   }
 
@@ -133,6 +137,7 @@ class PointExporter {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const Trajectory& trajectory = state_.trajectory;
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
+    std::optional<ScanMotion> motion;
     BeamSweep sweep(scan_line, 0);
     for (int beam = 0; beam < scan_line.num_beams(); ++beam, sweep.Next()) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
@@ -147,20 +152,20 @@ class PointExporter {
         span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
                                 time_ns + kMaxSpanNs,
                                 trajectory.end_ns() - 1});
-        poses_.emplace(NodesOfSpan(time_ns, span_end_ns), &sampler_);
+        const ObservationPoses poses(NodesOfSpan(time_ns, span_end_ns), &sampler_);
+        motion.emplace(poses.MotionOf(scanner.body_from_scanner));
       }
-      const Eigen::Vector3d p_world =
-          poses_->ToWorld(scanner.body_from_scanner, range * sweep.direction(), time_ns);
+      const Eigen::Vector3d p_world = motion->ToWorld(range * sweep.direction(), time_ns);
       MapPoint point;
       point.p_world = p_world.cast<float>();
       point.time_s = SecondsBetween(start_ns, time_ns);
       point.scanner = scan_line.scanner_index;
       point.residual_m = std::numeric_limits<float>::quiet_NaN();
-      if (const Landmark* landmark = landmark_of_beam_[static_cast<size_t>(beam)]) {
-        const double residual = landmark->SignedDistance(p_world);
+      if (const LandmarkCandidate* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
+        const double residual = plane->normal.dot(p_world) - plane->distance;
         ++num_used_;
         sum_squares_ += residual * residual;
-        point.plane_id = landmark->id;
+        point.plane_id = plane->landmark->id;
         point.residual_m = static_cast<float>(residual);
       }
       support_.Add(point.time_s, point.plane_id >= 0);
@@ -176,8 +181,8 @@ class PointExporter {
   const MapState& state_;
   ResultWriter* writer_;
   PoseSampler sampler_;
-  std::optional<ObservationPoses> poses_;
-  std::vector<const Landmark*> landmark_of_beam_;
+  std::vector<LandmarkCandidate> planes_;  // by landmark id
+  std::vector<const LandmarkCandidate*> plane_of_beam_;
   SupportOverTime support_;
   int64_t num_points_ = 0;
   int64_t num_used_ = 0;

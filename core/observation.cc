@@ -182,10 +182,14 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Segment& segment,
                               bool keep_points) {
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  const PlaneTrace unit = trace.WithUnitNormal();
+  const double first_share =
+      static_cast<double>(scan_line.BeamTime(0) + offset_ns - unit.middle_ns()) /
+      unit.half_span_ns();
+  const double share_per_beam = scan_line.time_increment_s * 1e9 / unit.half_span_ns();
   const auto line_of = [&](int beam) {
-    const Eigen::Vector3d at = trace.At(scan_line.BeamTime(beam) + offset_ns);
-    const double inverse_length = 1.0 / at.head<2>().norm();
-    return Line{at.head<2>() * inverse_length, at.z() * inverse_length};
+    const Eigen::Vector3d at = unit.AtShare(first_share + beam * share_per_beam);
+    return Line{at.head<2>(), at.z()};
   };
   Observation observation = ObserveBeams(scan_line, scanner, segment, line_of, keep_points);
   Describe(segment, scan_line, &observation);
@@ -204,14 +208,24 @@ PlaneTrace::PlaneTrace(const std::array<int64_t, 3>& times_ns,
     nodes[k] << normal.head<2>(),
         distance - normal_world.dot(world_from_scanner[k].translation);
   }
+  Interpolate(nodes);
+}
+
+void PlaneTrace::Interpolate(const std::array<Eigen::Vector3d, 3>& nodes) {
   constant_ = nodes[1];
   linear_ = 0.5 * (nodes[2] - nodes[0]);
   quadratic_ = 0.5 * (nodes[0] + nodes[2]) - nodes[1];
 }
 
-Eigen::Vector3d PlaneTrace::At(int64_t time_ns) const {
-  const double tau = static_cast<double>(time_ns - middle_ns_) / half_span_ns_;
-  return constant_ + tau * (linear_ + tau * quadratic_);
+PlaneTrace PlaneTrace::WithUnitNormal() const {
+  std::array<Eigen::Vector3d, 3> nodes;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d at = AtShare(k - 1.0);
+    nodes[static_cast<size_t>(k)] = at / at.head<2>().norm();
+  }
+  PlaneTrace unit = *this;
+  unit.Interpolate(nodes);
+  return unit;
 }
 
 ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
@@ -225,20 +239,6 @@ ObservationPoses::ObservationPoses(const Trajectory& trajectory,
     : times_ns(observation.measurement.node_times_ns) {
   PoseSampler poses(trajectory);
   for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses.WorldFromBody(times_ns[k]);
-}
-
-Eigen::Vector3d ObservationPoses::ToWorld(const Rigid3d& body_from_scanner,
-                                          const Eigen::Vector2d& p_scanner,
-                                          int64_t time_ns) const {
-  const Eigen::Vector3d p_body =
-      body_from_scanner * Eigen::Vector3d(p_scanner.x(), p_scanner.y(), 0.0);
-  const Eigen::Vector3d at_middle = world_from_body[1] * p_body;
-  if (times_ns[2] == times_ns[1]) return at_middle;
-  const double tau = static_cast<double>(time_ns - times_ns[1]) /
-                     static_cast<double>(times_ns[2] - times_ns[1]);
-  return 0.5 * tau * (tau - 1.0) * (world_from_body[0] * p_body) +
-         (1.0 - tau * tau) * at_middle +
-         0.5 * tau * (tau + 1.0) * (world_from_body[2] * p_body);
 }
 
 const ObservationPoses& SharedPoses::Of(const Observation& observation) {
@@ -290,14 +290,16 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   }
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
-  const Eigen::VectorXd residuals =
-      weights.scale * (root * g) + weights.offset * observation.measurement.offset;
-  const Eigen::MatrixXd design = weights.scale * (root * shift);
-  const Eigen::Matrix2d information = design.transpose() * design;
+  // At most nine rows: nothing is allocated, and products are unrolled.
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals =
+      weights.scale * root.lazyProduct(g) + weights.offset * observation.measurement.offset;
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 9, 2> design =
+      weights.scale * root.lazyProduct(shift);
+  const Eigen::Matrix2d information = design.transpose().lazyProduct(design);
 
   LineDeviation deviation;
   deviation.covariance = information.inverse();
-  deviation.value = deviation.covariance * (design.transpose() * residuals);
+  deviation.value = deviation.covariance * design.transpose().lazyProduct(residuals);
   deviation.chi2 = residuals.squaredNorm() +
                    weights.offset * weights.offset * observation.measurement.constant;
   deviation.remaining_chi2 =

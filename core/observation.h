@@ -8,6 +8,7 @@
 #include "core/landmark.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
+#include "core/scan_motion.h"
 #include "core/segmentation.h"
 #include "core/trajectory.h"
 #include "factors/segment_factor.h"
@@ -64,9 +65,22 @@ class PlaneTrace {
              double distance);
 
   // ( normal, distance )
-  Eigen::Vector3d At(int64_t time_ns) const;
+  Eigen::Vector3d At(int64_t time_ns) const {
+    return AtShare(static_cast<double>(time_ns - middle_ns_) / half_span_ns_);
+  }
+  // In half spans from the middle instant: -1 at the first, 1 at the last.
+  Eigen::Vector3d AtShare(double tau) const {
+    return constant_ + tau * (linear_ + tau * quadratic_);
+  }
+  int64_t middle_ns() const { return middle_ns_; }
+  double half_span_ns() const { return half_span_ns_; }
+  // The same lines with normals of unit length at the three instants; between them it differs
+  // from one by less than the motion's third derivative makes.
+  PlaneTrace WithUnitNormal() const;
 
  private:
+  void Interpolate(const std::array<Eigen::Vector3d, 3>& nodes);
+
   int64_t middle_ns_;
   double half_span_ns_;
   Eigen::Vector3d constant_;
@@ -91,11 +105,14 @@ struct ObservationPoses {
   ObservationPoses(const Trajectory& trajectory, const Observation& observation);
   ObservationPoses(const std::array<int64_t, 3>& times_ns, PoseSampler* poses);
   const Rigid3d& middle() const { return world_from_body[1]; }
-  // A point in the scan plane, measured within the nodes' span: by the quadratic through its
-  // places for the three poses.
-  Eigen::Vector3d ToWorld(const Rigid3d& body_from_scanner,
-                          const Eigen::Vector2d& p_scanner,
-                          int64_t time_ns) const;
+  std::array<Rigid3d, 3> WorldFromScanner(const Rigid3d& body_from_scanner) const {
+    return {world_from_body[0] * body_from_scanner,
+            world_from_body[1] * body_from_scanner,
+            world_from_body[2] * body_from_scanner};
+  }
+  ScanMotion MotionOf(const Rigid3d& body_from_scanner) const {
+    return {times_ns, WorldFromScanner(body_from_scanner)};
+  }
 };
 
 // ObservationPoses of observations of the same few scan lines, each computed once. The

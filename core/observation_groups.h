@@ -9,7 +9,7 @@
 #include "core/observation.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
-#include "factors/segment_group.h"
+#include "factors/linearised_group.h"
 
 namespace plumbline {
 

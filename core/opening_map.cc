@@ -13,21 +13,19 @@ constexpr int kMinCount = 2;
 constexpr double kMinShare = 0.1;
 constexpr double kMinShareLevel = 0.5;
 
-CellGrid::Cell CellOf(const Landmark& landmark,
-                      const Eigen::Vector3d& p_world,
-                      bool narrow_along_u) {
-  const PatchExtent& extent = landmark.extent;
-  const Eigen::Vector3d from_anchor = p_world - extent.anchor();
-  const double u = extent.u_axis().dot(from_anchor);
-  const double v = extent.v_axis().dot(from_anchor);
+bool HasHeight(const PatchExtent& extent) {
+  return extent.max_corner().y() - extent.min_corner().y() > kWide;
+}
+
+CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
   return {static_cast<int>(std::floor(u / (narrow_along_u ? kNarrow : kWide))),
           static_cast<int>(std::floor(v / (narrow_along_u ? kWide : kNarrow)))};
 }
 
 // Without height there are no level edges: cells that are wide along u would only blur.
-bool HasCells(const Landmark& landmark, bool narrow_along_u) {
-  return narrow_along_u || OpeningMap::HasHeight(landmark);
-}
+bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || has_height; }
+
+size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
 
 }  // namespace
 
@@ -35,10 +33,14 @@ void OpeningMap::Count(const Landmark& landmark,
                        const Eigen::Vector3d& p_world,
                        CellGrid Counts::*grid) {
   if (!landmark.extent.IsWithin(p_world, kMargin)) return;
+  const PatchExtent& extent = landmark.extent;
+  const Eigen::Vector3d from_anchor = p_world - extent.anchor();
+  const double u = extent.u_axis().dot(from_anchor);
+  const double v = extent.v_axis().dot(from_anchor);
   CountsOfPlane& counts = counts_[landmark.id];
   for (const bool narrow_along_u : {true, false}) {
-    if (!HasCells(landmark, narrow_along_u)) continue;
-    (counts[narrow_along_u ? 0 : 1].*grid).Add(CellOf(landmark, p_world, narrow_along_u), 1);
+    if (!HasCells(HasHeight(extent), narrow_along_u)) continue;
+    (counts[Index(narrow_along_u)].*grid).Add(CellOf(u, v, narrow_along_u), 1);
   }
 }
 
@@ -52,44 +54,60 @@ void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_w
   Count(landmark, p_world, &Counts::blocks);
 }
 
-bool OpeningMap::HasHeight(const Landmark& landmark) {
-  return landmark.extent.max_corner().y() - landmark.extent.min_corner().y() > kWide;
-}
-
-bool OpeningMap::HasOpenings(const Landmark& landmark) const {
-  const auto at = counts_.find(landmark.id);
-  if (at == counts_.end()) return false;
-  const Counts& counts = at->second.front();
-  return counts.passages.num_occupied() > 0 || counts.blocks.num_occupied() > 0;
-}
-
-bool OpeningMap::Counts::IsOpening(const CellGrid::Cell& cell,
-                                   bool narrow_along_u,
-                                   double min_share) const {
-  const int blocked = blocks.Count(cell);
-  if (blocked >= kMinCount && blocked > hits.Count(cell)) return true;
-  for (int aside = -1; aside <= 1; ++aside) {
-    CellGrid::Cell near = cell;
-    (narrow_along_u ? near.first : near.second) += aside;
-    const int passed = passages.Count(near);
-    if (passed >= kMinCount && passed > min_share * (passed + hits.Count(near))) return true;
+void PlaneOpenings::Open(const CellGrid::Cell& cell, bool narrow_along_u) {
+  open_[Index(narrow_along_u)].Add(cell, 1);
+  // A narrow cell may lie across the edge of two wide ones.
+  const int narrow = narrow_along_u ? cell.first : cell.second;
+  const int wide = narrow_along_u ? cell.second : cell.first;
+  for (const int edge : {narrow, narrow + 1}) {
+    const int near = static_cast<int>(std::floor(edge * kNarrow / kWide));
+    nearby_.Add(narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
   }
-  return false;
 }
 
-bool OpeningMap::IsOpening(const Landmark& landmark, const Eigen::Vector3d& p_world) const {
+bool PlaneOpenings::IsAt(const Eigen::Vector3d& p_world) const {
+  const Eigen::Vector3d from_anchor = p_world - anchor_;
+  const double u = u_axis_.dot(from_anchor);
+  const double v = v_axis_.dot(from_anchor);
+  const CellGrid::Cell wide(static_cast<int>(std::floor(u / kWide)),
+                            static_cast<int>(std::floor(v / kWide)));
+  if (nearby_.Count(wide) == 0) return false;
+  return open_[0].Count(CellOf(u, v, true)) > 0 || open_[1].Count(CellOf(u, v, false)) > 0;
+}
+
+PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
+  PlaneOpenings openings;
   const auto at = counts_.find(landmark.id);
-  if (at == counts_.end()) return false;
-  const double min_share = HasHeight(landmark) ? kMinShare : kMinShareLevel;
+  if (at == counts_.end()) return openings;
+  openings.has_height_ = HasHeight(landmark.extent);
+  openings.anchor_ = landmark.extent.anchor();
+  openings.u_axis_ = landmark.extent.u_axis();
+  openings.v_axis_ = landmark.extent.v_axis();
+  const double min_share = openings.has_height_ ? kMinShare : kMinShareLevel;
   for (const bool narrow_along_u : {true, false}) {
-    if (!HasCells(landmark, narrow_along_u)) continue;
-    const Counts& counts = at->second[narrow_along_u ? 0 : 1];
-    if (counts.IsOpening(
-            CellOf(landmark, p_world, narrow_along_u), narrow_along_u, min_share)) {
-      return true;
-    }
+    if (!HasCells(openings.has_height_, narrow_along_u)) continue;
+    const Counts& counts = at->second[Index(narrow_along_u)];
+    counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
+      openings.none_ = false;
+      if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
+        openings.Open(cell, narrow_along_u);
+      }
+      return false;
+    });
+    counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
+      openings.none_ = false;
+      if (passed < kMinCount || !(passed > min_share * (passed + counts.hits.Count(cell)))) {
+        return false;
+      }
+      for (int aside = -1; aside <= 1; ++aside) {
+        CellGrid::Cell near = cell;
+        (narrow_along_u ? near.first : near.second) += aside;
+        openings.Open(near, narrow_along_u);
+      }
+      return false;
+    });
   }
-  return false;
+  return openings;
 }
 
 }  // namespace plumbline

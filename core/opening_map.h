@@ -9,10 +9,33 @@
 
 namespace plumbline {
 
-// Where planes have openings: counts the beams at segments' ends that were taken to lie on a
-// plane, those beside them that went through and those that something in front of it stopped.
-// Where a wall ends at a door, beams on its jamb may pass for the wall's, or the floor's, seen
-// from one place; from others the beams go through, or are stopped.
+// The openings of one plane, ready to be asked for every beam.
+class PlaneOpenings {
+ public:
+  // Whether nothing was counted that tells of openings.
+  bool none() const { return none_; }
+  // Whether the plane has been seen at different heights. Level scan planes alone see
+  // furniture as often as walls, with gaps that are no openings.
+  bool has_height() const { return has_height_; }
+  bool IsAt(const Eigen::Vector3d& p_world) const;
+
+ private:
+  friend class OpeningMap;
+  void Open(const CellGrid::Cell& cell, bool narrow_along_u);
+
+  bool none_ = true;
+  bool has_height_ = false;
+  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
+  std::array<CellGrid, 2> open_;  // cells narrow along u, along v
+  CellGrid nearby_;               // wide cells in which any of them lies
+};
+
+// Counts the beams at segments' ends that were taken to lie on a plane, those beside them that
+// went through and those that something in front of it stopped. Where a wall ends at a door,
+// beams on its jamb may pass for the wall's, or the floor's, seen from one place; from others
+// the beams go through, or are stopped.
 //
 // Counted twice, on cells that are narrow along u and on cells that are narrow along v:
 // openings have upright and level edges, and few beams pass close to one of them.
@@ -21,24 +44,17 @@ class OpeningMap {
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world);
   void CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
-  // Whether the plane has been seen at different heights. Level scan planes alone see
-  // furniture as often as walls, with gaps that are no openings.
-  static bool HasHeight(const Landmark& landmark);
-  // Whether anything was counted that tells of openings.
-  bool HasOpenings(const Landmark& landmark) const;
-  // Whether more than a tenth of the beams (half of them, of a plane without height) went
-  // through here or at the next cell, or more were
-  // stopped here than not. What is solid lets none through, whatever the noise; but most beams
-  // that seem to lie in an opening are the jambs'.
-  bool IsOpening(const Landmark& landmark, const Eigen::Vector3d& p_world) const;
+  // Where more than a tenth of the beams (half of them, of a plane without height) went
+  // through here or at the next cell, or more were stopped here than not. What is solid lets
+  // none through, whatever the noise; but most beams that seem to lie in an opening are the
+  // jambs'.
+  PlaneOpenings OpeningsOf(const Landmark& landmark) const;
 
  private:
   struct Counts {
     CellGrid hits;
     CellGrid passages;
     CellGrid blocks;
-
-    bool IsOpening(const CellGrid::Cell& cell, bool narrow_along_u, double min_share) const;
   };
 
   // Counts on the cells that are narrow along u, along v.

@@ -4,6 +4,7 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -20,10 +21,11 @@ constexpr size_t kPointBytes =
     3 * sizeof(float) + sizeof(double) + sizeof(uint8_t) + sizeof(int32_t) + sizeof(float);
 constexpr size_t kBufferBytes = 10'000 * kPointBytes;
 
+// Returns where the next value goes.
 template <typename Value>
-void Append(Value value, std::vector<char>* buffer) {
-  const char* bytes = reinterpret_cast<const char*>(&value);
-  buffer->insert(buffer->end(), bytes, bytes + sizeof(value));
+char* Put(Value value, char* at) {
+  std::memcpy(at, &value, sizeof(value));
+  return at + sizeof(value);
 }
 
 // Of the same length for every number of points, so that it can be filled in at the end.
@@ -108,13 +110,16 @@ void PointCloudWriter::Add(const MapPoint& point) {
   CHECK(stream_ != nullptr) << "Add() after Finish()";
   CHECK_GE(point.scanner, 0);
   CHECK_LE(point.scanner, std::numeric_limits<uint8_t>::max());
-  Append(point.p_world.x(), &buffer_);
-  Append(point.p_world.y(), &buffer_);
-  Append(point.p_world.z(), &buffer_);
-  Append(point.time_s, &buffer_);
-  Append(static_cast<uint8_t>(point.scanner), &buffer_);
-  Append(static_cast<int32_t>(point.plane_id), &buffer_);
-  Append(point.residual_m, &buffer_);
+  std::array<char, kPointBytes> bytes;
+  char* at = bytes.data();
+  at = Put(point.p_world.x(), at);
+  at = Put(point.p_world.y(), at);
+  at = Put(point.p_world.z(), at);
+  at = Put(point.time_s, at);
+  at = Put(static_cast<uint8_t>(point.scanner), at);
+  at = Put(static_cast<int32_t>(point.plane_id), at);
+  Put(point.residual_m, at);
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   ++num_points_;
   if (buffer_.size() >= kBufferBytes) Flush();
 }

@@ -33,13 +33,13 @@ struct ScanLine {
 };
 
 // Directions of one beam after the other, each that of the beam before turned on: exact to
-// 1e-13 after thousands of beams.
+// 1e-13 after thousands of beams. step -1: backwards.
 class BeamSweep {
  public:
-  BeamSweep(const ScanLine& scan_line, int first_beam)
+  BeamSweep(const ScanLine& scan_line, int first_beam, int step = 1)
       : direction_(scan_line.BeamDirection(first_beam)),
         cosine_(std::cos(scan_line.angle_increment)),
-        sine_(std::sin(scan_line.angle_increment)) {}
+        sine_(step * std::sin(scan_line.angle_increment)) {}
 
   const Eigen::Vector2d& direction() const { return direction_; }
   void Next() {

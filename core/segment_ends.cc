@@ -48,11 +48,14 @@ class Recutter {
            MapState* state)
       : rig_(rig),
         options_(options),
-        openings_(openings),
         counted_(counted),
         state_(state),
         sampler_(state->trajectory),
-        poses_(state->trajectory) {}
+        poses_(state->trajectory) {
+    for (const Landmark& landmark : state->landmarks) {
+      openings_.push_back(openings.OpeningsOf(landmark));
+    }
+  }
 
   // The observations [first, last) of a scan line; returns how many changed.
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
@@ -108,8 +111,8 @@ class Recutter {
 
   const Rig& rig_;
   const MapperOptions& options_;
-  const OpeningMap& openings_;  // as known before
-  OpeningMap* counted_;         // anew; null: not
+  std::vector<PlaneOpenings> openings_;  // by landmark id, as known before
+  OpeningMap* counted_;                  // anew; null: not
   MapState* state_;
   PoseSampler sampler_;
   SharedPoses poses_;
@@ -151,10 +154,13 @@ int Recutter::Extend(const ScanLine& scan_line,
                      int to) const {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   int last = end.beam;
+  if (to == end.beam) return last;
+  BeamSweep sweep(scan_line, end.beam, end.step);
   for (int beam = end.beam + end.step; end.step * (to - beam) >= 0; beam += end.step) {
+    sweep.Next();
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!scanner.IsValidRange(range)) break;
-    const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
+    const double expected = trace.RangeAlong(sweep.direction());
     if (!(std::abs(range - expected) < kOutlierSigmas * scanner.range_noise_m)) break;
     last = beam;
   }
@@ -267,7 +273,8 @@ bool Recutter::LeaveOutHidden(const ScanLine& scan_line,
   const HiddenBeams hidden{
       scan_line, scanner, poses_.Of(*observation), *own, range->first, range->last};
   std::vector<int> excluded = observation->excluded_beams;
-  for (const auto& beams : {hidden.InOpenings(openings_), hidden.BehindCorners(candidates_)}) {
+  const PlaneOpenings& openings = openings_[static_cast<size_t>(own->landmark->id)];
+  for (const auto& beams : {hidden.InOpenings(openings), hidden.BehindCorners(candidates_)}) {
     excluded.insert(excluded.end(), beams.begin(), beams.end());
   }
   std::sort(excluded.begin(), excluded.end());
@@ -314,13 +321,10 @@ void Recutter::Replace(const ScanLine& scan_line,
   segment.sigma_offset_m = observation->sigma_offset_m;
   segment.sigma_direction_rad = observation->sigma_direction_rad;
   const LandmarkCandidate* own = Find(observation->landmark_id);
-  std::array<Rigid3d, 3> world_from_scanner;
-  for (size_t k = 0; k < 3; ++k) {
-    world_from_scanner[k] =
-        poses_.Of(*observation).world_from_body[k] * scanner.body_from_scanner;
-  }
-  const PlaneTrace trace(
-      observation->measurement.node_times_ns, world_from_scanner, own->normal, own->distance);
+  const PlaneTrace trace(observation->measurement.node_times_ns,
+                         poses_.Of(*observation).WorldFromScanner(scanner.body_from_scanner),
+                         own->normal,
+                         own->distance);
   Observation recut =
       MakeObservationOn(trace, scan_line, scanner, segment, !observation->points.empty());
   recut.scan_index = observation->scan_index;

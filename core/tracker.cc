@@ -136,7 +136,7 @@ void Tracker::AddGroup(const ObservationGroup& group, System* system) const {
     parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
   }
   SegmentGroup::Quadratic quadratic;
-  group.group.Linearise(parameters.data(), &quadratic);
+  group.group.LinearisePoses(parameters.data(), &quadratic);
   system->cost += quadratic.cost;
   // Of the control points before first() and of the planes nothing is asked.
   std::vector<int> from;
@@ -196,6 +196,10 @@ Tracker::System Tracker::Estimate(const std::vector<MotionTerm>& terms,
     step(rows) = -factor.solve(gradient);
     const std::vector<ControlPoint> from = ControlPoints();
     const double cost = system.cost;
+    if (-0.5 * system.gradient.dot(step) < kFunctionTolerance * cost) {
+      Move(from, step);
+      break;
+    }
     int halvings = 0;
     for (; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
       Move(from, step);

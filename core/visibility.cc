@@ -72,10 +72,11 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const LandmarkCandidate& plane : planes) boxes.push_back(PlanBox(plane));
   PlanGrid grid(boxes);
+  PoseSampler poses(state.trajectory);
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0) continue;
     const Rigid3d world_from_scanner =
-        state.trajectory.WorldFromBody(observation.middle_time_ns()) *
+        poses.WorldFromBody(observation.middle_time_ns()) *
         rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
     for (const Eigen::Vector2d& p :
          {observation.start, observation.centroid, observation.end}) {

@@ -1,6 +1,5 @@
 #include "factors/segment_group.h"
 
-#include <ceres/cost_function.h>
 #include <ceres/jet.h>
 #include <glog/logging.h>
 
@@ -12,7 +11,6 @@
 
 #include "factors/manifolds.h"
 #include "factors/schur.h"
-#include "factors/segment_node.h"
 #include "factors/so3.h"
 #include "factors/spline.h"
 
@@ -22,11 +20,6 @@ namespace {
 constexpr int kNumNodes = 3;
 constexpr int kMaxControlPoints = 6;
 constexpr int kPoseSize = 6;
-// A direction of which less than this share of its variables' information is left belongs to
-// rounding.
-constexpr double kRankTolerance = 1e-13;
-
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
 constexpr int kLineSize = kNumNodes * kPoseSize;
@@ -50,7 +43,44 @@ struct LineSystem {
   std::vector<bool> sees_plane;
 };
 
-// A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ].
+// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the body's
+// position, in the world's axes.
+using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumNodes>;
+
+ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& poses) {
+  Eigen::Matrix3d in_body = scanner.body_from_scanner_rotation;
+  in_body.col(2) = scanner.body_from_scanner_translation;
+  ScannerAtNodes nodes;
+  for (size_t k = 0; k < kNumNodes; ++k) nodes[k] = poses.world_from_body[k] * in_body;
+  return nodes;
+}
+
+// A plane's normal and distance, differentiated by its parameters.
+template <typename Plane>
+struct PlaneDerivatives {
+  Eigen::Vector3d normal;
+  double distance;
+  Eigen::Matrix<double, 3, Plane::kSize> normal_by_plane;
+  Eigen::Matrix<double, 1, Plane::kSize> distance_by_plane;
+
+  PlaneDerivatives(const Plane& plane, const double* parameters) {
+    using T = ceres::Jet<double, Plane::kSize>;
+    T jets[Plane::kSize];
+    for (int i = 0; i < Plane::kSize; ++i) jets[i] = T(parameters[i], i);
+    T normal_jets[3];
+    T distance_jet;
+    plane.Evaluate(jets, normal_jets, &distance_jet);
+    for (int i = 0; i < 3; ++i) {
+      normal[i] = normal_jets[i].a;
+      normal_by_plane.row(i) = normal_jets[i].v.transpose();
+    }
+    distance = distance_jet.a;
+    distance_by_plane = distance_jet.v.transpose();
+  }
+};
+
+// A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ];
+// kPlaneSize 0: the plane is held.
 template <int kPlaneSize>
 struct SegmentRows {
   static constexpr int kColumns = kLineSize + kPlaneSize;
@@ -58,55 +88,34 @@ struct SegmentRows {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals;
 };
 
-// A plane's normal and distance, differentiated by the parameters behind those of a pose.
-template <typename Plane>
-struct PlaneJets {
-  using T = ceres::Jet<double, kPoseSize + Plane::kSize>;
-  T normal[3];
-  T distance;
-
-  PlaneJets(const Plane& plane, const double* parameters) {
-    T jets[Plane::kSize];
-    for (int i = 0; i < Plane::kSize; ++i) jets[i] = T(parameters[i], kPoseSize + i);
-    plane.Evaluate(jets, normal, &distance);
-  }
-};
-
-template <typename Plane>
+// A row (a, b, c) of the compressed segment stands for c times the signed distance of one
+// point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone. Turning
+// the body by a small rotation moves v by the rotation's cross product with it.
+template <typename Plane, int kPlaneSize>
 void Differentiate(const SegmentGroup::Segment& segment,
-                   const SegmentGroup::Scanner& scanner,
+                   const ScannerAtNodes& scanner,
                    const NodePoses& poses,
-                   const PlaneJets<Plane>& plane,
-                   SegmentRows<Plane::kSize>* rows) {
-  using T = typename PlaneJets<Plane>::T;
+                   const PlaneDerivatives<Plane>& plane,
+                   SegmentRows<kPlaneSize>* rows) {
   const SegmentMeasurement& measurement = *segment.measurement;
   const auto& root = measurement.root;
-  rows->jacobian.setZero(root.rows(), SegmentRows<Plane::kSize>::kColumns);
+  rows->jacobian.setZero(root.rows(), SegmentRows<kPlaneSize>::kColumns);
   rows->residuals.setZero(root.rows());
-  T opposite_tangent[3];
-  for (int i = 0; i < 3; ++i) opposite_tangent[i] = -T(0.0, i);
   for (int k = 0; k < measurement.num_nodes; ++k) {
-    const auto node = static_cast<size_t>(k);
-    T position[3];
-    T g[3];
-    for (int i = 0; i < 3; ++i) position[i] = T(poses.position[node][i], 3 + i);
-    NodeGeometry<T, double>(poses.world_from_body[node],
-                            opposite_tangent,
-                            position,
-                            scanner.body_from_scanner_rotation.col(0).data(),
-                            scanner.body_from_scanner_rotation.col(1).data(),
-                            scanner.body_from_scanner_translation.data(),
-                            plane.normal,
-                            plane.distance,
-                            g);
+    const Eigen::Vector3d& position = poses.position[static_cast<size_t>(k)];
+    const double body_distance = plane.normal.dot(position) - plane.distance;
     for (Eigen::Index row = 0; row < root.rows(); ++row) {
-      for (int i = 0; i < 3; ++i) {
-        const double weight = segment.weights.scale * root(row, 3 * k + i);
-        rows->residuals[row] += weight * g[i].a;
-        rows->jacobian.template block<1, kPoseSize>(row, kPoseSize * k) +=
-            weight * g[i].v.template head<kPoseSize>().transpose();
-        rows->jacobian.template block<1, Plane::kSize>(row, kLineSize) +=
-            weight * g[i].v.template tail<Plane::kSize>().transpose();
+      const Eigen::Vector3d weights =
+          segment.weights.scale * root.template block<1, 3>(row, 3 * k).transpose();
+      const Eigen::Vector3d v = scanner[static_cast<size_t>(k)] * weights;
+      rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
+      auto jacobian = rows->jacobian.row(row);
+      jacobian.template segment<3>(kPoseSize * k) = v.cross(plane.normal).transpose();
+      jacobian.template segment<3>(kPoseSize * k + 3) = weights.z() * plane.normal.transpose();
+      if constexpr (kPlaneSize > 0) {
+        jacobian.template segment<kPlaneSize>(kLineSize) +=
+            (v + weights.z() * position).transpose() * plane.normal_by_plane -
+            weights.z() * plane.distance_by_plane;
       }
     }
   }
@@ -128,31 +137,55 @@ double Weigh(double huber_width, SegmentRows<kPlaneSize>* rows, bool* is_outlier
   return huber_width * (norm - 0.5 * huber_width);
 }
 
-// Adds a segment to the line's system and, for the plane alone, to the group's.
+// Adds the rows of the poses' normal matrix that belong to one node, up to its diagonal block.
+template <int kNode, typename Jacobian>
+void AddNode(const Jacobian& jacobian, LineSystem* line) {
+  constexpr int kWidth = kPoseSize * (kNode + 1);
+  for (int i = kPoseSize * kNode; i < kWidth; ++i) {
+    Eigen::Matrix<double, 1, kWidth> sum = line->poses.template block<1, kWidth>(i, 0);
+    for (Eigen::Index row = 0; row < jacobian.rows(); ++row) {
+      sum += jacobian(row, i) * jacobian.template block<1, kWidth>(row, 0);
+    }
+    line->poses.template block<1, kWidth>(i, 0) = sum;
+  }
+}
+
+// Adds a segment to the line's system (the poses' matrix in its lower triangle of blocks) and,
+// for the plane alone, to the group's.
 template <int kPlaneSize>
 void AddRows(const SegmentRows<kPlaneSize>& rows,
              int plane_column,
              int plane_row,
              LineSystem* line,
              SegmentGroup::Quadratic* quadratic) {
-  using PlaneMatrix = Eigen::Matrix<double, kPlaneSize, kPlaneSize>;
-  PlaneMatrix plane = PlaneMatrix::Zero();
-  for (Eigen::Index row = 0; row < rows.jacobian.rows(); ++row) {
-    const Eigen::Matrix<double, 1, kLineSize> pose =
-        rows.jacobian.template block<1, kLineSize>(row, 0);
-    const Eigen::Matrix<double, 1, kPlaneSize> by_plane =
-        rows.jacobian.template block<1, kPlaneSize>(row, kLineSize);
-    const double residual = rows.residuals[row];
-    for (int i = 0; i < kLineSize; ++i) line->poses.row(i) += pose[i] * pose;
+  AddNode<0>(rows.jacobian, line);
+  AddNode<1>(rows.jacobian, line);
+  AddNode<2>(rows.jacobian, line);
+  const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
+  line->gradient += by_poses.transpose().lazyProduct(rows.residuals);
+  if constexpr (kPlaneSize > 0) {
+    const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
     for (int i = 0; i < kPlaneSize; ++i) {
-      line->cross.col(plane_column + i) += by_plane[i] * pose.transpose();
+      LineVector sum = line->cross.col(plane_column + i);
+      for (Eigen::Index row = 0; row < by_plane.rows(); ++row) {
+        sum += by_plane(row, i) * by_poses.row(row).transpose();
+      }
+      line->cross.col(plane_column + i) = sum;
     }
-    line->gradient += residual * pose.transpose();
-    plane += by_plane.transpose() * by_plane;
     quadratic->gradient.template segment<kPlaneSize>(plane_row) +=
-        residual * by_plane.transpose();
+        by_plane.transpose().lazyProduct(rows.residuals);
+    quadratic->hessian.template block<kPlaneSize, kPlaneSize>(plane_row, plane_row) +=
+        by_plane.transpose().lazyProduct(by_plane);
   }
-  quadratic->hessian.template block<kPlaneSize, kPlaneSize>(plane_row, plane_row) += plane;
+}
+
+void FillUpperBlocks(LineSystem* line) {
+  for (int k = 0; k < kNumNodes; ++k) {
+    for (int l = 0; l < k; ++l) {
+      line->poses.block<kPoseSize, kPoseSize>(kPoseSize * l, kPoseSize * k) =
+          line->poses.block<kPoseSize, kPoseSize>(kPoseSize * k, kPoseSize * l).transpose();
+    }
+  }
 }
 
 // The chain rule through the spline, from the nodes' poses to the control points: adds a
@@ -288,6 +321,17 @@ SegmentGroup::SegmentGroup(int num_control_points,
 }
 
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
+  Sum<false>(parameters, quadratic);
+}
+
+void SegmentGroup::LinearisePoses(double const* const* parameters,
+                                  Quadratic* quadratic) const {
+  Sum<true>(parameters, quadratic);
+}
+
+template <bool kPlanesHeld>
+void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) const {
+  const int num_rows = kPlanesHeld ? plane_offsets_.front() : size();
   double const* const* const q = parameters;
   double const* const* const p = parameters + num_control_points_;
   double const* const* const plane_parameters = parameters + 2 * num_control_points_;
@@ -297,8 +341,8 @@ void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadrat
   }
   quadratic->cost = 0.0;
   quadratic->has_outliers = false;
-  quadratic->gradient.setZero(size());
-  quadratic->hessian.setZero(size(), size());
+  quadratic->gradient.setZero(num_rows);
+  quadratic->hessian.setZero(num_rows, num_rows);
   LineSystem line;
   NodePoses poses;
   for (size_t begin = 0; begin < segments_.size();) {
@@ -317,20 +361,26 @@ void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadrat
     }
     line.poses.setZero();
     line.gradient.setZero();
-    line.cross.setZero(kLineSize, size() - plane_offsets_.front());
+    line.cross.setZero(kLineSize, num_rows - plane_offsets_.front());
     line.sees_plane.assign(planes_.size(), false);
+    ScannerAtNodes scanner;
+    int scanner_at_nodes = -1;
     size_t end = begin;
     for (; end < segments_.size() && SameNodes(head, segments_[end]); ++end) {
       const Segment& segment = segments_[end];
       const auto plane = static_cast<size_t>(segment.plane);
-      line.sees_plane[plane] = true;
+      line.sees_plane[plane] = !kPlanesHeld;
+      if (segment.scanner != scanner_at_nodes) {
+        scanner_at_nodes = segment.scanner;
+        scanner = AtNodes(scanners_[static_cast<size_t>(segment.scanner)], poses);
+      }
       VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
-        SegmentRows<Model::kSize> rows;
+        SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
         Differentiate(segment,
-                      scanners_[static_cast<size_t>(segment.scanner)],
+                      scanner,
                       poses,
-                      PlaneJets<Model>(model, plane_parameters[plane]),
+                      PlaneDerivatives<Model>(model, plane_parameters[plane]),
                       &rows);
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
@@ -340,139 +390,11 @@ void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadrat
                 quadratic);
       });
     }
+    FillUpperBlocks(&line);
     Spread(first, poses, head.measurement->num_nodes)
         .Add(line, plane_offsets_, num_control_points_, quadratic);
     begin = end;
   }
-}
-
-LinearisedGroup::LinearisedGroup(SegmentGroup group) : group_(std::move(group)) {}
-
-int LinearisedGroup::BlockSize(int block) const {
-  const int num_control_points = group_.num_control_points();
-  if (block < num_control_points) return 4;
-  if (block < 2 * num_control_points) return 3;
-  return PlaneModelSize(
-      group_.planes()[static_cast<size_t>(block - 2 * num_control_points)].model);
-}
-
-bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* step) const {
-  if (at_.empty()) return false;
-  using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
-  step->resize(group_.size());
-  const int num_control_points = group_.num_control_points();
-  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
-  const double* at = at_.data();
-  Eigen::Index row = 0;
-  for (int i = 0; i < num_blocks; ++i) {
-    const int size = BlockSize(i);
-    if (i < num_control_points) {
-      const Eigen::Vector3d turn = Log(Quaternion(parameters[i]) * Quaternion(at).conjugate());
-      if (turn.squaredNorm() > validity_.turn_rad * validity_.turn_rad) return false;
-      step->segment<3>(row) = turn;
-      row += 3;
-    } else {
-      for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
-      // A plane's distance may move freely: the residuals are linear in it.
-      const bool is_position = i < 2 * num_control_points;
-      const double limit = is_position ? validity_.shift_m : validity_.turn_rad;
-      const int num_limited = is_position ? size : size - 1;
-      for (int k = 0; k < num_limited; ++k) {
-        if (std::abs((*step)[row + k]) > limit) return false;
-      }
-      row += size;
-    }
-    at += size;
-  }
-  return true;
-}
-
-// H = root^T root and g = root^T offset.
-void LinearisedGroup::Linearise(double const* const* parameters) {
-  at_.clear();
-  const int num_blocks =
-      2 * group_.num_control_points() + static_cast<int>(group_.planes().size());
-  for (int i = 0; i < num_blocks; ++i) {
-    at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
-  }
-  ++num_linearisations_;
-  SegmentGroup::Quadratic quadratic;
-  group_.Linearise(parameters, &quadratic);
-  has_outliers_ = quadratic.has_outliers;
-  MarginalisedSystem system =
-      Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
-  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
-  root_ = std::move(system.root);
-  offset_ = std::move(system.offset);
-}
-
-void LinearisedGroup::Evaluate(double const* const* parameters,
-                               double* residuals,
-                               double** jacobians) {
-  Eigen::VectorXd step;
-  const bool is_near = Move(parameters, &step);
-  if (!is_near) Linearise(parameters);
-  const int num_residuals = group_.size() + 1;
-  const Eigen::Index rank = root_.rows();
-  Eigen::Map<Eigen::VectorXd> all(residuals, num_residuals);
-  all.setZero();
-  all.head(rank) = offset_;
-  if (is_near) all.head(rank).noalias() += root_ * step;
-  all[num_residuals - 1] = rest_;
-  if (jacobians == nullptr) return;
-  const int num_control_points = group_.num_control_points();
-  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
-  Eigen::Index column = 0;
-  for (int i = 0; i < num_blocks; ++i) {
-    const int size = BlockSize(i);
-    const bool is_rotation = i < num_control_points;
-    const int tangent_size = is_rotation ? 3 : size;
-    if (jacobians[i] != nullptr) {
-      Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals, size);
-      jacobian.bottomRows(num_residuals - rank).setZero();
-      if (is_rotation) {
-        jacobian.topRows(rank) =
-            root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
-      } else {
-        jacobian.topRows(rank) = root_.middleCols(column, size);
-      }
-    }
-    column += tangent_size;
-  }
-}
-
-namespace {
-
-class SegmentGroupCost final : public ceres::CostFunction {
- public:
-  explicit SegmentGroupCost(std::shared_ptr<LinearisedGroup> group)
-      : group_(std::move(group)) {
-    const SegmentGroup& segments = group_->group();
-    std::vector<int>* sizes = mutable_parameter_block_sizes();
-    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 4);
-    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 3);
-    for (const SegmentGroup::Plane& plane : segments.planes()) {
-      sizes->push_back(PlaneModelSize(plane.model));
-    }
-    set_num_residuals(segments.size() + 1);
-  }
-
-  bool Evaluate(double const* const* parameters,
-                double* residuals,
-                double** jacobians) const override {
-    group_->Evaluate(parameters, residuals, jacobians);
-    return true;
-  }
-
- private:
-  std::shared_ptr<LinearisedGroup> group_;
-};
-
-}  // namespace
-
-std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(
-    std::shared_ptr<LinearisedGroup> group) {
-  return std::make_unique<SegmentGroupCost>(std::move(group));
 }
 
 }  // namespace plumbline

@@ -92,10 +92,10 @@ TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 4.0, 1.0});
   const LandmarkCandidate plane = Candidate(wall);
   OpeningMap openings;
-  EXPECT_TRUE(Beams(plane, 72, 88).InOpenings(openings).empty());
+  EXPECT_TRUE(Beams(plane, 72, 88).InOpenings(openings.OpeningsOf(wall)).empty());
   const Eigen::Vector3d in_opening(0.0, 4.0, kHeight - 4.0 / std::tan(80.0 * kDegree));
   for (int i = 0; i < 2; ++i) openings.CountPassage(wall, in_opening);
-  const std::vector<int> beams = Beams(plane, 72, 88).InOpenings(openings);
+  const std::vector<int> beams = Beams(plane, 72, 88).InOpenings(openings.OpeningsOf(wall));
   EXPECT_NE(std::find(beams.begin(), beams.end(), 80), beams.end());
   EXPECT_EQ(std::find(beams.begin(), beams.end(), 74), beams.end());
   EXPECT_EQ(std::find(beams.begin(), beams.end(), 86), beams.end());
@@ -105,9 +105,10 @@ TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
 TEST_F(HiddenBeamsTest, WithOpeningsGrazingBeamsMayLieInOne) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
   OpeningMap openings;
-  EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(openings).empty());
+  EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall)).empty());
   for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, -0.8});
-  EXPECT_EQ(Beams(Candidate(wall), 1, 10).InOpenings(openings), std::vector<int>({1, 2}));
+  EXPECT_EQ(Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall)),
+            std::vector<int>({1, 2}));
 }
 
 }  // namespace

@@ -39,6 +39,24 @@ ScenePlane FacedWall(const Scanner& scanner) {
   return {normal, normal.dot(world_from_scanner.translation + 3.0 * ahead)};
 }
 
+// A turn about the scanner's z axis at 2 rad/s while it moves: over 20 ms the quadratic is right
+// to the turn's third power.
+TEST(ScanMotion, PlacesPointsBetweenItsPoses) {
+  const auto pose_at = [](double seconds) {
+    return Rigid3d(RotationFromRollPitchYaw(0.0, 0.0, 2.0 * seconds),
+                   Eigen::Vector3d(1.5 * seconds, 0.2, 1.0));
+  };
+  const ScanMotion motion({kStart, kStart + 10'000'000, kStart + 20'000'000},
+                          {pose_at(0.0), pose_at(0.01), pose_at(0.02)});
+  const Eigen::Vector2d p(10.0, -4.0);
+  for (const int64_t ms : {0, 3, 10, 17, 20}) {
+    const Eigen::Vector3d expected =
+        pose_at(1e-3 * static_cast<double>(ms)) * Eigen::Vector3d(p.x(), p.y(), 0.0);
+    const Eigen::Vector3d placed = motion.ToWorld(p, kStart + ms * 1'000'000);
+    EXPECT_LT((placed - expected).norm(), ms % 10 == 0 ? 1e-12 : 1e-5) << ms;
+  }
+}
+
 class ObservationTest : public testing::Test {
  protected:
   Observation Observe(double sigma_m) {

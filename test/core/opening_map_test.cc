@@ -13,6 +13,10 @@ class OpeningMapTest : public ::testing::Test {
     wall_.extent.AddSegment(At(-3.0, 1.0), At(3.0, 1.0));
   }
 
+  bool HasOpenings() const { return !openings_.OpeningsOf(wall_).none(); }
+  bool IsOpening(const Eigen::Vector3d& p_world) const {
+    return openings_.OpeningsOf(wall_).IsAt(p_world);
+  }
   static Eigen::Vector3d At(double x, double z = 0.01) { return {x, 2.0, z}; }
 
   Landmark wall_;
@@ -20,42 +24,42 @@ class OpeningMapTest : public ::testing::Test {
 };
 
 TEST_F(OpeningMapTest, WhereNothingWasCountedIsNoOpening) {
-  EXPECT_FALSE(openings_.HasOpenings(wall_));
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.0)));
+  EXPECT_FALSE(HasOpenings());
+  EXPECT_FALSE(IsOpening(At(1.0)));
   openings_.CountHit(wall_, At(1.0));
-  EXPECT_FALSE(openings_.HasOpenings(wall_));
+  EXPECT_FALSE(HasOpenings());
 }
 
 TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   openings_.CountPassage(wall_, At(1.01));
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01))) << "once is not enough";
+  EXPECT_FALSE(IsOpening(At(1.01))) << "once is not enough";
   openings_.CountPassage(wall_, At(1.01));
-  EXPECT_TRUE(openings_.HasOpenings(wall_));
-  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
-  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.03, 0.2))) << "0.02 m aside, at its height";
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.07, 0.2)));
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01, 0.6)));
+  EXPECT_TRUE(HasOpenings());
+  EXPECT_TRUE(IsOpening(At(1.01)));
+  EXPECT_TRUE(IsOpening(At(1.03, 0.2))) << "0.02 m aside, at its height";
+  EXPECT_FALSE(IsOpening(At(1.07, 0.2)));
+  EXPECT_FALSE(IsOpening(At(1.01, 0.6)));
 }
 
 TEST_F(OpeningMapTest, FarFromThePlaneNothingIsCounted) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(4.1));
-  EXPECT_FALSE(openings_.HasOpenings(wall_));
+  EXPECT_FALSE(HasOpenings());
 }
 
 TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {
   for (int i = 0; i < 3; ++i) openings_.CountPassage(wall_, At(1.01));
   for (int i = 0; i < 26; ++i) openings_.CountHit(wall_, At(1.01));
-  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
+  EXPECT_TRUE(IsOpening(At(1.01)));
   openings_.CountHit(wall_, At(1.01));
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01)));
+  EXPECT_FALSE(IsOpening(At(1.01)));
 }
 
 TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
   for (int i = 0; i < 3; ++i) openings_.CountBlock(wall_, At(1.01));
   for (int i = 0; i < 2; ++i) openings_.CountHit(wall_, At(1.01));
-  EXPECT_TRUE(openings_.IsOpening(wall_, At(1.01)));
+  EXPECT_TRUE(IsOpening(At(1.01)));
   openings_.CountHit(wall_, At(1.01));
-  EXPECT_FALSE(openings_.IsOpening(wall_, At(1.01)));
+  EXPECT_FALSE(IsOpening(At(1.01)));
 }
 
 }  // namespace

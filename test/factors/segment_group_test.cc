@@ -1,4 +1,4 @@
-#include "factors/segment_group.h"
+#include "factors/linearised_group.h"
 
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
@@ -129,6 +129,23 @@ TEST(SegmentGroup, FactorEqualsItsSegments) {
                 1e-10 * expected.hessian.norm());
     }
   }
+}
+
+TEST(SegmentGroup, WithPlanesHeldThePosesRowsAreLeft) {
+  const Scene scene(60);
+  const Expected expected = SumOfSegmentFactors(scene, 3.0);
+  const std::vector<const double*> parameters = scene.blocks.pointers();
+  SegmentGroup::Quadratic quadratic;
+  scene.Group(3.0).LinearisePoses(parameters.data(), &quadratic);
+  const Eigen::Index size = 6 * kNumControlPoints;
+  EXPECT_NEAR(quadratic.cost, expected.cost, 1e-10 * expected.cost);
+  ASSERT_EQ(quadratic.gradient.size(), size);
+  EXPECT_LT((quadratic.gradient - expected.gradient.head(size)).norm(),
+            1e-8 * expected.gradient.norm());
+  const Eigen::MatrixXd difference =
+      quadratic.hessian - expected.hessian.topLeftCorner(size, size);
+  EXPECT_LT(Eigen::MatrixXd(difference.triangularView<Eigen::Lower>()).norm(),
+            1e-10 * expected.hessian.norm());
 }
 
 TEST(SegmentGroup, HuberTouchesSomeSegmentsOnly) {

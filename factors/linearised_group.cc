@@ -1,0 +1,153 @@
+#include "factors/linearised_group.h"
+
+#include <ceres/cost_function.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "factors/manifolds.h"
+#include "factors/schur.h"
+#include "factors/so3.h"
+
+namespace plumbline {
+namespace {
+
+// A direction of which less than this share of its variables' information is left belongs to
+// rounding.
+constexpr double kRankTolerance = 1e-13;
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+}  // namespace
+
+LinearisedGroup::LinearisedGroup(SegmentGroup group) : group_(std::move(group)) {}
+
+int LinearisedGroup::BlockSize(int block) const {
+  const int num_control_points = group_.num_control_points();
+  if (block < num_control_points) return 4;
+  if (block < 2 * num_control_points) return 3;
+  return PlaneModelSize(
+      group_.planes()[static_cast<size_t>(block - 2 * num_control_points)].model);
+}
+
+bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* step) const {
+  if (at_.empty()) return false;
+  using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
+  step->resize(group_.size());
+  const int num_control_points = group_.num_control_points();
+  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
+  const double* at = at_.data();
+  Eigen::Index row = 0;
+  for (int i = 0; i < num_blocks; ++i) {
+    const int size = BlockSize(i);
+    if (i < num_control_points) {
+      const Eigen::Vector3d turn = Log(Quaternion(parameters[i]) * Quaternion(at).conjugate());
+      if (turn.squaredNorm() > validity_.turn_rad * validity_.turn_rad) return false;
+      step->segment<3>(row) = turn;
+      row += 3;
+    } else {
+      for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
+      // A plane's distance may move freely: the residuals are linear in it.
+      const bool is_position = i < 2 * num_control_points;
+      const double limit = is_position ? validity_.shift_m : validity_.turn_rad;
+      const int num_limited = is_position ? size : size - 1;
+      for (int k = 0; k < num_limited; ++k) {
+        if (std::abs((*step)[row + k]) > limit) return false;
+      }
+      row += size;
+    }
+    at += size;
+  }
+  return true;
+}
+
+// H = root^T root and g = root^T offset.
+void LinearisedGroup::Linearise(double const* const* parameters) {
+  at_.clear();
+  const int num_blocks =
+      2 * group_.num_control_points() + static_cast<int>(group_.planes().size());
+  for (int i = 0; i < num_blocks; ++i) {
+    at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
+  }
+  ++num_linearisations_;
+  SegmentGroup::Quadratic quadratic;
+  group_.Linearise(parameters, &quadratic);
+  has_outliers_ = quadratic.has_outliers;
+  MarginalisedSystem system =
+      Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
+  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
+  root_ = std::move(system.root);
+  offset_ = std::move(system.offset);
+}
+
+void LinearisedGroup::Evaluate(double const* const* parameters,
+                               double* residuals,
+                               double** jacobians) {
+  Eigen::VectorXd step;
+  const bool is_near = Move(parameters, &step);
+  if (!is_near) Linearise(parameters);
+  const int num_residuals = group_.size() + 1;
+  const Eigen::Index rank = root_.rows();
+  Eigen::Map<Eigen::VectorXd> all(residuals, num_residuals);
+  all.setZero();
+  all.head(rank) = offset_;
+  if (is_near) all.head(rank).noalias() += root_ * step;
+  all[num_residuals - 1] = rest_;
+  if (jacobians == nullptr) return;
+  const int num_control_points = group_.num_control_points();
+  const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
+  Eigen::Index column = 0;
+  for (int i = 0; i < num_blocks; ++i) {
+    const int size = BlockSize(i);
+    const bool is_rotation = i < num_control_points;
+    const int tangent_size = is_rotation ? 3 : size;
+    if (jacobians[i] != nullptr) {
+      Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals, size);
+      jacobian.bottomRows(num_residuals - rank).setZero();
+      if (is_rotation) {
+        jacobian.topRows(rank) =
+            root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
+      } else {
+        jacobian.topRows(rank) = root_.middleCols(column, size);
+      }
+    }
+    column += tangent_size;
+  }
+}
+
+namespace {
+
+class SegmentGroupCost final : public ceres::CostFunction {
+ public:
+  explicit SegmentGroupCost(std::shared_ptr<LinearisedGroup> group)
+      : group_(std::move(group)) {
+    const SegmentGroup& segments = group_->group();
+    std::vector<int>* sizes = mutable_parameter_block_sizes();
+    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 4);
+    sizes->insert(sizes->end(), static_cast<size_t>(segments.num_control_points()), 3);
+    for (const SegmentGroup::Plane& plane : segments.planes()) {
+      sizes->push_back(PlaneModelSize(plane.model));
+    }
+    set_num_residuals(segments.size() + 1);
+  }
+
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    group_->Evaluate(parameters, residuals, jacobians);
+    return true;
+  }
+
+ private:
+  std::shared_ptr<LinearisedGroup> group_;
+};
+
+}  // namespace
+
+std::unique_ptr<ceres::CostFunction> CreateSegmentGroupFactor(
+    std::shared_ptr<LinearisedGroup> group) {
+  return std::make_unique<SegmentGroupCost>(std::move(group));
+}
+
+}  // namespace plumbline
