@@ -142,8 +142,7 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
     const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
-    const bool stops =
-        end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m;
+    const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m;
     if (!passes && !stops) continue;
     const std::optional<Eigen::Vector3d> at = meeting_point(on_plane_m * direction);
     if (!at) continue;

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/candidates.h"
 
@@ -36,7 +37,8 @@ struct Level {
   Eigen::Vector3d direction_body;
   Eigen::Vector3d scan_normal_body;  // zero where two scanners gave it
   double sigma_rad = 0.0;
-  double weight = 0.0;  // m of segment
+  double weight = 0.0;        // m of segment
+  std::vector<size_t> lines;  // that it was found from: one, or one of each of two scanners
 };
 
 std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& scan) {
@@ -68,14 +70,16 @@ std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& sc
 // ones, which the vote leaves alone.
 std::vector<Level> FindLevels(const std::vector<Line>& lines) {
   std::vector<Level> levels;
-  for (const Line& line : lines) {
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const Line& line = lines[i];
     const double tilt_sine = line.scan_normal_body.head<2>().norm();
     if (tilt_sine < kMinCrossing) continue;
     levels.push_back({line.scanner,
                       line.direction_body,
                       line.scan_normal_body,
                       line.sigma_rad,
-                      line.length_m});
+                      line.length_m,
+                      {i}});
   }
   for (size_t i = 0; i < lines.size(); ++i) {
     for (size_t j = i + 1; j < lines.size(); ++j) {
@@ -92,7 +96,8 @@ std::vector<Level> FindLevels(const std::vector<Line>& lines) {
                         normal,
                         Eigen::Vector3d::Zero(),
                         sigma,
-                        std::min(lines[i].length_m, lines[j].length_m)});
+                        std::min(lines[i].length_m, lines[j].length_m),
+                        {i, j}});
     }
   }
   return levels;
@@ -107,21 +112,40 @@ bool Agrees(const Level& level, const Eigen::Vector3d& z) {
   return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
 }
 
-// Number of independent levels that agree with z: the traces of a scanner that run parallel
-// count once, and so do the normals of parallel walls. A single wall that two scanners see and
-// its trace in one of them agree on a z axis too, a wrong one.
-int CountWitnesses(const std::vector<Level>& levels, const Eigen::Vector3d& z) {
-  std::vector<const Level*> witnesses;
+// Those that speak for z. What lies on a wall is no trace of floor or ceiling: mirrored
+// scanners have parallel traces on the walls of a corridor, and these would agree with the
+// walls' normals on a wrong z axis.
+std::vector<const Level*> FindWitnesses(const std::vector<Level>& levels,
+                                        const Eigen::Vector3d& z) {
+  std::set<size_t> lines_on_walls;
+  std::vector<const Level*> agreeing;
   for (const Level& level : levels) {
     if (!Agrees(level, z)) continue;
-    const bool is_known =
-        std::any_of(witnesses.begin(), witnesses.end(), [&level](const Level* witness) {
-          return witness->scanner == level.scanner &&
-                 witness->direction_body.cross(level.direction_body).norm() < kMinCrossing;
-        });
-    if (!is_known) witnesses.push_back(&level);
+    agreeing.push_back(&level);
+    if (level.scanner < 0) lines_on_walls.insert(level.lines.begin(), level.lines.end());
   }
-  return static_cast<int>(witnesses.size());
+  std::vector<const Level*> witnesses;
+  for (const Level* level : agreeing) {
+    if (level->scanner < 0 || lines_on_walls.count(level->lines.front()) == 0) {
+      witnesses.push_back(level);
+    }
+  }
+  return witnesses;
+}
+
+// Number of independent witnesses: the traces of a scanner that run parallel count once, and
+// so do the normals of parallel walls.
+int CountIndependent(const std::vector<const Level*>& witnesses) {
+  std::vector<const Level*> independent;
+  for (const Level* level : witnesses) {
+    const bool is_known =
+        std::any_of(independent.begin(), independent.end(), [level](const Level* other) {
+          return other->scanner == level->scanner &&
+                 other->direction_body.cross(level->direction_body).norm() < kMinCrossing;
+        });
+    if (!is_known) independent.push_back(level);
+  }
+  return static_cast<int>(independent.size());
 }
 
 // The z axis with the largest consensus, refined over those that agree; zero when there is
@@ -142,7 +166,7 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
       if (z.z() < 0.0) z = -z;
       if (z.z() < kMinUpright) continue;
       double weight = 0.0;
-      for (const Level& level : levels) weight += Agrees(level, z) ? level.weight : 0.0;
+      for (const Level* level : FindWitnesses(levels, z)) weight += level->weight;
       if (weight > best_weight) {
         best_weight = weight;
         best = z;
@@ -152,10 +176,9 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
   if (best_weight == 0.0) return Eigen::Vector3d::Zero();
   for (int iteration = 0; iteration < 3; ++iteration) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-    for (const Level& level : levels) {
-      if (!Agrees(level, best)) continue;
-      moments += level.direction_body * level.direction_body.transpose() /
-                 (level.sigma_rad * level.sigma_rad);
+    for (const Level* level : FindWitnesses(levels, best)) {
+      moments += level->direction_body * level->direction_body.transpose() /
+                 (level->sigma_rad * level->sigma_rad);
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
     if (solver.eigenvalues()[1] * kMaxZSigma * kMaxZSigma < 1.0)
@@ -163,7 +186,9 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
     const Eigen::Vector3d z = solver.eigenvectors().col(0);
     best = z.z() < 0.0 ? Eigen::Vector3d(-z) : z;
   }
-  if (CountWitnesses(levels, best) < kMinWitnesses) return Eigen::Vector3d::Zero();
+  if (CountIndependent(FindWitnesses(levels, best)) < kMinWitnesses) {
+    return Eigen::Vector3d::Zero();
+  }
   return best;
 }
 

@@ -18,8 +18,9 @@ struct ModelFrame {
 
 // Looks for the direction z to which most segment length is consistent: segments of tilted
 // scanners on floor and ceiling are perpendicular to it, and so are the normals of walls that
-// two scanners see. It must lie within 35 degrees of the body's z axis. Planar rigs take the
-// body's z axis itself. Nothing when the scan shows no floor, ceiling or wall clearly enough.
+// two scanners see; segments on these walls have no say. It must lie within 35 degrees of the
+// body's z axis. Planar rigs take the body's z axis itself. Nothing when the scan shows no
+// floor, ceiling or wall clearly enough.
 std::optional<ModelFrame> FindModelFrame(const Rig& rig,
                                          bool planar,
                                          const std::vector<Observation>& scan);

@@ -12,6 +12,9 @@ constexpr double kMargin = 1.0;
 constexpr int kMinCount = 2;
 constexpr double kMinShare = 0.1;
 constexpr double kMinShareLevel = 0.5;
+// An opening goes on along its edge where beams on the plane are fewer than this share of
+// those that went through.
+constexpr double kContradiction = 0.25;
 
 bool HasHeight(const PatchExtent& extent) {
   return extent.max_corner().y() - extent.min_corner().y() > kWide;
@@ -98,6 +101,13 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
       openings.none_ = false;
       if (passed < kMinCount || !(passed > min_share * (passed + counts.hits.Count(cell)))) {
         return false;
+      }
+      for (const int along : {-1, 1}) {
+        CellGrid::Cell next = cell;
+        (narrow_along_u ? next.second : next.first) += along;
+        if (counts.hits.Count(next) < kContradiction * passed) {
+          openings.Open(next, narrow_along_u);
+        }
       }
       for (int aside = -1; aside <= 1; ++aside) {
         CellGrid::Cell near = cell;

@@ -9,16 +9,13 @@
 
 #include "core/association.h"
 #include "core/hidden_beams.h"
+#include "core/plane_meetings.h"
 #include "core/scan_reader.h"
 #include "core/scan_trace.h"
 
 namespace plumbline {
 namespace {
 
-// How near a patch's seen part has to come to a crossing: one cell of its grid.
-constexpr double kReach = 0.25;  // m
-// Planes farther than this from a segment's end do not bound it.
-constexpr double kMaxDistance = 1.0;  // m
 // Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever
 // its noise.
 constexpr double kFarSigmas = 9.0;
@@ -28,16 +25,6 @@ constexpr double kOutlierSigmas = 5.0;
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
-
-// One end of a segment: its last beam, which way the beams leave it, and how far they are
-// free.
-struct End {
-  int beam = 0;
-  int step = 1;                 // +1 at the last beam, -1 at the first
-  int limit = 0;                // first beam beyond that is not the segment's to take
-  int middle = 0;               // of the segment: what lies beyond is the other end's
-  int neighbour_landmark = -1;  // of the segment that starts there
-};
 
 class Recutter {
  public:
@@ -65,11 +52,6 @@ class Recutter {
     int first;
     int last;
   };
-  struct Meeting {
-    int last;  // beam before it, counted outwards from the segment's end; inside: negative
-    Trace other;
-    const LandmarkCandidate* plane;
-  };
   // Where a segment ends now, and the plane that meets its own there, if any.
   struct NewEnd {
     int beam;
@@ -84,28 +66,19 @@ class Recutter {
   };
 
   const LandmarkCandidate* Find(int landmark_id) const;
-  NewEnd FindEnd(const ScanLine& scan_line, const Observation& observation, const End& end);
-  std::vector<Meeting> Meetings(const ScanLine& scan_line,
-                                const Rigid3d& world_from_scanner,
-                                const Trace& trace,
-                                const Eigen::Vector3d& p_world,
-                                const LandmarkCandidate& own,
-                                const End& end) const;
-  const LandmarkCandidate* Beyond(const std::vector<Meeting>& meetings,
+  NewEnd FindEnd(const ScanLine& scan_line,
+                 const Observation& observation,
+                 const FreeEnd& end);
+  const LandmarkCandidate* Beyond(const std::vector<PlaneMeeting>& meetings,
                                   int last,
                                   int scan_index) const;
   void FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap);
   int AddShortRun(const ScanLine& scan_line,
                   const Observation& nearby,
                   const LandmarkCandidate& plane,
-                  const End& end,
+                  const FreeEnd& end,
                   int own_landmark);
-  std::optional<Meeting> Meet(const ScanLine& scan_line,
-                              const Rigid3d& world_from_scanner,
-                              const Trace& trace,
-                              const LandmarkCandidate& other,
-                              const End& end) const;
-  int Extend(const ScanLine& scan_line, const Trace& trace, const End& end, int to) const;
+  int Extend(const ScanLine& scan_line, const Trace& trace, const FreeEnd& end, int to) const;
   bool LeaveOutHidden(const ScanLine& scan_line, Range* range, Observation* observation);
   void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
@@ -127,30 +100,10 @@ const LandmarkCandidate* Recutter::Find(int landmark_id) const {
   return nullptr;
 }
 
-// Where the trace meets the other plane's patch.
-std::optional<Recutter::Meeting> Recutter::Meet(const ScanLine& scan_line,
-                                                const Rigid3d& world_from_scanner,
-                                                const Trace& trace,
-                                                const LandmarkCandidate& other,
-                                                const End& end) const {
-  const Trace other_trace(world_from_scanner, other);
-  const std::optional<Eigen::Vector2d> at = Crossing(trace, other_trace);
-  if (!at) return std::nullopt;
-  const double turn =
-      std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
-  const double beyond = end.step * turn / scan_line.angle_increment;
-  if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
-  const bool is_free = beyond < end.step * (end.limit - end.beam);
-  if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
-  const Eigen::Vector3d at_world = world_from_scanner * Eigen::Vector3d(at->x(), at->y(), 0.0);
-  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
-  return Meeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
-}
-
 // The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
 int Recutter::Extend(const ScanLine& scan_line,
                      const Trace& trace,
-                     const End& end,
+                     const FreeEnd& end,
                      int to) const {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   int last = end.beam;
@@ -167,35 +120,12 @@ int Recutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-// From outside inwards: where three planes meet, what lies beyond the first may be far from
-// the second.
-std::vector<Recutter::Meeting> Recutter::Meetings(const ScanLine& scan_line,
-                                                  const Rigid3d& world_from_scanner,
-                                                  const Trace& trace,
-                                                  const Eigen::Vector3d& p_world,
-                                                  const LandmarkCandidate& own,
-                                                  const End& end) const {
-  std::vector<Meeting> meetings;
-  for (const LandmarkCandidate& other : candidates_) {
-    if (other.landmark == own.landmark ||
-        std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
-      continue;
-    }
-    const auto meeting = Meet(scan_line, world_from_scanner, trace, other, end);
-    if (meeting) meetings.push_back(*meeting);
-  }
-  std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
-    return a.last > b.last;
-  });
-  return meetings;
-}
-
 // The plane beyond an end `last` beams from where the segment ended: one that may be given
 // beams of this scan.
-const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
+const LandmarkCandidate* Recutter::Beyond(const std::vector<PlaneMeeting>& meetings,
                                           int last,
                                           int scan_index) const {
-  for (const Meeting& meeting : meetings) {
+  for (const PlaneMeeting& meeting : meetings) {
     if (std::abs(meeting.last - last) <= 1 &&
         IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) {
       return meeting.plane;
@@ -206,7 +136,7 @@ const LandmarkCandidate* Recutter::Beyond(const std::vector<Meeting>& meetings,
 
 Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
                                    const Observation& observation,
-                                   const End& end) {
+                                   const FreeEnd& end) {
   const LandmarkCandidate* own = Find(observation.landmark_id);
   if (own == nullptr) return {end.beam, nullptr};
   const bool at_last = end.step > 0;
@@ -217,13 +147,13 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
   const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
   const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
   const Trace trace(world_from_scanner, *own);
-  const std::vector<Meeting> meetings =
-      Meetings(scan_line, world_from_scanner, trace, p_world, *own, end);
+  const std::vector<PlaneMeeting> meetings =
+      FindMeetings({scan_line, world_from_scanner, *own, trace}, p_world, candidates_, end);
   const double far_m = kFarSigmas * scanner.range_noise_m;
   int last = 0;  // counted outwards, as the meetings
   int free = 0;  // innermost meeting outside
   std::vector<Trace> outside;
-  for (const Meeting& meeting : meetings) {
+  for (const PlaneMeeting& meeting : meetings) {
     if (meeting.last >= 0) {
       free = meeting.last;
       outside.push_back(meeting.other);
@@ -244,7 +174,7 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
   result.beyond =
       Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
   const bool is_met =
-      std::any_of(meetings.begin(), meetings.end(), [&](const Meeting& meeting) {
+      std::any_of(meetings.begin(), meetings.end(), [&](const PlaneMeeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
       });
   // Walls hide the floor beyond them: for floors, ends at walls tell something too.
@@ -349,7 +279,7 @@ void Recutter::Replace(const ScanLine& scan_line,
 int Recutter::AddShortRun(const ScanLine& scan_line,
                           const Observation& nearby,
                           const LandmarkCandidate& plane,
-                          const End& end,
+                          const FreeEnd& end,
                           int own_landmark) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const int first = end.beam + end.step;
@@ -363,8 +293,8 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   const Eigen::Vector3d p_world =
       world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
   int to = end.limit - end.step;
-  for (const Meeting& meeting :
-       Meetings(scan_line, world_from_scanner, trace, p_world, plane, end)) {
+  for (const PlaneMeeting& meeting : FindMeetings(
+           {scan_line, world_from_scanner, plane, trace}, p_world, candidates_, end)) {
     if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
     to = end.beam + end.step * meeting.last;
   }
@@ -388,7 +318,9 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   run.measurement.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
                                               BeamInstant(scan_line, run.last_beam, rig_));
   if (!nearby.points.empty()) run.points.resize(1);  // so that Replace keeps them too
-  Replace(scan_line, {run.first_beam, run.last_beam}, &run);
+  Range beams{run.first_beam, run.last_beam};
+  LeaveOutHidden(scan_line, &beams, &run);
+  Replace(scan_line, beams, &run);
   if (run.landmark_id < 0) return end.beam;
   state_->short_runs.push_back(std::move(run));
   return last;
@@ -397,14 +329,14 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
 void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap) {
   int from = gap.before.beam;
   if (gap.before.beyond != nullptr && gap.before.beyond->landmark->id != gap.landmark_after) {
-    End end{from, 1, gap.after.beam, from, gap.landmark_after};
+    FreeEnd end{from, 1, gap.after.beam, from, gap.landmark_after};
     if (from + 1 < gap.after.beam) {
       from = AddShortRun(scan_line, nearby, *gap.before.beyond, end, gap.landmark_before);
     }
   }
   if (gap.after.beyond != nullptr && gap.after.beyond->landmark->id != gap.landmark_before &&
       from + 1 < gap.after.beam) {
-    End end{gap.after.beam, -1, from, gap.after.beam, gap.landmark_before};
+    FreeEnd end{gap.after.beam, -1, from, gap.after.beam, gap.landmark_before};
     AddShortRun(scan_line, nearby, *gap.after.beyond, end, gap.landmark_after);
   }
 }
@@ -428,8 +360,8 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     Ends now{{observation.first_beam, nullptr}, {observation.last_beam, nullptr}};
     if (observation.landmark_id >= 0) {
       const int middle = (now.first.beam + now.last.beam) / 2;
-      End start{now.first.beam, -1, -1, middle, -1};
-      End end{now.last.beam, 1, scan_line.num_beams(), middle, -1};
+      FreeEnd start{now.first.beam, -1, -1, middle, -1};
+      FreeEnd end{now.last.beam, 1, scan_line.num_beams(), middle, -1};
       if (i > first) {
         start.limit = observations[i - 1].last_beam;
         start.neighbour_landmark = observations[i - 1].landmark_id;

@@ -43,8 +43,8 @@ struct LineSystem {
   std::vector<bool> sees_plane;
 };
 
-// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the body's
-// position, in the world's axes.
+// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the
+// body's position, in the world's axes.
 using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumNodes>;
 
 ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& poses) {
@@ -89,8 +89,8 @@ struct SegmentRows {
 };
 
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one
-// point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone. Turning
-// the body by a small rotation moves v by the rotation's cross product with it.
+// point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone.
+// Turning the body by a small rotation moves v by the rotation's cross product with it.
 template <typename Plane, int kPlaneSize>
 void Differentiate(const SegmentGroup::Segment& segment,
                    const ScannerAtNodes& scanner,

@@ -95,6 +95,7 @@ TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
   EXPECT_TRUE(Beams(plane, 72, 88).InOpenings(openings.OpeningsOf(wall)).empty());
   const Eigen::Vector3d in_opening(0.0, 4.0, kHeight - 4.0 / std::tan(80.0 * kDegree));
   for (int i = 0; i < 2; ++i) openings.CountPassage(wall, in_opening);
+  openings.CountHit(wall, {0.0, 4.0, kHeight - 4.0 / std::tan(86.0 * kDegree)});
   const std::vector<int> beams = Beams(plane, 72, 88).InOpenings(openings.OpeningsOf(wall));
   EXPECT_NE(std::find(beams.begin(), beams.end(), 80), beams.end());
   EXPECT_EQ(std::find(beams.begin(), beams.end(), 74), beams.end());

@@ -156,6 +156,23 @@ TEST(InitialisationDetailsTest, WithoutFloorNothingWrongIsFound) {
   }
 }
 
+// Mirrored scanners have parallel traces on a corridor's walls, as long as those on floor and
+// ceiling; with the walls' normals they agree on an axis 35.3 degrees from the vertical,
+// within the noise of what a body may be tilted by.
+TEST(InitialisationDetailsTest, TracesAlongACorridorAreNoFloor) {
+  const Rig rig = MakePaperRig();
+  std::mt19937_64 random(1);
+  const PlaneScene corridor =
+      MakeRoom({{0.0, 1.2}, {0.5 * M_PI, 1.0}, {M_PI, 20.0}, {1.5 * M_PI, 1.0}}, 0.0, 2.8);
+  const Rigid3d pose = {Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 1.4)};
+  for (int i = 0; i < 50; ++i) {
+    const auto scan = TakeScan(rig, corridor, pose, 0.03, &random);
+    const std::optional<ModelFrame> frame = FindModelFrame(rig, false, scan);
+    ASSERT_TRUE(frame.has_value()) << i;
+    EXPECT_LT(ErrorsOf(*frame, pose).vertical, 3.0 * 0.03) << i;
+  }
+}
+
 TEST(InitialisationDetailsTest, FloorWithoutWallGivesNoFrame) {
   const Rig rig = MakePaperRig();
   std::mt19937_64 random(1);

@@ -39,8 +39,8 @@ ScenePlane FacedWall(const Scanner& scanner) {
   return {normal, normal.dot(world_from_scanner.translation + 3.0 * ahead)};
 }
 
-// A turn about the scanner's z axis at 2 rad/s while it moves: over 20 ms the quadratic is right
-// to the turn's third power.
+// A turn about the scanner's z axis at 2 rad/s while it moves: over 20 ms the quadratic is
+// right to the turn's third power.
 TEST(ScanMotion, PlacesPointsBetweenItsPoses) {
   const auto pose_at = [](double seconds) {
     return Rigid3d(RotationFromRollPitchYaw(0.0, 0.0, 2.0 * seconds),
@@ -127,8 +127,8 @@ TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
     const Eigen::Vector2d direction = line.BeamDirection(beam);
     EXPECT_LT(std::abs(point.x() * direction.y() - point.y() * direction.x()), 1e-9);
     // The line's normal points to the scanner, as that of a plane that is seen does.
-    const double whitened = -observation.point_whitening[i] *
-                            std::abs(normal.dot(direction)) * (range - point.norm());
+    const double whitened = -observation.point_whitening[i] * std::abs(normal.dot(direction)) *
+                            (range - point.norm());
     EXPECT_NEAR(observation.point_offsets[i], whitened, 1e-6);
     sum_squares += whitened * whitened;
   }

@@ -41,6 +41,17 @@ TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   EXPECT_FALSE(IsOpening(At(1.01, 0.6)));
 }
 
+// A door's edge does not end where beams no longer tell of it.
+TEST_F(OpeningMapTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
+  for (int i = 0; i < 5; ++i) openings_.CountPassage(wall_, At(1.01, 0.1));
+  EXPECT_TRUE(IsOpening(At(1.01, 0.3)));
+  EXPECT_FALSE(IsOpening(At(1.01, 0.6))) << "not for two cells";
+  openings_.CountHit(wall_, At(1.01, 0.3));
+  EXPECT_TRUE(IsOpening(At(1.01, 0.3))) << "one against five";
+  openings_.CountHit(wall_, At(1.01, 0.3));
+  EXPECT_FALSE(IsOpening(At(1.01, 0.3)));
+}
+
 TEST_F(OpeningMapTest, FarFromThePlaneNothingIsCounted) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(4.1));
   EXPECT_FALSE(HasOpenings());

@@ -1,5 +1,3 @@
-#include "factors/linearised_group.h"
-
 #include <ceres/cost_function.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "factors/linearised_group.h"
 #include "test/factors/factor_testing.h"
 
 namespace plumbline {

@@ -1,0 +1,80 @@
+#include "core/plane_meetings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace plumbline {
+namespace {
+
+// How near a patch's seen part has to come to a crossing: one cell of its grid.
+constexpr double kReach = 0.25;  // m
+// Half of the thinnest wall between two rooms.
+constexpr double kThinnestWall = 0.05;  // m
+// Planes farther than this from a segment's end do not bound it.
+constexpr double kMaxDistance = 1.0;  // m
+
+// Whether all that was seen of the other plane lies behind this one without touching it, and
+// this one has been seen beyond the place where they would meet.
+bool IsBehind(const LandmarkCandidate& other,
+              const LandmarkCandidate& own,
+              const Eigen::Vector3d& meeting,
+              const Eigen::Vector3d& from) {
+  const PatchExtent& extent = other.landmark->extent;
+  for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
+    for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
+      const Eigen::Vector3d corner = extent.ToWorld({u, v});
+      if (own.normal.dot(corner) - own.distance > -kThinnestWall) return false;
+    }
+  }
+  const Eigen::Vector3d beyond = meeting + kReach * (meeting - from).normalized();
+  return own.landmark->extent.IsNear(beyond, beyond, 0.0);
+}
+
+// Where the trace meets the other plane's patch.
+std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
+                                 const LandmarkCandidate& other,
+                                 const FreeEnd& end) {
+  const ScanLine& scan_line = own.scan_line;
+  const Trace other_trace(own.world_from_scanner, other);
+  const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
+  if (!at) return std::nullopt;
+  const double turn =
+      std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
+  const double beyond = end.step * turn / scan_line.angle_increment;
+  if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
+  const bool is_free = beyond < end.step * (end.limit - end.beam);
+  if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
+  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+    return own.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  };
+  const Eigen::Vector3d at_world = to_world(*at);
+  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
+  const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
+  const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
+  if (IsBehind(other, own.plane, at_world, from)) return std::nullopt;
+  return PlaneMeeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
+}
+
+}  // namespace
+
+std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
+                                       const Eigen::Vector3d& p_world,
+                                       const std::vector<LandmarkCandidate>& others,
+                                       const FreeEnd& end) {
+  std::vector<PlaneMeeting> meetings;
+  for (const LandmarkCandidate& other : others) {
+    if (other.landmark == own.plane.landmark ||
+        std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
+      continue;
+    }
+    const auto meeting = Meet(own, other, end);
+    if (meeting) meetings.push_back(*meeting);
+  }
+  std::sort(meetings.begin(),
+            meetings.end(),
+            [](const PlaneMeeting& a, const PlaneMeeting& b) { return a.last > b.last; });
+  return meetings;
+}
+
+}  // namespace plumbline
