@@ -142,17 +142,32 @@ class Batch {
         candidates =
             CandidatesWithinGap(state_->landmarks, candidates_scan, options_.loop_closure);
       }
-      const int id = FindLandmark(
+      int id = FindLandmark(
           observation,
           rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
           poses.Of(observation),
           Matrix6d::Zero(),
           candidates,
           options_.association);
+      if (id >= 0 && id == observation.landmark_id && IsAlone(observation, &poses)) id = -1;
       num_changed += id != observation.landmark_id ? 1 : 0;
       observation.landmark_id = id;
     }
     return num_changed;
+  }
+
+  // Whether nothing else has been seen of its plane where the observation lies: what the
+  // plane's first, uncertain estimate took in far away from it would hold it there for good.
+  bool IsAlone(const Observation& observation, SharedPoses* poses) const {
+    const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+    const ScanMotion motion =
+        poses->Of(observation)
+            .MotionOf(rig_.scanners[static_cast<size_t>(observation.scanner_index)]
+                          .body_from_scanner);
+    return !landmark.extent.OthersAreNear(
+        motion.ToWorld(observation.start, observation.start_time_ns),
+        motion.ToWorld(observation.end, observation.end_time_ns),
+        options_.association.max_gap_m);
   }
 
   int MergeDuplicates() {

@@ -146,4 +146,23 @@ std::array<double, BeamFan::kBlock> BeamFan::Deviations(int first,
   return deviations;
 }
 
+// The end that TrimToLine leaves, looking towards the other one.
+int BeamFan::TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const {
+  constexpr int kMaxTail = 4;  // beams; as many as this are the line's
+  const int step = other_end < end ? -1 : 1;
+  while (end != other_end) {
+    while (end != other_end && !IsOnLine(end, q)) end += step;
+    int next = end;
+    int tail = 0;
+    for (; next != other_end && tail < kMaxTail && IsOnLine(next, q); next += step) ++tail;
+    int num_off = 0;
+    for (; next != other_end && !IsOnLine(next, q); next += step) {
+      if (HasReturn(next)) ++num_off;
+    }
+    if (num_off <= tail) break;
+    end = next;
+  }
+  return end;
+}
+
 }  // namespace plumbline

@@ -158,11 +158,15 @@ class BeamFan {
     return Meet(i, {q.x(), q.y(), 1.0}, &at) && IsOnLine(at);
   }
 
-  // Leaves out beams at both ends that are not on the line, except one.
+  // Leaves out beams at both ends that are not on the line, and the few on it that more beams
+  // off it part from the rest: a face seen at a grazing angle, continued, meets the wall far
+  // behind it somewhere, for a beam or two. One beam stays.
   void TrimToLine(const Eigen::Vector2d& q, int* first, int* last) const {
-    while (*first < *last && !IsOnLine(*first, q)) ++*first;
-    while (*first < *last && !IsOnLine(*last, q)) --*last;
+    *first = TrimmedEnd(*first, *last, q);
+    *last = TrimmedEnd(*last, *first, q);
   }
+
+  int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
 
   // Normal equations for a change of q from the beams first .. last that are on the line.
   NormalEquations SumOnLine(int first,

@@ -27,6 +27,19 @@ bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
   return false;
 }
 
+// Calls visit(cell) for the cells along the piece from a to b, each as often as it comes to
+// it.
+template <typename Visit>
+void ForEachCell(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
+  std::optional<PatchExtent::Cell> previous;
+  AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
+    const PatchExtent::Cell cell = CellOf(p);
+    if (cell != previous) visit(cell);
+    previous = cell;
+    return false;
+  });
+}
+
 double Cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
 }
@@ -57,13 +70,7 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
   const Eigen::Vector2d a = Project(a_world);
   const Eigen::Vector2d b = Project(b_world);
-  std::optional<Cell> previous;
-  AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
-    const Cell cell = CellOf(p);
-    if (cell != previous) cells_.Add(cell, 1);
-    previous = cell;
-    return false;
-  });
+  ForEachCell(a, b, [&](const Cell& cell) { cells_.Add(cell, 1); });
   for (const Eigen::Vector2d& p : {a, b}) {
     min_ = min_.cwiseMin(p);
     max_ = max_.cwiseMax(p);
@@ -86,6 +93,27 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
   return AnyAlong(
       a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
+}
+
+bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
+                                const Eigen::Vector3d& b_world,
+                                double max_gap_m) const {
+  std::vector<Cell> own;
+  ForEachCell(
+      Project(a_world), Project(b_world), [&](const Cell& cell) { own.push_back(cell); });
+  const auto is_others = [&](const Cell& cell) {
+    return cells_.Count(cell) > std::count(own.begin(), own.end(), cell);
+  };
+  if (std::any_of(own.begin(), own.end(), is_others)) return true;
+  const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
+  for (const Cell& cell : own) {
+    for (int i = cell.first - reach; i <= cell.first + reach; ++i) {
+      for (int j = cell.second - reach; j <= cell.second + reach; ++j) {
+        if (is_others({i, j})) return true;
+      }
+    }
+  }
+  return false;
 }
 
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {

@@ -33,6 +33,11 @@ class PatchExtent {
               const Eigen::Vector3d& b_world,
               double max_gap_m) const;
   bool IsNear(const PatchExtent& other, double max_gap_m) const;
+  // The same for a piece that has been added itself: whether anything else has been seen
+  // there.
+  bool OthersAreNear(const Eigen::Vector3d& a_world,
+                     const Eigen::Vector3d& b_world,
+                     double max_gap_m) const;
   // The same for the bounding rectangles, quickly: true wherever IsNear() is.
   bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
   // Whether the point lies within the bounding rectangle, or at most margin_m beyond it.

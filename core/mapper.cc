@@ -281,7 +281,8 @@ void Follower::Follow(const Scan& scan) {
   }
   StartPlanes(options_.planes.min_scans);
   candidates_.DropStale(scan.end_ns);
-  if (state_->trajectory.Locate(scan.end_ns).first > last_solved_interval_) {
+  if (state_->trajectory.Locate(scan.end_ns).first >=
+      last_solved_interval_ + options_.window.knot_intervals_per_step) {
     SolveWindow(scan.end_ns);
   }
 }

@@ -12,8 +12,8 @@ constexpr double kMargin = 1.0;
 constexpr int kMinCount = 2;
 constexpr double kMinShare = 0.1;
 constexpr double kMinShareLevel = 0.5;
-// An opening goes on along its edge where beams on the plane are fewer than this share of
-// those that went through.
+// An opening goes on along an upright edge where beams on the plane are fewer than this share
+// of those that went through.
 constexpr double kContradiction = 0.25;
 
 bool HasHeight(const PatchExtent& extent) {
@@ -102,11 +102,12 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
       if (passed < kMinCount || !(passed > min_share * (passed + counts.hits.Count(cell)))) {
         return false;
       }
-      for (const int along : {-1, 1}) {
-        CellGrid::Cell next = cell;
-        (narrow_along_u ? next.second : next.first) += along;
-        if (counts.hits.Count(next) < kContradiction * passed) {
-          openings.Open(next, narrow_along_u);
+      if (narrow_along_u) {
+        for (const int next : {cell.second - 1, cell.second + 1}) {
+          const CellGrid::Cell along(cell.first, next);
+          if (counts.hits.Count(along) < kContradiction * passed) {
+            openings.Open(along, narrow_along_u);
+          }
         }
       }
       for (int aside = -1; aside <= 1; ++aside) {

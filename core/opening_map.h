@@ -47,7 +47,7 @@ class OpeningMap {
   // Where more than a tenth of the beams (half of them, of a plane without height) went
   // through here or at the next cell, or more were stopped here than not. What is solid lets
   // none through, whatever the noise; but most beams that seem to lie in an opening are the
-  // jambs'. Goes on along its edge by one cell where hardly any beam tells otherwise.
+  // jambs'. Goes on along upright edges by one cell where hardly any beam tells otherwise.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
 
  private:

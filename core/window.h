@@ -26,7 +26,7 @@ struct WindowStatement {
   Eigen::MatrixXd landmark_covariance;  // of their parameters together
 };
 
-// The full step of the estimation while scans come in, once per knot interval (paper, section
+// The full step of the estimation while scans come in, every other knot interval (paper, section
 // 4.6, with marginalised history in place of frozen planes): all control points and planes of
 // the window. What leaves it is marginalised into a history of the planes met so far and the
 // oldest control points that remain.

@@ -45,6 +45,19 @@ TEST(PatchExtentTest, NearIsWithinTheGap) {
   EXPECT_TRUE(diagonal.IsNear({6.0, 0.0, 1.0}, {7.0, 0.0, 1.5}, 6.0));
 }
 
+TEST(PatchExtentTest, OthersAreNearLeavesThePieceItselfOut) {
+  PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {4.0, 0.0, 1.0});
+  const Eigen::Vector3d a(5.5, 0.0, 1.0);
+  const Eigen::Vector3d b(6.0, 0.0, 1.2);
+  extent.AddSegment(a, b);
+  EXPECT_TRUE(extent.IsNear(a, b, 1.0)) << "to itself";
+  EXPECT_FALSE(extent.OthersAreNear(a, b, 1.0));
+  EXPECT_TRUE(extent.OthersAreNear(a, b, 2.0));
+  EXPECT_TRUE(extent.OthersAreNear({4.0, 0.0, 1.0}, {3.0, 0.0, 1.0}, 2.0));
+  extent.AddSegment(a, b);
+  EXPECT_TRUE(extent.OthersAreNear(a, b, 1.0)) << "seen twice";
+}
+
 TEST(PatchExtentTest, NearOfTwoExtentsIsMutual) {
   const PatchExtent a = ExtentOf({0.0, 0.0, 1.0}, {4.0, 0.0, 1.0});
   const PatchExtent near = ExtentOf({4.8, 0.0, 1.0}, {6.0, 0.0, 1.0});

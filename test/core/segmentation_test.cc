@@ -413,6 +413,18 @@ TEST(SegmentationTest, SingleOutliersAndMissingReturnsAreExcluded) {
   EXPECT_NEAR(segments[0].distance, -2.0, 1e-5);
 }
 
+// What little a line meets of other surfaces behind an opening is not its own.
+TEST(SegmentationTest, AFewBeamsBeyondMoreOfOthersAreLeftOut) {
+  for (const bool more_beyond : {false, true}) {
+    ScanLine scan_line = WallAhead(200);
+    for (size_t i = 196; i < (more_beyond ? 198 : 199); ++i) scan_line.ranges[i] = 1.0f;
+    const auto segments = SegmentScanLine(scan_line, MakeScanner(0.03), {}, {});
+    ASSERT_EQ(segments.size(), 1u);
+    EXPECT_EQ(segments[0].first_beam, 0);
+    EXPECT_EQ(segments[0].last_beam, more_beyond ? 199 : 195);
+  }
+}
+
 TEST(SegmentationTest, OpeningAndOccluderPartAWall) {
   for (const float range : {8.0f, 1.0f, std::numeric_limits<float>::infinity()}) {
     ScanLine scan_line = WallAhead(200);
