@@ -281,8 +281,9 @@ void Follower::Follow(const Scan& scan) {
   }
   StartPlanes(options_.planes.min_scans);
   candidates_.DropStale(scan.end_ns);
-  if (state_->trajectory.Locate(scan.end_ns).first >=
-      last_solved_interval_ + options_.window.knot_intervals_per_step) {
+  const int step =
+      tracker_->FollowsWell(scan.end_ns) ? options_.window.knot_intervals_per_step : 1;
+  if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {
     SolveWindow(scan.end_ns);
   }
 }

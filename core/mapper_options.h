@@ -41,7 +41,8 @@ struct PlaneOptions {
 
 struct WindowOptions {
   int num_scans = 10;  // estimated together; what is older is marginalised
-  int knot_intervals_per_step = 2;  // the tracker alone follows the rig in between
+  // While the tracker alone follows the rig well; else one.
+  int knot_intervals_per_step = 2;
   // Whether what it states, pose by pose, is kept for the result: what one knows on the way.
   bool keep_statements = false;
 };

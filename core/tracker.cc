@@ -28,6 +28,9 @@ constexpr int kLooseIntervals = 2;
 // A share of associated segments (by length) that drops below this part of the usual one.
 constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
+// In empty rooms more than nine tenths of the segments, by length, have planes, in a room of
+// furniture three quarters and at times a quarter.
+constexpr double kGoodShare = 0.9;
 
 // How a rig may have moved since the last scan, beyond what its spline can follow: in
 // multiples of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long
@@ -236,6 +239,10 @@ void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
   if (now_ns < loose_until_ns_) Loosen();
   pose_uncertainty_ =
       PoseUncertainty(first(), Covariance(Linearise(MotionTerms(), {}).hessian));
+}
+
+bool Tracker::FollowsWell(int64_t now_ns) const {
+  return usual_share_ > kGoodShare && now_ns >= loose_until_ns_;
 }
 
 Matrix6d Tracker::UnsteadyCovariance() const {

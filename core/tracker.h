@@ -45,6 +45,10 @@ class Tracker {
   // What the window knows of the newest control points.
   void Reset(int64_t now_ns, PoseGaussian gaussian);
 
+  // Whether it may go on without the window for a while: the rig moves steadily, and most of
+  // what the scans show are known planes.
+  bool FollowsWell(int64_t now_ns) const;
+
   // Uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
 
