@@ -91,14 +91,12 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
     if (!HasCells(openings.has_height_, narrow_along_u)) continue;
     const Counts& counts = at->second[Index(narrow_along_u)];
     counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
-      openings.none_ = false;
       if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
         openings.Open(cell, narrow_along_u);
       }
       return false;
     });
     counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
-      openings.none_ = false;
       if (passed < kMinCount || !(passed > min_share * (passed + counts.hits.Count(cell)))) {
         return false;
       }

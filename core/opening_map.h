@@ -12,8 +12,7 @@ namespace plumbline {
 // The openings of one plane, ready to be asked for every beam.
 class PlaneOpenings {
  public:
-  // Whether nothing was counted that tells of openings.
-  bool none() const { return none_; }
+  bool none() const { return nearby_.num_occupied() == 0; }
   // Whether the plane has been seen at different heights. Level scan planes alone see
   // furniture as often as walls, with gaps that are no openings.
   bool has_height() const { return has_height_; }
@@ -23,7 +22,6 @@ class PlaneOpenings {
   friend class OpeningMap;
   void Open(const CellGrid::Cell& cell, bool narrow_along_u);
 
-  bool none_ = true;
   bool has_height_ = false;
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();

@@ -63,6 +63,7 @@ TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {
   EXPECT_TRUE(IsOpening(At(1.01)));
   openings_.CountHit(wall_, At(1.01));
   EXPECT_FALSE(IsOpening(At(1.01)));
+  EXPECT_FALSE(HasOpenings()) << "what is no opening does not count";
 }
 
 TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
