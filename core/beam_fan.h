@@ -166,8 +166,6 @@ class BeamFan {
     *last = TrimmedEnd(*last, *first, q);
   }
 
-  int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
-
   // Normal equations for a change of q from the beams first .. last that are on the line.
   NormalEquations SumOnLine(int first,
                             int last,
@@ -205,6 +203,7 @@ class BeamFan {
   }
 
  private:
+  int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
   struct PairMeeting;
   PairMeeting MeetPair(int i, const Eigen::Vector2d& q) const;
 

@@ -9,8 +9,8 @@ namespace {
 
 // How near a patch's seen part has to come to a crossing: one cell of its grid.
 constexpr double kReach = 0.25;  // m
-// Half of the thinnest wall between two rooms.
-constexpr double kThinnestWall = 0.05;  // m
+// What lies farther behind a plane than this does not touch it: half of the thinnest wall.
+constexpr double kMinDepth = 0.05;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
 
@@ -24,7 +24,7 @@ bool IsBehind(const LandmarkCandidate& other,
   for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
     for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
       const Eigen::Vector3d corner = extent.ToWorld({u, v});
-      if (own.normal.dot(corner) - own.distance > -kThinnestWall) return false;
+      if (own.normal.dot(corner) - own.distance > -kMinDepth) return false;
     }
   }
   const Eigen::Vector3d beyond = meeting + kReach * (meeting - from).normalized();

@@ -26,10 +26,10 @@ struct WindowStatement {
   Eigen::MatrixXd landmark_covariance;  // of their parameters together
 };
 
-// The full step of the estimation while scans come in, every other knot interval (paper, section
-// 4.6, with marginalised history in place of frozen planes): all control points and planes of
-// the window. What leaves it is marginalised into a history of the planes met so far and the
-// oldest control points that remain.
+// The full step of the estimation while scans come in, every other knot interval (paper,
+// section 4.6, with marginalised history in place of frozen planes): all control points and
+// planes of the window. What leaves it is marginalised into a history of the planes met so far
+// and the oldest control points that remain.
 //
 // Planes out of view for kRestAfter solves are dormant (DormantPlanes): they wait outside of
 // the history until they are seen again. Their parameters and covariances in the map, for
