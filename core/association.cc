@@ -11,6 +11,8 @@ namespace {
 // The coarse test compares one distance with bounds on its variance; motion during the scan
 // line, which it neglects, may add to the distance.
 constexpr double kCoarseMargin = 4.0;
+// For the motion during a scan, the pose's error, and cells that reach beyond what was seen.
+constexpr double kReachMargin = 1.0;  // m
 
 }  // namespace
 
@@ -30,6 +32,40 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
     }
   }
   return candidates;
+}
+
+std::vector<LandmarkCandidate> CandidatesWithinReach(
+    const std::vector<LandmarkCandidate>& candidates,
+    const Eigen::Vector3d& p_world,
+    double reach_m) {
+  std::vector<LandmarkCandidate> within;
+  within.reserve(candidates.size());
+  for (const LandmarkCandidate& candidate : candidates) {
+    if (candidate.landmark->extent.IsWithinReach(p_world, reach_m)) {
+      within.push_back(candidate);
+    }
+  }
+  return within;
+}
+
+std::vector<LandmarkCandidate> CandidatesOfScan(
+    const std::vector<LandmarkCandidate>& candidates,
+    const Rig& rig,
+    const std::deque<Observation>& observations,
+    size_t first,
+    const Eigen::Vector3d& body_world,
+    const AssociationOptions& options) {
+  double farthest = 0.0;
+  for (size_t i = first; i < observations.size(); ++i) {
+    const Observation& observation = observations[i];
+    if (observation.scan_index != observations[first].scan_index) break;
+    const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
+                                 .body_from_scanner.translation.norm();
+    farthest = std::max(
+        farthest, lever_arm + std::max(observation.start.norm(), observation.end.norm()));
+  }
+  return CandidatesWithinReach(
+      candidates, body_world, farthest + options.max_gap_m + kReachMargin);
 }
 
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
@@ -82,8 +118,9 @@ std::vector<PossibleLandmark> PossibleLandmarks(
     const Eigen::Matrix2d noise =
         deviation.covariance + flatness +
         deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
+    const Eigen::Matrix<double, 2, 6> by_pose = deviation.by_pose.lazyProduct(pose_covariance);
     const Eigen::Matrix2d covariance =
-        noise + deviation.by_pose * pose_covariance * deviation.by_pose.transpose();
+        noise + by_pose.lazyProduct(deviation.by_pose.transpose());
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
     possible.push_back(

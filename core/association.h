@@ -7,6 +7,7 @@
 #include "core/landmark.h"
 #include "core/mapper_options.h"
 #include "core/observation.h"
+#include "core/rig.h"
 
 namespace plumbline {
 
@@ -28,6 +29,22 @@ struct LandmarkCandidate {
 std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
                                                    int scan_index,
                                                    const LoopClosureOptions& options);
+
+// Those of the candidates that have been seen within reach_m of a point.
+std::vector<LandmarkCandidate> CandidatesWithinReach(
+    const std::vector<LandmarkCandidate>& candidates,
+    const Eigen::Vector3d& p_world,
+    double reach_m);
+
+// Those of the candidates that come near enough for the observations of one scan to lie on:
+// the scan of observations[first] and those that follow it; body_world: where the rig was.
+std::vector<LandmarkCandidate> CandidatesOfScan(
+    const std::vector<LandmarkCandidate>& candidates,
+    const Rig& rig,
+    const std::deque<Observation>& observations,
+    size_t first,
+    const Eigen::Vector3d& body_world,
+    const AssociationOptions& options);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);

@@ -35,6 +35,7 @@ constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
 constexpr int64_t kMaxRunsShare = 3;
+constexpr int kIntervalsPerGroup = 2;
 
 class Batch {
  public:
@@ -132,16 +133,25 @@ class Batch {
   int Reassociate() {
     int num_changed = 0;
     SharedPoses poses(state_->trajectory);
+    std::vector<LandmarkCandidate> within_gap;
     std::vector<LandmarkCandidate> candidates;
-    int candidates_scan = -1;
-    for (Observation& observation : state_->observations) {
-      if (observation.num_points == 0) continue;  // all of its beams are left out
-      if (candidates_scan < 0 ||
-          (!options_.loop_closure.enabled && observation.scan_index != candidates_scan)) {
-        candidates_scan = observation.scan_index;
-        candidates =
-            CandidatesWithinGap(state_->landmarks, candidates_scan, options_.loop_closure);
+    int scan_index = -1;
+    for (size_t i = 0; i < state_->observations.size(); ++i) {
+      Observation& observation = state_->observations[i];
+      if (observation.scan_index != scan_index) {
+        if (scan_index < 0 || !options_.loop_closure.enabled) {
+          within_gap = CandidatesWithinGap(
+              state_->landmarks, observation.scan_index, options_.loop_closure);
+        }
+        scan_index = observation.scan_index;
+        candidates = CandidatesOfScan(within_gap,
+                                      rig_,
+                                      state_->observations,
+                                      i,
+                                      poses.Of(observation).middle().translation,
+                                      options_.association);
       }
+      if (observation.num_points == 0) continue;  // all of its beams are left out
       int id = FindLandmark(
           observation,
           rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
@@ -297,7 +307,7 @@ class Batch {
   const MapperOptions& options_;
   MapState* state_;
   OpeningMap openings_;
-  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse, kIntervalsPerGroup};
 };
 
 }  // namespace

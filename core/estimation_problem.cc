@@ -164,7 +164,7 @@ void EstimationProblem::AddPoints(const Observation& observation) {
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  ObservationGroupCache cache(LinearisedGroup::kFine);
+  ObservationGroupCache cache(LinearisedGroup::kFine, 1);
   AddSegments(observations, huber_width, &cache);
 }
 

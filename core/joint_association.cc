@@ -14,6 +14,8 @@ namespace {
 // Observations whose pairings are tried as starts: that all of these are clutter is unlikely.
 constexpr size_t kMaxStartObservations = 6;
 
+// Small products below are lazy: general ones cost more than they compute.
+
 // Estimated error of the prediction after some pairings, and how likely these are.
 class Chain {
  public:
@@ -21,7 +23,7 @@ class Chain {
 
   // -2 ln of the pairing's density, infinite beyond the gate.
   double Cost(const Pairing& pairing, double gate) const {
-    const Eigen::Vector2d value = pairing.value + pairing.by_motion * error_;
+    const Eigen::Vector2d value = pairing.value + pairing.by_motion.lazyProduct(error_);
     const Eigen::Matrix2d total = Total(pairing);
     const double distance2 = value.dot(total.inverse() * value);
     if (!(distance2 < gate)) return std::numeric_limits<double>::infinity();
@@ -29,10 +31,13 @@ class Chain {
   }
 
   void Add(const Pairing& pairing, size_t index, double cost) {
-    const Eigen::Matrix<double, 12, 2> cross = covariance_ * pairing.by_motion.transpose();
-    const Eigen::Matrix<double, 12, 2> gain = cross * Total(pairing).inverse();
-    error_ -= gain * (pairing.value + pairing.by_motion * error_);
-    covariance_.noalias() -= gain * cross.transpose();
+    const Eigen::Matrix<double, 12, 2> cross =
+        covariance_.lazyProduct(pairing.by_motion.transpose());
+    const Eigen::Matrix2d total = pairing.noise + pairing.by_motion.lazyProduct(cross);
+    const Eigen::Matrix<double, 12, 2> gain = cross.lazyProduct(total.inverse());
+    const Eigen::Vector2d value = pairing.value + pairing.by_motion.lazyProduct(error_);
+    error_ -= gain.lazyProduct(value);
+    covariance_ -= gain.lazyProduct(cross.transpose());
     chosen_.push_back(index);
     cost_ += cost;
   }
@@ -43,7 +48,8 @@ class Chain {
 
  private:
   Eigen::Matrix2d Total(const Pairing& pairing) const {
-    return pairing.noise + pairing.by_motion * covariance_ * pairing.by_motion.transpose();
+    const Eigen::Matrix<double, 2, 12> product = pairing.by_motion.lazyProduct(covariance_);
+    return pairing.noise + product.lazyProduct(pairing.by_motion.transpose());
   }
 
   MotionError error_ = MotionError::Zero();
@@ -59,6 +65,14 @@ Eigen::Matrix<double, 6, 12> PoseByMotion(double share) {
   by_motion.leftCols<6>().diagonal().setConstant(1.0 - share);
   by_motion.rightCols<6>().diagonal().setConstant(share);
   return by_motion;
+}
+
+Eigen::Matrix<double, 6, 6> PoseCovariance(const MotionCovariance& covariance, double share) {
+  const double before = 1.0 - share;
+  return before * before * covariance.topLeftCorner<6, 6>() +
+         before * share *
+             (covariance.topRightCorner<6, 6>() + covariance.bottomLeftCorner<6, 6>()) +
+         share * share * covariance.bottomRightCorner<6, 6>();
 }
 
 double ClutterCost(const AssociationOptions& options) {

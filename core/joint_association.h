@@ -18,6 +18,9 @@ using MotionCovariance = Eigen::Matrix<double, 12, 12>;
 // Derivative of the pose's error at a share of the scan's duration by the motion's error.
 Eigen::Matrix<double, 6, 12> PoseByMotion(double share);
 
+// Covariance of that pose's error.
+Eigen::Matrix<double, 6, 6> PoseCovariance(const MotionCovariance& covariance, double share);
+
 // A landmark that one of a scan's observations may belong to, linearised at the predicted
 // poses: its deviation from the landmark is value + by_motion * e + noise, e being the
 // motion's error.

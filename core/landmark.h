@@ -45,6 +45,15 @@ class PatchExtent {
     const Eigen::Array2d p = Project(p_world).array();
     return (p >= min_.array() - margin_m).all() && (p <= max_.array() + margin_m).all();
   }
+  // Whether the bounding rectangle comes within reach_m of the point.
+  bool IsWithinReach(const Eigen::Vector3d& p_world, double reach_m) const {
+    const Eigen::Vector3d from_anchor = p_world - anchor_;
+    const Eigen::Array2d p(u_axis_.dot(from_anchor), v_axis_.dot(from_anchor));
+    const double away2 =
+        (min_.array() - p).max(p - max_.array()).max(0.0).matrix().squaredNorm();
+    const double across2 = from_anchor.squaredNorm() - p.matrix().squaredNorm();
+    return away2 + across2 <= reach_m * reach_m;
+  }
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
   // The occupied cell that the point lies on, within the given middle share of the bounding

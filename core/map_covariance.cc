@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kNumWeakDirections = 3;
 // A residual's control points lie in two adjacent tiles of so many.
-constexpr int kTileControlPoints = 5;
+constexpr int kTileControlPoints = 6;
 
 // Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
 // their vectors.

@@ -75,12 +75,15 @@ std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig) {
   return scanners;
 }
 
+// By the first of so many knot intervals in a row.
 std::map<int, std::vector<const Observation*>> ByInterval(
-    const Trajectory& trajectory, const std::vector<const Observation*>& observations) {
+    const Trajectory& trajectory,
+    const std::vector<const Observation*>& observations,
+    int intervals_per_group) {
   std::map<int, std::vector<const Observation*>> by_interval;
   for (const Observation* observation : observations) {
-    by_interval[trajectory.Locate(observation->measurement.node_times_ns[0]).first].push_back(
-        observation);
+    const int interval = trajectory.Locate(observation->measurement.node_times_ns[0]).first;
+    by_interval[interval - interval % intervals_per_group].push_back(observation);
   }
   return by_interval;
 }
@@ -94,7 +97,7 @@ std::vector<ObservationGroup> GroupObservations(
     const std::vector<const Observation*>& observations,
     double huber_width) {
   const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
-  const auto by_interval = ByInterval(trajectory, observations);
+  const auto by_interval = ByInterval(trajectory, observations, 1);
   std::vector<ObservationGroup> groups;
   groups.reserve(by_interval.size());
   for (const auto& [first, members] : by_interval) {
@@ -112,7 +115,8 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
     double huber_width) {
   const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
   std::vector<const Entry*> entries;
-  for (const auto& [first, observed] : ByInterval(trajectory, observations)) {
+  for (const auto& [first, observed] :
+       ByInterval(trajectory, observations, intervals_per_group_)) {
     std::vector<Member> members;
     members.reserve(observed.size());
     for (const Observation* observation : observed) {

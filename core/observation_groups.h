@@ -13,8 +13,8 @@
 
 namespace plumbline {
 
-// The observations that begin in one knot interval, as one least squares term over the control
-// points first_control_point, +1, ... and these landmarks.
+// The observations that begin in one knot interval, or in a few, as one least squares term
+// over the control points first_control_point, +1, ... and these landmarks.
 struct ObservationGroup {
   int first_control_point = 0;
   std::vector<int> landmark_ids;  // parallel to group.planes(), ascending
@@ -41,8 +41,10 @@ class ObservationGroupCache {
     std::shared_ptr<LinearisedGroup> group;
   };
 
-  explicit ObservationGroupCache(const LinearisedGroup::Validity& validity)
-      : validity_(validity) {}
+  // Groups of this many knot intervals: fewer and larger ones take less memory and time, but
+  // only whole groups can be forgotten.
+  ObservationGroupCache(const LinearisedGroup::Validity& validity, int intervals_per_group)
+      : validity_(validity), intervals_per_group_(intervals_per_group) {}
 
   // Groups of all these observations; valid until the next call.
   std::vector<const Entry*> Update(const Rig& rig,
@@ -75,6 +77,7 @@ class ObservationGroupCache {
   };
 
   LinearisedGroup::Validity validity_;
+  int intervals_per_group_;
   std::map<int, Kept> groups_;  // by first control point
 };
 

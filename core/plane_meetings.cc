@@ -39,17 +39,17 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   const Trace other_trace(own.world_from_scanner, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
   if (!at) return std::nullopt;
+  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+    return own.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+  };
+  const Eigen::Vector3d at_world = to_world(*at);
+  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
   const double turn =
       std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
   const double beyond = end.step * turn / scan_line.angle_increment;
   if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
   const bool is_free = beyond < end.step * (end.limit - end.beam);
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
-  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
-    return own.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-  };
-  const Eigen::Vector3d at_world = to_world(*at);
-  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
   const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
   const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
   if (IsBehind(other, own.plane, at_world, from)) return std::nullopt;

@@ -38,7 +38,7 @@ Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) cons
   const Local local = LocalJacobian(trajectory, time_ns);
   const Eigen::Matrix<double, 6, 24> cross =
       local.jacobian * covariance_.block<24, 24>(local.column, local.column);
-  return cross * local.jacobian.transpose();
+  return cross.lazyProduct(local.jacobian.transpose());
 }
 
 Eigen::Matrix<double, 12, 12> PoseUncertainty::AtBoth(const Trajectory& trajectory,

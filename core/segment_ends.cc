@@ -24,6 +24,7 @@ constexpr double kOutlierSigmas = 5.0;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
+constexpr double kReachMargin = 1.0;  // m, of what may still bound a segment
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 class Recutter {
@@ -65,6 +66,7 @@ class Recutter {
     int landmark_after;
   };
 
+  void SetCandidates(const ScanLine& scan_line, const Observation& observation);
   const LandmarkCandidate* Find(int landmark_id) const;
   NewEnd FindEnd(const ScanLine& scan_line,
                  const Observation& observation,
@@ -89,9 +91,23 @@ class Recutter {
   MapState* state_;
   PoseSampler sampler_;
   SharedPoses poses_;
-  std::vector<LandmarkCandidate> candidates_;
+  std::vector<LandmarkCandidate> within_gap_;
+  std::vector<LandmarkCandidate> candidates_;  // those that come near the scan line
   int candidates_scan_ = -1;
 };
+
+// What lies beyond the farthest beam of the scan line can not bound its segments.
+void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& observation) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  double farthest = 0.0;
+  for (const float range : scan_line.ranges) {
+    if (scanner.IsValidRange(range)) farthest = std::max(farthest, static_cast<double>(range));
+  }
+  candidates_ = CandidatesWithinReach(
+      within_gap_,
+      (poses_.Of(observation).middle() * scanner.body_from_scanner).translation,
+      farthest + options_.association.max_gap_m + kReachMargin);
+}
 
 const LandmarkCandidate* Recutter::Find(int landmark_id) const {
   for (const LandmarkCandidate& candidate : candidates_) {
@@ -347,9 +363,12 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
   if (scan_index != candidates_scan_) {
     LoopClosureOptions gap = options_.loop_closure;
     gap.max_gap_scans = std::min(gap.max_gap_scans, kMaxInt / kGapFactor) * kGapFactor;
-    candidates_ = CandidatesWithinGap(state_->landmarks, scan_index, gap);
+    if (candidates_scan_ < 0 || !gap.enabled) {
+      within_gap_ = CandidatesWithinGap(state_->landmarks, scan_index, gap);
+    }
     candidates_scan_ = scan_index;
   }
+  SetCandidates(scan_line, observations[first]);
   struct Ends {
     NewEnd first;
     NewEnd last;
@@ -398,7 +417,8 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     Range range{now.first.beam, now.last.beam};
     const bool is_another = LeaveOutHidden(scan_line, &range, &observation);
     num_changed += is_another ? 1 : 0;
-    if (is_another || observation.taken_to != observation.landmark_id) {
+    if (is_another ||
+        (counted_ == nullptr && observation.taken_to != observation.landmark_id)) {
       Replace(scan_line, range, &observation);
     }
   }

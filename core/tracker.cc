@@ -340,14 +340,14 @@ Tracker::Association Tracker::ChooseUnder(
              observation,
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
              poses.Of(observation),
-             by_motion * covariance * by_motion.transpose(),
+             PoseCovariance(covariance, share),
              candidates,
              options_.association)) {
       pairings.push_back({index,
                           possible.id,
                           possible.deviation.value,
                           possible.noise,
-                          possible.deviation.by_pose * by_motion});
+                          possible.deviation.by_pose.lazyProduct(by_motion)});
     }
     if (pairings.size() > num_before) ++num_paired;
   }

@@ -107,7 +107,7 @@ class Window {
   int num_solves_ = 0;
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
-  ObservationGroupCache groups_{LinearisedGroup::kCoarse};
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse, 1};
   std::vector<WindowStatement> statements_;
 };
 

@@ -19,7 +19,7 @@ class PivotedElimination {
   PivotedElimination(const Eigen::MatrixXd& lower, const Eigen::VectorXd& gradient)
       : scale_(lower.diagonal().unaryExpr(
             [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 1.0; })),
-        matrix_(lower.selfadjointView<Eigen::Lower>()),
+        matrix_(lower),
         gradient_(scale_.cwiseProduct(gradient)),
         order_(static_cast<size_t>(lower.rows())) {
     matrix_ = scale_.asDiagonal() * matrix_ * scale_.asDiagonal();
@@ -45,11 +45,10 @@ class PivotedElimination {
       const double root = std::sqrt(pivot);
       const Eigen::Index after = size - k - 1;
       const double offset = gradient_[k] / root;
-      // By symmetry the column below the pivot; contiguous in memory.
       const Eigen::VectorXd column = matrix_.col(k).tail(after) / root;
       gradient_.tail(after) -= offset * column;
       for (Eigen::Index j = 0; j < after; ++j) {
-        matrix_.col(k + 1 + j).tail(after) -= column[j] * column;
+        matrix_.col(k + 1 + j).tail(after - j) -= column[j] * column.tail(after - j);
       }
       row.setZero();
       row[order_[static_cast<size_t>(k)]] = root;
@@ -62,16 +61,21 @@ class PivotedElimination {
   }
 
  private:
+  // In the lower triangle of what is not eliminated yet; b >= a.
   void Swap(Eigen::Index a, Eigen::Index b) {
     if (a == b) return;
-    matrix_.row(a).swap(matrix_.row(b));
-    matrix_.col(a).swap(matrix_.col(b));
+    const Eigen::Index between = b - a - 1;
+    const Eigen::Index below = matrix_.rows() - b - 1;
+    std::swap(matrix_(a, a), matrix_(b, b));
+    matrix_.col(a).segment(a + 1, between).swap(
+        matrix_.row(b).segment(a + 1, between).transpose());
+    matrix_.col(a).tail(below).swap(matrix_.col(b).tail(below));
     std::swap(gradient_[a], gradient_[b]);
     std::swap(order_[static_cast<size_t>(a)], order_[static_cast<size_t>(b)]);
   }
 
   Eigen::VectorXd scale_;
-  Eigen::MatrixXd matrix_;
+  Eigen::MatrixXd matrix_;  // lower triangle
   Eigen::VectorXd gradient_;
   std::vector<int> order_;
 };

@@ -18,8 +18,9 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumNodes = 3;
-constexpr int kMaxControlPoints = 6;
+constexpr int kMaxControlPoints = 7;
 constexpr int kPoseSize = 6;
+constexpr int kMaxPlaneSize = 4;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
 constexpr int kLineSize = kNumNodes * kPoseSize;
@@ -55,29 +56,36 @@ ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& po
   return nodes;
 }
 
-// A plane's normal and distance, differentiated by its parameters.
-template <typename Plane>
+// A plane's normal and distance, differentiated by its parameters; columns beyond their number
+// are zero.
 struct PlaneDerivatives {
   Eigen::Vector3d normal;
-  double distance;
-  Eigen::Matrix<double, 3, Plane::kSize> normal_by_plane;
-  Eigen::Matrix<double, 1, Plane::kSize> distance_by_plane;
-
-  PlaneDerivatives(const Plane& plane, const double* parameters) {
-    using T = ceres::Jet<double, Plane::kSize>;
-    T jets[Plane::kSize];
-    for (int i = 0; i < Plane::kSize; ++i) jets[i] = T(parameters[i], i);
-    T normal_jets[3];
-    T distance_jet;
-    plane.Evaluate(jets, normal_jets, &distance_jet);
-    for (int i = 0; i < 3; ++i) {
-      normal[i] = normal_jets[i].a;
-      normal_by_plane.row(i) = normal_jets[i].v.transpose();
-    }
-    distance = distance_jet.a;
-    distance_by_plane = distance_jet.v.transpose();
-  }
+  double distance = 0.0;
+  Eigen::Matrix<double, 3, kMaxPlaneSize> normal_by_plane;
+  Eigen::Matrix<double, 1, kMaxPlaneSize> distance_by_plane;
 };
+
+PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* parameters) {
+  PlaneDerivatives derivatives;
+  derivatives.normal_by_plane.setZero();
+  derivatives.distance_by_plane.setZero();
+  VisitPlaneModel(plane.model, plane.sign, [&](const auto& model) {
+    constexpr int kSize = std::decay_t<decltype(model)>::kSize;
+    using T = ceres::Jet<double, kSize>;
+    T jets[kSize];
+    for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[i], i);
+    T normal[3];
+    T distance;
+    model.Evaluate(jets, normal, &distance);
+    for (int i = 0; i < 3; ++i) {
+      derivatives.normal[i] = normal[i].a;
+      derivatives.normal_by_plane.template block<1, kSize>(i, 0) = normal[i].v.transpose();
+    }
+    derivatives.distance = distance.a;
+    derivatives.distance_by_plane.template head<kSize>() = distance.v.transpose();
+  });
+  return derivatives;
+}
 
 // A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ];
 // kPlaneSize 0: the plane is held.
@@ -91,11 +99,11 @@ struct SegmentRows {
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one
 // point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone.
 // Turning the body by a small rotation moves v by the rotation's cross product with it.
-template <typename Plane, int kPlaneSize>
+template <int kPlaneSize>
 void Differentiate(const SegmentGroup::Segment& segment,
                    const ScannerAtNodes& scanner,
                    const NodePoses& poses,
-                   const PlaneDerivatives<Plane>& plane,
+                   const PlaneDerivatives& plane,
                    SegmentRows<kPlaneSize>* rows) {
   const SegmentMeasurement& measurement = *segment.measurement;
   const auto& root = measurement.root;
@@ -114,8 +122,9 @@ void Differentiate(const SegmentGroup::Segment& segment,
       jacobian.template segment<3>(kPoseSize * k + 3) = weights.z() * plane.normal.transpose();
       if constexpr (kPlaneSize > 0) {
         jacobian.template segment<kPlaneSize>(kLineSize) +=
-            (v + weights.z() * position).transpose() * plane.normal_by_plane -
-            weights.z() * plane.distance_by_plane;
+            (v + weights.z() * position).transpose() *
+                plane.normal_by_plane.template leftCols<kPlaneSize>() -
+            weights.z() * plane.distance_by_plane.template head<kPlaneSize>();
       }
     }
   }
@@ -339,6 +348,11 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
   for (int j = 0; j + 1 < num_control_points_; ++j) {
     steps[static_cast<size_t>(j)] = MakeRotationStep(q[j], q[j + 1]);
   }
+  std::vector<PlaneDerivatives> planes;
+  planes.reserve(planes_.size());
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    planes.push_back(DerivativesOf(planes_[i], plane_parameters[i]));
+  }
   quadratic->cost = 0.0;
   quadratic->has_outliers = false;
   quadratic->gradient.setZero(num_rows);
@@ -377,11 +391,7 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
         SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
-        Differentiate(segment,
-                      scanner,
-                      poses,
-                      PlaneDerivatives<Model>(model, plane_parameters[plane]),
-                      &rows);
+        Differentiate(segment, scanner, poses, planes[plane], &rows);
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
                 plane_offsets_[plane] - plane_offsets_.front(),
