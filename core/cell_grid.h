@@ -6,6 +6,12 @@
 
 namespace plumbline {
 
+// The cell that a coordinate, in units of cells, lies in: its floor, without a library's call.
+inline int CellIndex(double coordinate) {
+  const int truncated = static_cast<int>(coordinate);
+  return truncated - (coordinate < truncated ? 1 : 0);
+}
+
 // Counts on the cells of a plane's grid, kept in the rectangle that has been seen.
 class CellGrid {
  public:
@@ -20,8 +26,9 @@ class CellGrid {
     at += count;
   }
   int Count(const Cell& cell) const {
-    return Covers(cell) ? counts_[Index(cell.first - first_.first, cell.second - first_.second)]
-                        : 0;
+    return Covers(cell)
+               ? counts_[Index(cell.first - first_.first, cell.second - first_.second)]
+               : 0;
   }
   // Whether a cell at most `reach` away in both directions has a count.
   bool IsNear(const Cell& cell, int reach) const;

@@ -13,6 +13,7 @@ namespace {
 // At less than this between beam and normal, the pose does not tell where on the plane the
 // beam lies: 1 mm across it is 20 mm along the beam.
 constexpr double kMinCosine = 0.05;
+constexpr double kSafeCosine = 0.06;  // the plane's turn as the scanner moves left out
 // How near the walls' seen parts have to come to what they hide: one cell of their grids.
 constexpr double kReach = 0.25;  // m
 // Walls whose normals are nearer to each other form no corner.
@@ -38,13 +39,15 @@ HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
           {poses.times_ns, world_from_scanner}};
 }
 
-std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(
-    const Meeting& meeting, int beam, const Eigen::Vector2d& direction) const {
+std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const Meeting& meeting,
+                                                         int beam,
+                                                         const Eigen::Vector2d& direction,
+                                                         double min_cosine) const {
   const int64_t time_ns =
       scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
   const Eigen::Vector3d line = meeting.trace.At(time_ns);
   const double cosine = line.head<2>().dot(direction);
-  if (std::abs(cosine) < kMinCosine) return std::nullopt;
+  if (std::abs(cosine) < min_cosine) return std::nullopt;
   return meeting.motion.ToWorld(line.z() / cosine * direction, time_ns);
 }
 
@@ -53,7 +56,7 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
   if (openings.none()) return beams;
   const Meeting meeting = MakeMeeting();
   const auto is_open = [&](int beam) {
-    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam));
+    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
     return at && openings.IsAt(*at);
   };
   if (!openings.has_height()) {  // at the ends only
@@ -67,9 +70,17 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
     }
     return beams;
   }
+  // Most segments pass none, and between ends that are not grazing no beam is.
+  const auto end_point = [&](int beam) {
+    return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+  };
+  const std::optional<Eigen::Vector3d> start = end_point(first_beam);
+  const std::optional<Eigen::Vector3d> end = end_point(last_beam);
+  if (start && end && !openings.MayBeAlong(*start, *end)) return beams;
   BeamSweep sweep(scan_line, first_beam);
   for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
-    const std::optional<Eigen::Vector3d> at = MeetingPoint(meeting, beam, sweep.direction());
+    const std::optional<Eigen::Vector3d> at =
+        MeetingPoint(meeting, beam, sweep.direction(), kMinCosine);
     if (!at || openings.IsAt(*at)) beams.push_back(beam);
   }
   return beams;
@@ -81,9 +92,9 @@ std::vector<int> HiddenBeams::BehindCorners(
   if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
   const Meeting meeting = MakeMeeting();
   const std::optional<Eigen::Vector3d> start =
-      MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam));
+      MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
   const std::optional<Eigen::Vector3d> end =
-      MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam));
+      MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam), kMinCosine);
   if (!start || !end) return beams;
   const auto point_at = [&](double share) -> Eigen::Vector3d {
     return *start + share * (*end - *start);

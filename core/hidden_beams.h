@@ -7,9 +7,9 @@
 #include "core/association.h"
 #include "core/observation.h"
 #include "core/opening_map.h"
-#include "core/scan_motion.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
+#include "core/scan_motion.h"
 #include "core/scan_trace.h"
 
 namespace plumbline {
@@ -41,11 +41,12 @@ struct HiddenBeams {
   };
 
   Meeting MakeMeeting() const;
-  // Where a beam along a direction meets the plane, in the world; nothing at grazing
-  // incidence.
+  // Where a beam along a direction meets the plane, in the world; nothing where the cosine of
+  // the angle between beam and normal is below a minimum.
   std::optional<Eigen::Vector3d> MeetingPoint(const Meeting& meeting,
                                               int beam,
-                                              const Eigen::Vector2d& direction) const;
+                                              const Eigen::Vector2d& direction,
+                                              double min_cosine) const;
 };
 
 // The end of a segment on a plane's trace; the beams leave it in steps of +1 or -1.

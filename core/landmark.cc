@@ -12,8 +12,7 @@ namespace {
 constexpr double kCellSize = 0.25;  // m
 
 std::pair<int, int> CellOf(const Eigen::Vector2d& p) {
-  return {static_cast<int>(std::floor(p.x() / kCellSize)),
-          static_cast<int>(std::floor(p.y() / kCellSize))};
+  return {CellIndex(p.x() / kCellSize), CellIndex(p.y() / kCellSize)};
 }
 
 // Calls visit(point) along the piece from a to b, at most half a cell apart, until it is true.

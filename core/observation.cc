@@ -244,7 +244,8 @@ ObservationPoses::ObservationPoses(const Trajectory& trajectory,
 const ObservationPoses& SharedPoses::Of(const Observation& observation) {
   const std::array<int64_t, 3>& times_ns = observation.measurement.node_times_ns;
   for (const ObservationPoses& poses : kept_) {
-    if (poses.times_ns == times_ns) return poses;
+    // The one between them follows.
+    if (poses.times_ns[0] == times_ns[0] && poses.times_ns[2] == times_ns[2]) return poses;
   }
   const ObservationPoses poses(times_ns, &sampler_);
   if (kept_.size() < kNumKept) {

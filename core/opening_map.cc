@@ -21,8 +21,8 @@ bool HasHeight(const PatchExtent& extent) {
 }
 
 CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
-  return {static_cast<int>(std::floor(u / (narrow_along_u ? kNarrow : kWide))),
-          static_cast<int>(std::floor(v / (narrow_along_u ? kWide : kNarrow)))};
+  return {CellIndex(u / (narrow_along_u ? kNarrow : kWide)),
+          CellIndex(v / (narrow_along_u ? kWide : kNarrow))};
 }
 
 // Without height there are no level edges: cells that are wide along u would only blur.
@@ -63,19 +63,30 @@ void PlaneOpenings::Open(const CellGrid::Cell& cell, bool narrow_along_u) {
   const int narrow = narrow_along_u ? cell.first : cell.second;
   const int wide = narrow_along_u ? cell.second : cell.first;
   for (const int edge : {narrow, narrow + 1}) {
-    const int near = static_cast<int>(std::floor(edge * kNarrow / kWide));
+    const int near = CellIndex(edge * kNarrow / kWide);
     nearby_.Add(narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
   }
 }
 
 bool PlaneOpenings::IsAt(const Eigen::Vector3d& p_world) const {
-  const Eigen::Vector3d from_anchor = p_world - anchor_;
-  const double u = u_axis_.dot(from_anchor);
-  const double v = v_axis_.dot(from_anchor);
-  const CellGrid::Cell wide(static_cast<int>(std::floor(u / kWide)),
-                            static_cast<int>(std::floor(v / kWide)));
+  const Eigen::Vector2d p = Project(p_world);
+  const CellGrid::Cell wide(CellIndex(p.x() / kWide), CellIndex(p.y() / kWide));
   if (nearby_.Count(wide) == 0) return false;
-  return open_[0].Count(CellOf(u, v, true)) > 0 || open_[1].Count(CellOf(u, v, false)) > 0;
+  return open_[0].Count(CellOf(p.x(), p.y(), true)) > 0 ||
+         open_[1].Count(CellOf(p.x(), p.y(), false)) > 0;
+}
+
+bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
+                               const Eigen::Vector3d& b_world) const {
+  const Eigen::Vector2d a = Project(a_world) / kWide;
+  const Eigen::Vector2d b = Project(b_world) / kWide;
+  const int steps = static_cast<int>((b - a).norm()) + 1;  // of one cell at most
+  const Eigen::Vector2d step = (b - a) / steps;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d p = a + i * step;
+    if (nearby_.IsNear({CellIndex(p.x()), CellIndex(p.y())}, 1)) return true;
+  }
+  return false;
 }
 
 PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {

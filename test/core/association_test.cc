@@ -89,6 +89,39 @@ class AssociationTest : public testing::Test {
   AssociationOptions options_;
 };
 
+// The scan sees as far as 2.24 m, with margins for the gap and for motion of 1 m each.
+TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
+  options_.max_gap_m = 1.0;
+  const int ahead = AddWall(0.0, 0.0, -1.0, 1.0);
+  const int beside = AddWall(0.0, 0.0, 3.0, 4.0);
+  AddWall(0.0, 0.0, 5.0, 9.0);
+  AddWall(10.0, 0.0, -1.0, 1.0);
+  landmarks_[3].extent = PatchExtent(
+      {0.0, 12.0, 0.0}, landmarks_[3].extent.u_axis(), landmarks_[3].extent.v_axis());
+  landmarks_[3].extent.AddSegment({-1.0, 12.0, 0.0}, {1.0, 12.0, 0.0});
+  std::vector<LandmarkCandidate> all;
+  for (const Landmark& landmark : landmarks_) {
+    all.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+  }
+  Rig rig;
+  rig.scanners.push_back(scanner_);
+  Observation of_next_scan = observation_;
+  of_next_scan.scan_index = observation_.scan_index + 1;
+  of_next_scan.end = {50.0, 0.0};
+  const std::deque<Observation> observations = {observation_, of_next_scan};
+  const auto found = [&](size_t first) {
+    std::vector<int> ids;
+    for (const LandmarkCandidate& candidate :
+         CandidatesOfScan(all, rig, observations, first, Eigen::Vector3d::Zero(), options_)) {
+      ids.push_back(candidate.landmark->id);
+    }
+    return ids;
+  };
+  EXPECT_EQ(found(0), (std::vector<int>{ahead, beside}));
+  EXPECT_EQ(found(1), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(found(2), std::vector<int>{ahead}) << "without observations the margins alone";
+}
+
 TEST_F(AssociationTest, FindsTheWall) {
   EXPECT_EQ(Find(), -1);
   const int id = AddWall(0.0, 0.0, -1.0, 1.0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -9,6 +10,12 @@
 
 namespace plumbline {
 namespace {
+
+TEST(CellIndex, IsTheFloor) {
+  for (const double coordinate : {-2.0, -1.5, -1.0, -0.25, 0.0, 0.25, 1.0, 1.75}) {
+    EXPECT_EQ(CellIndex(coordinate), static_cast<int>(std::floor(coordinate))) << coordinate;
+  }
+}
 
 TEST(CellGrid, CountsLikeAMap) {
   std::mt19937 random(1);

@@ -49,8 +49,21 @@ class JointAssociationTest : public testing::Test {
   std::vector<Pairing> pairings_;
 };
 
+TEST(PoseCovarianceTest, IsThatOfTheMotionBetween) {
+  const MotionCovariance root = MotionCovariance::Random();
+  const MotionCovariance covariance = root * root.transpose();
+  for (const double share : {0.0, 0.3, 1.0}) {
+    const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
+    EXPECT_LT(
+        (PoseCovariance(covariance, share) - by_motion * covariance * by_motion.transpose())
+            .norm(),
+        1e-12 * covariance.norm());
+  }
+}
+
 TEST_F(JointAssociationTest, TakesWhatAgreesWithOneError) {
-  // True: everything turned by 2 degrees. Landmarks 11 and 12 would each do alone, at no error.
+  // True: everything turned by 2 degrees. Landmarks 11 and 12 would each do alone, at no
+  // error.
   const double turn = -2.0 * M_PI / 180.0;
   Add(0, 1, 4.0, -4.0 * turn, -turn);
   Add(1, 2, 3.0, -3.0 * turn, -turn);

@@ -45,6 +45,17 @@ TEST(PatchExtentTest, NearIsWithinTheGap) {
   EXPECT_TRUE(diagonal.IsNear({6.0, 0.0, 1.0}, {7.0, 0.0, 1.5}, 6.0));
 }
 
+// From a point 3 m in front of the plane and 4 m beside what was seen of it: 5 m.
+TEST(PatchExtentTest, ReachIsThatOfTheRectangle) {
+  PatchExtent extent = ExtentOf({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
+  extent.AddSegment({0.0, 0.0, 2.0}, {2.0, 0.0, 2.0});
+  EXPECT_TRUE(extent.IsWithinReach({6.0, 3.0, 1.0}, 5.01));
+  EXPECT_FALSE(extent.IsWithinReach({6.0, 3.0, 1.0}, 4.99));
+  EXPECT_TRUE(extent.IsWithinReach({1.0, -3.0, 1.0}, 3.01)) << "above the rectangle";
+  EXPECT_FALSE(extent.IsWithinReach({1.0, -3.0, 1.0}, 2.99));
+  EXPECT_FALSE(WallExtent().IsWithinReach({0.0, 0.0, 0.0}, 1e3)) << "nothing was seen";
+}
+
 TEST(PatchExtentTest, OthersAreNearLeavesThePieceItselfOut) {
   PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {4.0, 0.0, 1.0});
   const Eigen::Vector3d a(5.5, 0.0, 1.0);

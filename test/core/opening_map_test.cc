@@ -74,5 +74,22 @@ TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
   EXPECT_FALSE(IsOpening(At(1.01)));
 }
 
+TEST_F(OpeningMapTest, WhatPassesNoneIsToldSoQuickly) {
+  for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(1.01, 0.6));
+  const PlaneOpenings openings = openings_.OpeningsOf(wall_);
+  EXPECT_TRUE(openings.MayBeAlong(At(-2.0, 0.6), At(2.0, 0.6)));
+  EXPECT_TRUE(openings.MayBeAlong(At(2.0, 1.4), At(0.0, -0.2)));
+  EXPECT_FALSE(openings.MayBeAlong(At(-2.0, 0.6), At(0.4, 0.6)));
+  EXPECT_FALSE(openings.MayBeAlong(At(1.7, -0.6), At(1.7, 1.6)));
+  // Wherever there is one, it may be.
+  for (double x = 0.5; x < 1.5; x += 0.003) {
+    for (double z = 0.1; z < 1.1; z += 0.017) {
+      if (openings.IsAt(At(x, z))) {
+        EXPECT_TRUE(openings.MayBeAlong(At(x - 1.0, z), At(x + 0.7, z)));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
