@@ -21,6 +21,9 @@ namespace {
 constexpr double kFarSigmas = 9.0;
 // A beam that a segment is given lies within so many of its plane.
 constexpr double kOutlierSigmas = 5.0;
+// The last one at a free end within so many: a beam past the edge may end on something close
+// behind. Cut on both sides of the plane, the good ones' noise keeps its mean.
+constexpr double kFreeEndSigmas = 3.0;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
@@ -53,10 +56,16 @@ class Recutter {
     int first;
     int last;
   };
-  // Where a segment ends now, and the plane that meets its own there, if any.
+  // Where a segment ends now.
   struct NewEnd {
     int beam;
-    const LandmarkCandidate* beyond;
+    const LandmarkCandidate* beyond = nullptr;  // that may be given beams there
+    std::optional<Trace> trace = std::nullopt;  // of its own plane, if it has one
+    bool is_met = false;                        // by another plane
+  };
+  struct Ends {
+    NewEnd first;
+    NewEnd last;
   };
   // Beams between two segments.
   struct Gap {
@@ -81,7 +90,11 @@ class Recutter {
                   const FreeEnd& end,
                   int own_landmark);
   int Extend(const ScanLine& scan_line, const Trace& trace, const FreeEnd& end, int to) const;
-  bool LeaveOutHidden(const ScanLine& scan_line, Range* range, Observation* observation);
+  bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
+  bool LeaveOutHidden(const ScanLine& scan_line,
+                      const Ends& ends,
+                      Range* range,
+                      Observation* observation);
   void Replace(const ScanLine& scan_line, const Range& range, Observation* observation);
 
   const Rig& rig_;
@@ -154,7 +167,7 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
                                    const Observation& observation,
                                    const FreeEnd& end) {
   const LandmarkCandidate* own = Find(observation.landmark_id);
-  if (own == nullptr) return {end.beam, nullptr};
+  if (own == nullptr) return {end.beam};
   const bool at_last = end.step > 0;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const Rigid3d world_from_scanner =
@@ -185,22 +198,25 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
     }
     if (std::abs(own_range - other_range) < far_m) last = meeting.last;
   }
-  NewEnd result{end.beam + end.step * last, nullptr};
+  NewEnd result{end.beam + end.step * last, nullptr, trace};
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
   result.beyond =
       Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
-  const bool is_met =
+  result.is_met =
       std::any_of(meetings.begin(), meetings.end(), [&](const PlaneMeeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
       });
   // Walls hide the floor beyond them: for floors, ends at walls tell something too.
-  if (counted_ != nullptr && (!is_met || own->landmark->model == PlaneModel::kHorizontal)) {
+  const bool is_counted = !result.is_met || own->landmark->model == PlaneModel::kHorizontal;
+  if (counted_ != nullptr && is_counted) {
+    int on_plane = result.beam;
+    while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
     CountOpenings({scan_line,
                    scanner,
                    world_from_scanner,
                    trace,
                    *own->landmark,
-                   result.beam,
+                   on_plane,
                    end.step,
                    end.middle},
                   counted_);
@@ -208,11 +224,22 @@ Recutter::NewEnd Recutter::FindEnd(const ScanLine& scan_line,
   return result;
 }
 
-// Leaves out the beams of a range that can not lie on the segment's plane, at its ends by
-// making it shorter. Returns whether the segment is another one then.
+// Whether a beam is too far from the plane to be the last one at a free end.
+bool Recutter::IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const double range = scan_line.ranges[static_cast<size_t>(beam)];
+  const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
+  return !(std::abs(range - expected) < kFreeEndSigmas * scanner.range_noise_m);
+}
+
+// The range between the ends, shorter where the beams there can not lie on the segment's plane
+// or are off it; other such beams are left out. Returns whether the segment is another one
+// then.
 bool Recutter::LeaveOutHidden(const ScanLine& scan_line,
+                              const Ends& ends,
                               Range* range,
                               Observation* observation) {
+  *range = {ends.first.beam, ends.last.beam};
   const LandmarkCandidate* own = Find(observation->landmark_id);
   if (own == nullptr) return false;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation->scanner_index)];
@@ -228,8 +255,18 @@ bool Recutter::LeaveOutHidden(const ScanLine& scan_line,
   const auto is_excluded = [&](int beam) {
     return std::binary_search(excluded.begin(), excluded.end(), beam);
   };
-  while (range->first <= range->last && is_excluded(range->first)) ++range->first;
-  while (range->first <= range->last && is_excluded(range->last)) --range->last;
+  const auto trim = [&](const NewEnd& end, int step, int* beam) {
+    const auto is_left = [&](int i) { return i >= range->first && i <= range->last; };
+    while (is_left(*beam) && is_excluded(*beam)) *beam += step;
+    if (end.is_met && *beam == end.beam) return;  // not free
+    int inner = *beam;
+    const auto goes = [&](int i) { return is_excluded(i) || IsOff(scan_line, *end.trace, i); };
+    while (is_left(inner) && goes(inner)) inner += step;
+    // So many would be a segment: this one may lie on another plane as a whole.
+    if (std::abs(inner - *beam) < options_.segmentation.min_points) *beam = inner;
+  };
+  trim(ends.first, 1, &range->first);
+  trim(ends.last, -1, &range->last);
   excluded.erase(
       std::remove_if(excluded.begin(),
                      excluded.end(),
@@ -309,10 +346,12 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   const Eigen::Vector3d p_world =
       world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
   int to = end.limit - end.step;
+  bool is_bounded = false;  // by another plane
   for (const PlaneMeeting& meeting : FindMeetings(
            {scan_line, world_from_scanner, plane, trace}, p_world, candidates_, end)) {
     if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
     to = end.beam + end.step * meeting.last;
+    is_bounded = true;
   }
   int last = Extend(scan_line, trace, end, to);
   while (last != end.beam && !IsOnPatch(scan_line, world_from_scanner, trace, plane, last)) {
@@ -334,8 +373,11 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   run.measurement.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
                                               BeamInstant(scan_line, run.last_beam, rig_));
   if (!nearby.points.empty()) run.points.resize(1);  // so that Replace keeps them too
-  Range beams{run.first_beam, run.last_beam};
-  LeaveOutHidden(scan_line, &beams, &run);
+  const NewEnd near{first, nullptr, trace, true};
+  const NewEnd far{last, nullptr, trace, is_bounded && last == to};
+  const Ends ends = end.step > 0 ? Ends{near, far} : Ends{far, near};
+  Range beams;
+  LeaveOutHidden(scan_line, ends, &beams, &run);
   Replace(scan_line, beams, &run);
   if (run.landmark_id < 0) return end.beam;
   state_->short_runs.push_back(std::move(run));
@@ -369,14 +411,10 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     candidates_scan_ = scan_index;
   }
   SetCandidates(scan_line, observations[first]);
-  struct Ends {
-    NewEnd first;
-    NewEnd last;
-  };
   std::vector<Ends> ends;
   for (size_t i = first; i < last; ++i) {
     const Observation& observation = observations[i];
-    Ends now{{observation.first_beam, nullptr}, {observation.last_beam, nullptr}};
+    Ends now{{observation.first_beam}, {observation.last_beam}};
     if (observation.landmark_id >= 0) {
       const int middle = (now.first.beam + now.last.beam) / 2;
       FreeEnd start{now.first.beam, -1, -1, middle, -1};
@@ -398,7 +436,7 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     ends.push_back(now);
   }
   for (size_t i = 0; i <= ends.size(); ++i) {
-    Gap gap{{-1, nullptr}, {scan_line.num_beams(), nullptr}, -1, -1};
+    Gap gap{{-1}, {scan_line.num_beams()}, -1, -1};
     if (i > 0) {
       gap.before = ends[i - 1].last;
       gap.landmark_before = observations[first + i - 1].landmark_id;
@@ -413,9 +451,8 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
   for (size_t i = first; i < last; ++i) {
     Observation& observation = state_->observations[i];
     if (observation.landmark_id < 0) continue;
-    const Ends& now = ends[i - first];
-    Range range{now.first.beam, now.last.beam};
-    const bool is_another = LeaveOutHidden(scan_line, &range, &observation);
+    Range range;
+    const bool is_another = LeaveOutHidden(scan_line, ends[i - first], &range, &observation);
     num_changed += is_another ? 1 : 0;
     if (is_another ||
         (counted_ == nullptr && observation.taken_to != observation.landmark_id)) {

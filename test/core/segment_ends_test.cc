@@ -138,14 +138,68 @@ TEST_F(SegmentEndsTest, OnlyBeamsOnThePlaneCome) {
 }
 
 TEST_F(SegmentEndsTest, EndsThatNoPlaneBoundsStay) {
-  AddObservation(kFront, 40, kLast + 2);
+  AddObservation(kFront, 40, kLast + 1);
   EXPECT_EQ(Recut(), 0);
-  EXPECT_EQ(observation(0).last_beam, kLast + 2);
+  EXPECT_EQ(observation(0).last_beam, kLast + 1);
+}
+
+// Four standard deviations off, which segmentation takes: at a free end it may lie on
+// something close behind the edge. Where a plane bounds the segment, it can not.
+TEST_F(SegmentEndsTest, AFreeEndsLastBeamIsOnItsPlane) {
+  for (const float off : {0.12f, -0.12f, 0.06f}) {
+    const int num_gone = std::abs(off) > 0.1f ? 1 : 0;
+    state_->observations.clear();
+    line_.ranges[kLast] = Range(kLast) + off;
+    AddObservation(kFront, 40, kLast);
+    EXPECT_EQ(Recut(), num_gone) << off;
+    EXPECT_EQ(observation(0).last_beam, kLast - num_gone) << off;
+  }
+  line_.ranges[kLast] = Range(kLast) + 0.12f;
+  AddSideWall(2.0);
+  state_->observations.clear();
+  AddObservation(kFront, 40, kLast);
+  Recut();
+  EXPECT_EQ(observation(0).last_beam, kLast) << "bounded";
+}
+
+TEST_F(SegmentEndsTest, BeforeAnOpeningTheEndIsFree) {
+  AddSideWall(2.0);
+  OpeningMap openings;
+  const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
+  for (int i = 0; i < 2; ++i) openings.CountPassage(state_->landmarks[kFront], at_last);
+  const auto last_left = [&]() {
+    state_->observations.clear();
+    AddObservation(kFront, 40, kLast);
+    openings_ = openings;
+    Recut();
+    return observation(0).last_beam;
+  };
+  const int last = last_left();
+  EXPECT_LT(last, kLast);
+  line_.ranges[static_cast<size_t>(last)] += 0.12f;
+  EXPECT_EQ(last_left(), last - 1);
+}
+
+// It would tell that the wall goes on where others found an opening.
+TEST_F(SegmentEndsTest, WhatIsOffItsPlaneIsNoHit) {
+  for (const bool is_off : {true, false}) {
+    state_->observations.clear();
+    line_.ranges[kLast] = Range(kLast) + (is_off ? 0.12f : 0.0f);
+    AddObservation(kFront, 40, kLast);
+    openings_ = OpeningMap();
+    Recut();
+    const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
+    const Landmark& wall = state_->landmarks[kFront];
+    for (int i = 0; i < 4; ++i) {
+      openings_.CountPassage(wall, at_last + 0.25 * Eigen::Vector3d::UnitZ());
+    }
+    EXPECT_EQ(openings_.OpeningsOf(wall).IsAt(at_last), is_off);
+  }
 }
 
 TEST_F(SegmentEndsTest, APatchThatDoesNotReachThePlaneBoundsNothing) {
   AddSideWall(1.0);
-  AddObservation(kFront, 40, kLast + 2);
+  AddObservation(kFront, 40, kLast + 1);
   EXPECT_EQ(Recut(), 0);
 }
 
@@ -207,6 +261,16 @@ TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
   line_.ranges[kLast + 1] += 0.5f;
   Recut();
   EXPECT_TRUE(state_->short_runs.empty());
+}
+
+TEST_F(ShortRunTest, EndsOnItsPlane) {
+  See(3);
+  line_.ranges[kLast + 1] += 0.12f;  // next to the corner
+  line_.ranges[kLast + 3] += 0.12f;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].first_beam, kLast + 1);
+  EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
 }
 
 TEST_F(ShortRunTest, IsMadeAnewEachTime) {
