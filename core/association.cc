@@ -37,7 +37,9 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
 std::vector<LandmarkCandidate> CandidatesWithinReach(
     const std::vector<LandmarkCandidate>& candidates,
     const Eigen::Vector3d& p_world,
-    double reach_m) {
+    double farthest_m,
+    const AssociationOptions& options) {
+  const double reach_m = farthest_m + options.max_gap_m + kReachMargin;
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {
@@ -64,8 +66,7 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     farthest = std::max(
         farthest, lever_arm + std::max(observation.start.norm(), observation.end.norm()));
   }
-  return CandidatesWithinReach(
-      candidates, body_world, farthest + options.max_gap_m + kReachMargin);
+  return CandidatesWithinReach(candidates, body_world, farthest, options);
 }
 
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {

@@ -30,11 +30,13 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
                                                    int scan_index,
                                                    const LoopClosureOptions& options);
 
-// Those of the candidates that have been seen within reach_m of a point.
+// Those of the candidates that have been seen within farthest_m of a point, with a margin for
+// options.max_gap_m, the motion during a scan and the pose's error.
 std::vector<LandmarkCandidate> CandidatesWithinReach(
     const std::vector<LandmarkCandidate>& candidates,
     const Eigen::Vector3d& p_world,
-    double reach_m);
+    double farthest_m,
+    const AssociationOptions& options);
 
 // Those of the candidates that come near enough for the observations of one scan to lie on:
 // the scan of observations[first] and those that follow it; body_world: where the rig was.

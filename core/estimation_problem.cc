@@ -145,12 +145,10 @@ void EstimationProblem::AddPoints(const Observation& observation) {
   const SegmentWeights weights = ObservationWeights(
       rig_, ObservationPoses(*trajectory_, observation), *landmarks_, observation);
   Register(LandmarkBlock(landmark.id));
-  for (size_t i = 0; i < observation.points.size(); ++i) {
-    const Trajectory::Location at = trajectory_->Locate(observation.point_times_ns[i]);
-    const PointMeasurement measurement{observation.points[i],
-                                       at.u,
-                                       weights.scale * observation.point_whitening[i],
-                                       weights.offset * observation.point_offsets[i]};
+  for (const ObservedPoint& point : observation.points) {
+    const Trajectory::Location at = trajectory_->Locate(point.time_ns);
+    const PointMeasurement measurement{
+        point.position, at.u, weights.scale * point.whitening, weights.offset * point.offset};
     std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());

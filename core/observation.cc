@@ -138,10 +138,10 @@ Observation ObserveBeams(const ScanLine& scan_line,
         out_of_plane += across_variance * weight;
         if (2 * index <= segment.num_points) middle_beam = beam;
         if (!keep_points) return;
-        observation.points.emplace_back(range * x, range * y);
-        observation.point_whitening.push_back(std::sqrt(weight));
-        observation.point_offsets.push_back(std::sqrt(weight) * offset);
-        observation.point_times_ns.push_back(scan_line.BeamTime(beam) + offset_ns);
+        observation.points.push_back({{range * x, range * y},
+                                      scan_line.BeamTime(beam) + offset_ns,
+                                      std::sqrt(weight),
+                                      std::sqrt(weight) * offset});
       });
   moments.Finish();
   const Eigen::Vector2d normal = line_of(middle_beam).normal;
@@ -272,7 +272,7 @@ LineDeviation DeviationFromPlane(const Observation& observation,
                                  const Landmark& landmark) {
   const Eigen::Vector3d normal = landmark.Normal();
   const double distance = landmark.Distance();
-  const auto& root = observation.measurement.root;
+  const auto root = observation.measurement.root();
   Eigen::Matrix<double, 9, 1> g;
   for (int k = 0; k < 3; ++k) {
     const Rigid3d world_from_scanner =
@@ -293,7 +293,7 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
   // At most nine rows: nothing is allocated, and products are unrolled.
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals =
-      weights.scale * root.lazyProduct(g) + weights.offset * observation.measurement.offset;
+      weights.scale * root.lazyProduct(g) + weights.offset * observation.measurement.offset();
   const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 9, 2> design =
       weights.scale * root.lazyProduct(shift);
   const Eigen::Matrix2d information = design.transpose().lazyProduct(design);

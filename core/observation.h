@@ -15,6 +15,14 @@
 
 namespace plumbline {
 
+// A single beam of a segment.
+struct ObservedPoint {
+  Eigen::Vector2d position;  // scanner frame, m
+  int64_t time_ns;
+  double whitening;  // 1/m
+  double offset;     // whitened, see SegmentMeasurement
+};
+
 // What is kept of one segment of one scan line: its beams compressed to a matrix of at most
 // nine rows (factors/segment_factor.h), a line for association, and its landmark.
 struct Observation {
@@ -38,11 +46,7 @@ struct Observation {
   int landmark_id = -1;
   int revision = 0;   // counts changes of its beams
   int taken_to = -1;  // landmark on whose trace the beams are; -1: on the segment's own line
-  // Single beams, kept only for the per-point factor.
-  std::vector<Eigen::Vector2d> points;
-  std::vector<int64_t> point_times_ns;
-  std::vector<double> point_whitening;
-  std::vector<double> point_offsets;
+  std::vector<ObservedPoint> points;  // kept only for the per-point factor
 
   int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
   double length_m() const { return (end - start).norm(); }

@@ -27,7 +27,6 @@ constexpr double kFreeEndSigmas = 3.0;
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
-constexpr double kReachMargin = 1.0;  // m, of what may still bound a segment
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 class Recutter {
@@ -119,7 +118,8 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
   candidates_ = CandidatesWithinReach(
       within_gap_,
       (poses_.Of(observation).middle() * scanner.body_from_scanner).translation,
-      farthest + options_.association.max_gap_m + kReachMargin);
+      farthest,
+      options_.association);
 }
 
 const LandmarkCandidate* Recutter::Find(int landmark_id) const {

@@ -263,13 +263,13 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   const int num_rows = NumSignificantRows(root);
   const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> rows =
       root.rows.topRows(num_rows) * scale.cwiseInverse().asDiagonal();
-  measurement.offset = root.offset.head(num_rows);
-  measurement.constant = std::max(0.0, offset2_ - measurement.offset.squaredNorm());
+  measurement.rows.setZero(num_rows, 10);
+  measurement.rows.col(9) = root.offset.head(num_rows);
+  measurement.constant = std::max(0.0, offset2_ - measurement.offset().squaredNorm());
 
   const Eigen::Matrix3d frame = Frame();
-  measurement.root.setZero(num_rows, 9);
   if (measurement.num_nodes == 1) {
-    measurement.root.leftCols<3>() = rows.leftCols<3>() * frame;
+    measurement.rows.leftCols<3>() = rows.leftCols<3>() * frame;
     return measurement;
   }
   const int64_t own_middle_ns = NodesOfSpan(start_ns_, end_ns_)[1];
@@ -278,7 +278,7 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
     const Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3> by_power =
         rows.middleCols<3>(3 * j) * frame;
     for (int k = 0; k < 3; ++k) {
-      measurement.root.middleCols<3>(3 * k) += polynomial(j, k) * by_power;
+      measurement.rows.middleCols<3>(3 * k) += polynomial(j, k) * by_power;
     }
   }
   return measurement;

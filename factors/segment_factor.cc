@@ -28,8 +28,8 @@ class SegmentCost final : public ceres::CostFunction {
               int num_control_points,
               const Plane& plane,
               const SegmentWeights& weights)
-      : root_(weights.scale * measurement.root),
-        offset_(Eigen::VectorXd::Zero(measurement.root.rows())),
+      : root_(weights.scale * measurement.root()),
+        offset_(weights.offset * measurement.offset()),
         nodes_(nodes),
         num_nodes_(measurement.num_nodes),
         num_control_points_(num_control_points),
@@ -44,7 +44,6 @@ class SegmentCost final : public ceres::CostFunction {
     sizes->insert(sizes->end(), num_control_points, 4);
     sizes->insert(sizes->end(), num_control_points, 3);
     sizes->insert(sizes->end(), {4, 3, Plane::kSize});
-    if (measurement.offset.size() > 0) offset_ = weights.offset * measurement.offset;
     distance_root_.resize(root_.rows(), kNumNodes);
     for (int k = 0; k < kNumNodes; ++k) distance_root_.col(k) = root_.col(3 * k + 2);
     set_num_residuals(static_cast<int>(root_.rows()));

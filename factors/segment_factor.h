@@ -36,9 +36,11 @@ struct SegmentMeasurement {
   // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
-  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> root;  // U
-  Eigen::VectorXd offset;                                          // b, as many rows as U
+  Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor> rows;  // [ U | b ]
   double constant = 0.0;  // sum of squares that no g changes
+
+  auto root() const { return rows.leftCols<9>(); }
+  auto offset() const { return rows.col(9); }
   int num_points = 0;
 };
 

@@ -100,13 +100,13 @@ struct SegmentRows {
 // point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone.
 // Turning the body by a small rotation moves v by the rotation's cross product with it.
 template <int kPlaneSize>
-void Differentiate(const SegmentGroup::Segment& segment,
+void Differentiate(const SegmentMeasurement& measurement,
+                   const SegmentWeights& by,
                    const ScannerAtNodes& scanner,
                    const NodePoses& poses,
                    const PlaneDerivatives& plane,
                    SegmentRows<kPlaneSize>* rows) {
-  const SegmentMeasurement& measurement = *segment.measurement;
-  const auto& root = measurement.root;
+  const auto root = measurement.root();
   rows->jacobian.setZero(root.rows(), SegmentRows<kPlaneSize>::kColumns);
   rows->residuals.setZero(root.rows());
   for (int k = 0; k < measurement.num_nodes; ++k) {
@@ -114,7 +114,7 @@ void Differentiate(const SegmentGroup::Segment& segment,
     const double body_distance = plane.normal.dot(position) - plane.distance;
     for (Eigen::Index row = 0; row < root.rows(); ++row) {
       const Eigen::Vector3d weights =
-          segment.weights.scale * root.template block<1, 3>(row, 3 * k).transpose();
+          by.scale * root.template block<1, 3>(row, 3 * k).transpose();
       const Eigen::Vector3d v = scanner[static_cast<size_t>(k)] * weights;
       rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
       auto jacobian = rows->jacobian.row(row);
@@ -128,9 +128,7 @@ void Differentiate(const SegmentGroup::Segment& segment,
       }
     }
   }
-  if (measurement.offset.size() > 0) {
-    rows->residuals += segment.weights.offset * measurement.offset;
-  }
+  rows->residuals += by.offset * measurement.offset();
 }
 
 // Weighs the rows by Huber's loss of their norm; returns the cost.
@@ -291,11 +289,11 @@ class Spread {
   int num_nodes_;
 };
 
-bool SameNodes(const SegmentGroup::Segment& a, const SegmentGroup::Segment& b) {
-  for (size_t k = 0; k < kNumNodes; ++k) {
-    if (a.nodes[k].first != b.nodes[k].first || a.nodes[k].u != b.nodes[k].u) return false;
-  }
-  return a.measurement->num_nodes == b.measurement->num_nodes;
+bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
+               const std::array<SplineNode, kNumNodes>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
+    return x.first == y.first && x.u == y.u;
+  });
 }
 
 }  // namespace
@@ -309,14 +307,13 @@ SegmentGroup::SegmentGroup(int num_control_points,
       scanners_(std::move(scanners)),
       planes_(std::move(planes)),
       plane_offsets_(1, 6 * num_control_points),
-      segments_(std::move(segments)),
       huber_width_(huber_width) {
   CHECK_GE(num_control_points, kSplineOrder);
   CHECK_LE(num_control_points, kMaxControlPoints);
   for (const Plane& plane : planes_) {
     plane_offsets_.push_back(plane_offsets_.back() + PlaneModelSize(plane.model));
   }
-  for (const Segment& segment : segments_) {
+  for (const Segment& segment : segments) {
     CHECK(segment.scanner >= 0 && segment.scanner < static_cast<int>(scanners_.size()));
     CHECK(segment.plane >= 0 && segment.plane < static_cast<int>(planes_.size()));
     for (const SplineNode& node : segment.nodes) {
@@ -324,9 +321,19 @@ SegmentGroup::SegmentGroup(int num_control_points,
     }
   }
   // Those with the same nodes one after the other.
-  std::stable_sort(segments_.begin(), segments_.end(), [](const auto& a, const auto& b) {
+  std::stable_sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
     return std::tie(a.nodes[0].first, a.nodes[0].u) < std::tie(b.nodes[0].first, b.nodes[0].u);
   });
+  members_.reserve(segments.size());
+  for (const Segment& segment : segments) {
+    const int num_nodes = segment.measurement->num_nodes;
+    if (scan_lines_.empty() || num_nodes != scan_lines_.back().num_nodes ||
+        !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
+      scan_lines_.push_back({segment.nodes, num_nodes, 0});
+    }
+    members_.push_back({segment.measurement, segment.weights, segment.scanner, segment.plane});
+    scan_lines_.back().end = members_.size();
+  }
 }
 
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
@@ -359,11 +366,11 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
   quadratic->hessian.setZero(num_rows, num_rows);
   LineSystem line;
   NodePoses poses;
-  for (size_t begin = 0; begin < segments_.size();) {
-    const Segment& head = segments_[begin];
+  size_t next = 0;
+  for (const ScanLine& scan_line : scan_lines_) {
     std::array<int, kNumNodes> first;
     for (size_t k = 0; k < kNumNodes; ++k) {
-      const SplineNode& node = head.nodes[k];
+      const SplineNode& node = scan_line.nodes[k];
       const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
                                            q[node.first],
                                            p + node.first,
@@ -379,9 +386,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
     line.sees_plane.assign(planes_.size(), false);
     ScannerAtNodes scanner;
     int scanner_at_nodes = -1;
-    size_t end = begin;
-    for (; end < segments_.size() && SameNodes(head, segments_[end]); ++end) {
-      const Segment& segment = segments_[end];
+    for (; next < scan_line.end; ++next) {
+      const Member& segment = members_[next];
       const auto plane = static_cast<size_t>(segment.plane);
       line.sees_plane[plane] = !kPlanesHeld;
       if (segment.scanner != scanner_at_nodes) {
@@ -391,7 +397,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
         SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
-        Differentiate(segment, scanner, poses, planes[plane], &rows);
+        Differentiate(
+            *segment.measurement, segment.weights, scanner, poses, planes[plane], &rows);
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
                 plane_offsets_[plane] - plane_offsets_.front(),
@@ -401,9 +408,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       });
     }
     FillUpperBlocks(&line);
-    Spread(first, poses, head.measurement->num_nodes)
+    Spread(first, poses, scan_line.num_nodes)
         .Add(line, plane_offsets_, num_control_points_, quadratic);
-    begin = end;
   }
 }
 

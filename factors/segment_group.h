@@ -64,6 +64,19 @@ class SegmentGroup {
   void LinearisePoses(double const* const* parameters, Quadratic* quadratic) const;
 
  private:
+  // Segments that share their nodes.
+  struct ScanLine {
+    std::array<SplineNode, 3> nodes;
+    int num_nodes;
+    size_t end;  // of its members
+  };
+  struct Member {
+    const SegmentMeasurement* measurement;
+    SegmentWeights weights;
+    int scanner;
+    int plane;
+  };
+
   template <bool kPlanesHeld>
   void Sum(double const* const* parameters, Quadratic* quadratic) const;
 
@@ -71,7 +84,8 @@ class SegmentGroup {
   std::vector<Scanner> scanners_;
   std::vector<Plane> planes_;
   std::vector<int> plane_offsets_;
-  std::vector<Segment> segments_;  // by their first node
+  std::vector<ScanLine> scan_lines_;  // by their first node
+  std::vector<Member> members_;       // by scan line
   double huber_width_;
 };
 

@@ -104,10 +104,9 @@ TEST_F(ObservationTest, KeepsWhatTheSegmentSays) {
   EXPECT_LT((observation.start - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-6);
   EXPECT_LT((observation.end - line.ranges[19] * line.BeamDirection(19)).norm(), 1e-6);
   ASSERT_EQ(observation.points.size(), 7u);
-  ASSERT_EQ(observation.point_times_ns.size(), 7u);
-  ASSERT_EQ(observation.point_whitening.size(), 7u);
-  EXPECT_LT((observation.points[2] - line.ranges[14] * line.BeamDirection(14)).norm(), 1e-6);
-  EXPECT_EQ(observation.point_times_ns[2], line.BeamTime(14) + 5'000'000);
+  EXPECT_LT((observation.points[2].position - line.ranges[14] * line.BeamDirection(14)).norm(),
+            1e-6);
+  EXPECT_EQ(observation.points[2].time_ns, line.BeamTime(14) + 5'000'000);
   EXPECT_TRUE(MakeObservation(line, scanner_, segment, false).points.empty());
 }
 
@@ -120,16 +119,16 @@ TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
   const Eigen::Vector2d normal(observation.tangent.y(), -observation.tangent.x());
   double sum_squares = 0.0;
   for (size_t i = 0; i < observation.points.size(); ++i) {
-    const Eigen::Vector2d& point = observation.points[i];
-    EXPECT_NEAR(normal.dot(point), normal.dot(observation.points[0]), 1e-9);
+    const Eigen::Vector2d& point = observation.points[i].position;
+    EXPECT_NEAR(normal.dot(point), normal.dot(observation.points[0].position), 1e-9);
     const int beam = kFirstBeam + static_cast<int>(i);
     const double range = line.ranges[static_cast<size_t>(beam)];
     const Eigen::Vector2d direction = line.BeamDirection(beam);
     EXPECT_LT(std::abs(point.x() * direction.y() - point.y() * direction.x()), 1e-9);
     // The line's normal points to the scanner, as that of a plane that is seen does.
-    const double whitened = -observation.point_whitening[i] * std::abs(normal.dot(direction)) *
-                            (range - point.norm());
-    EXPECT_NEAR(observation.point_offsets[i], whitened, 1e-6);
+    const double whitened = -observation.points[i].whitening *
+                            std::abs(normal.dot(direction)) * (range - point.norm());
+    EXPECT_NEAR(observation.points[i].offset, whitened, 1e-6);
     sum_squares += whitened * whitened;
   }
   const double num_points = static_cast<double>(observation.points.size());
@@ -221,14 +220,14 @@ TEST_F(ObservationTest, ValueAndCovarianceAreThoseOfALineFit) {
   Eigen::Vector2d right_side = Eigen::Vector2d::Zero();
   double chi2 = 0.0;
   for (size_t i = 0; i < observation.points.size(); ++i) {
-    const Eigen::Vector2d& s = observation.points[i];
+    const Eigen::Vector2d& s = observation.points[i].position;
     const double distance =
         wall_.normal.dot(world_from_scanner * Eigen::Vector3d(s.x(), s.y(), 0.0)) -
         wall_.distance;
     const Eigen::Vector2d row(1.0, observation.tangent.dot(s - observation.centroid));
-    const double whitening = weights.scale * observation.point_whitening[i];
+    const double whitening = weights.scale * observation.points[i].whitening;
     const double residual =
-        whitening * distance + weights.offset * observation.point_offsets[i];
+        whitening * distance + weights.offset * observation.points[i].offset;
     information += whitening * whitening * row * row.transpose();
     right_side += whitening * row * residual;
     chi2 += residual * residual;
@@ -257,7 +256,7 @@ TEST_F(ObservationTest, WhiteningIsThatOfTheDistanceToThePlane) {
   const Eigen::Quaterniond world_from_scanner =
       BodyPose().rotation * scanner_.body_from_scanner.rotation;
   const Eigen::Vector3d normal = world_from_scanner.conjugate() * wall_.normal;
-  const Eigen::Vector2d point = observation.points[1];
+  const Eigen::Vector2d point = observation.points[1].position;
   const double range = point.norm();
   const Eigen::Vector2d beam = point / range;
   const double by_range = normal.head<2>().dot(beam);
@@ -267,7 +266,7 @@ TEST_F(ObservationTest, WhiteningIsThatOfTheDistanceToThePlane) {
                           std::pow(0.01 * by_tilt, 2);
   // The three beams differ a little in range.
   EXPECT_NEAR(WeightsOn(observation, world_from_scanner, wall_.normal).scale *
-                  observation.point_whitening[1],
+                  observation.points[1].whitening,
               1.0 / std::sqrt(variance),
               2e-3 / std::sqrt(variance));
 }

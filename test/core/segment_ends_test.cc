@@ -321,12 +321,12 @@ TEST_F(SegmentEndsTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
     line_.ranges[beam] += beam % 3 == 0 ? 0.04f : -0.02f;
   }
   AddObservation(kFront, 60, kLast - 1);
-  EXPECT_GT((observation(0).measurement.root - clean.root).norm(), 1e-2);
+  EXPECT_GT((observation(0).measurement.root() - clean.root()).norm(), 1e-2);
   Recut();
   const SegmentMeasurement& noisy = observation(0).measurement;
-  ASSERT_EQ(noisy.root.rows(), clean.root.rows());
-  EXPECT_LT((noisy.root - clean.root).norm(), 1e-9 * clean.root.norm());
-  EXPECT_GT((noisy.offset - clean.offset).norm(), 0.1);
+  ASSERT_EQ(noisy.rows.rows(), clean.rows.rows());
+  EXPECT_LT((noisy.root() - clean.root()).norm(), 1e-9 * clean.root().norm());
+  EXPECT_GT((noisy.offset() - clean.offset()).norm(), 0.1);
 }
 
 }  // namespace

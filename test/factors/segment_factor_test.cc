@@ -147,11 +147,11 @@ std::unique_ptr<ceres::CostFunction> CreateOracle(const SegmentMeasurement& meas
       model, sign, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         using Functor = OracleFunctor<std::decay_t<decltype(plane)>>;
         auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<Functor, 8>>(
-            new Functor{weight_scale * measurement.root, nodes, num_control_points, plane});
+            new Functor{weight_scale * measurement.root(), nodes, num_control_points, plane});
         for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(4);
         for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(3);
         for (const int size : {4, 3, plane.kSize}) cost->AddParameterBlock(size);
-        cost->SetNumResiduals(static_cast<int>(measurement.root.rows()));
+        cost->SetNumResiduals(static_cast<int>(measurement.rows.rows()));
         return cost;
       });
 }
@@ -220,7 +220,6 @@ TEST(SegmentFactor, EqualsSumOverPointsWithOffsets) {
   for (double& offset : offsets) offset = random.Uniform(-2.0, 2.0);
   const SegmentMeasurement measurement =
       CompressSegment(segment.points, segment.times_ns, segment.whitening, offsets);
-  ASSERT_EQ(measurement.offset.size(), measurement.root.rows());
   const TestBlocks blocks = GentleMotion(
       5, PlaneModel::kVertical, PlaneParameters(PlaneModel::kVertical, &random), &random);
   const std::vector<const double*> all = blocks.pointers();
@@ -285,8 +284,10 @@ TEST(SegmentFactor, MatchesFullAutomaticDifferentiation) {
     for (int m = 4; m <= 6; ++m) {
       for (const double step : {0.0, 0.1, 2.9}) {
         SegmentMeasurement measurement;
-        measurement.root.resize(7, 9);
-        for (double& value : measurement.root.reshaped()) value = random.Uniform(-9.0, 9.0);
+        measurement.rows.setZero(7, 10);
+        for (double& value : measurement.rows.leftCols(9).reshaped()) {
+          value = random.Uniform(-9.0, 9.0);
+        }
         const std::array<SplineNode, 3> nodes = {
             SplineNode{0, 0.9}, SplineNode{(m - 4) / 2, 0.5}, SplineNode{m - 4, 0.1}};
         TestBlocks blocks;
@@ -419,7 +420,7 @@ TEST(SegmentFactor, GeometryGivesTheFactorsChiSquared) {
       poses, Eigen::Quaterniond(Eigen::Vector4d(blocks[8])), blocks[9], normal, 2.0);
   const auto factor = CreateSegmentFactor(
       measurement, nodes, 4, PlaneModel::kVertical, 1.0, SegmentWeights{1.0, 1.0});
-  EXPECT_LT((measurement.root * g - blocks.Residuals(*factor)).norm(), 1e-10);
+  EXPECT_LT((measurement.root() * g - blocks.Residuals(*factor)).norm(), 1e-10);
 }
 
 TEST(CompressSegment, NodesSpanTheSegment) {
@@ -438,11 +439,11 @@ TEST(CompressSegment, PointsOfOneInstantNeedOneNode) {
   const SegmentMeasurement measurement = segment.Compress();
   EXPECT_EQ(measurement.num_nodes, 1);
   EXPECT_EQ(measurement.num_points, 40);
-  EXPECT_LE(measurement.root.rows(), 3);
-  EXPECT_EQ(measurement.root.rightCols(6).norm(), 0.0);
+  EXPECT_LE(measurement.rows.rows(), 3);
+  EXPECT_EQ(measurement.root().rightCols(6).norm(), 0.0);
   const Eigen::Vector3d g(0.6, 0.7, -2.0);
   const Eigen::VectorXd distances = (segment.points.transpose() * g.head<2>()).array() + g[2];
-  EXPECT_NEAR((measurement.root.leftCols<3>() * g).squaredNorm(),
+  EXPECT_NEAR((measurement.root().leftCols<3>() * g).squaredNorm(),
               distances.cwiseProduct(segment.whitening).squaredNorm(),
               1e-6);
 }

@@ -41,12 +41,11 @@ struct Scene {
     for (int i = 0; i < num_segments; ++i) {
       SegmentMeasurement& measurement = measurements[static_cast<size_t>(i)];
       measurement.num_nodes = i % 4 == 0 ? 1 : 3;
-      measurement.root.setZero(2 + i % 6, 9);
-      for (double& value : measurement.root.leftCols(3 * measurement.num_nodes).reshaped()) {
+      measurement.rows.setZero(2 + i % 6, 10);
+      for (double& value : measurement.rows.leftCols(3 * measurement.num_nodes).reshaped()) {
         value = random.Uniform(-1.0, 1.0);
       }
-      measurement.offset = Eigen::VectorXd(measurement.root.rows());
-      for (double& value : measurement.offset) value = random.Uniform(-1.0, 1.0);
+      for (double& value : measurement.rows.col(9)) value = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
       segment.measurement = &measurement;
       const double u = random.Uniform(0.0, 0.8);
