@@ -97,6 +97,8 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
 bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
                                 const Eigen::Vector3d& b_world,
                                 double max_gap_m) const {
+  // A straight piece comes to a cell once.
+  if (cells_.Count(CellOf(Project(a_world))) > 1) return true;
   std::vector<Cell> own;
   ForEachCell(
       Project(a_world), Project(b_world), [&](const Cell& cell) { own.push_back(cell); });

@@ -40,7 +40,9 @@ void OpeningMap::Count(const Landmark& landmark,
   const Eigen::Vector3d from_anchor = p_world - extent.anchor();
   const double u = extent.u_axis().dot(from_anchor);
   const double v = extent.v_axis().dot(from_anchor);
-  CountsOfPlane& counts = counts_[landmark.id];
+  const auto id = static_cast<size_t>(landmark.id);
+  if (id >= counts_.size()) counts_.resize(id + 1);
+  CountsOfPlane& counts = counts_[id];
   for (const bool narrow_along_u : {true, false}) {
     if (!HasCells(HasHeight(extent), narrow_along_u)) continue;
     (counts[Index(narrow_along_u)].*grid).Add(CellOf(u, v, narrow_along_u), 1);
@@ -91,8 +93,8 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
 
 PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
   PlaneOpenings openings;
-  const auto at = counts_.find(landmark.id);
-  if (at == counts_.end()) return openings;
+  const auto id = static_cast<size_t>(landmark.id);
+  if (id >= counts_.size()) return openings;
   openings.has_height_ = HasHeight(landmark.extent);
   openings.anchor_ = landmark.extent.anchor();
   openings.u_axis_ = landmark.extent.u_axis();
@@ -100,7 +102,7 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
   const double min_share = openings.has_height_ ? kMinShare : kMinShareLevel;
   for (const bool narrow_along_u : {true, false}) {
     if (!HasCells(openings.has_height_, narrow_along_u)) continue;
-    const Counts& counts = at->second[Index(narrow_along_u)];
+    const Counts& counts = counts_[id][Index(narrow_along_u)];
     counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
       if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
         openings.Open(cell, narrow_along_u);

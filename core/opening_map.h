@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <map>
+#include <vector>
 
 #include "core/cell_grid.h"
 #include "core/landmark.h"
@@ -65,7 +65,7 @@ class OpeningMap {
   using CountsOfPlane = std::array<Counts, 2>;
   void Count(const Landmark& landmark, const Eigen::Vector3d& p_world, CellGrid Counts::*grid);
 
-  std::map<int, CountsOfPlane> counts_;  // by landmark id
+  std::vector<CountsOfPlane> counts_;  // by landmark id
 };
 
 }  // namespace plumbline
