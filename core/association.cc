@@ -39,7 +39,8 @@ std::vector<LandmarkCandidate> CandidatesWithinReach(
     const Eigen::Vector3d& p_world,
     double farthest_m,
     const AssociationOptions& options) {
-  const double reach_m = farthest_m + options.max_gap_m + kReachMargin;
+  // A gap counts in whole cells in both directions: its diagonal is the longest.
+  const double reach_m = farthest_m + 1.5 * options.max_gap_m + kReachMargin;
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {

@@ -41,7 +41,7 @@ class ObservationGroupCache {
     std::shared_ptr<LinearisedGroup> group;
   };
 
-  // Groups of this many knot intervals: fewer and larger ones take less memory and time, but
+  // Groups of this many knot intervals: fewer and larger ones take less memory, but
   // only whole groups can be forgotten.
   ObservationGroupCache(const LinearisedGroup::Validity& validity, int intervals_per_group)
       : validity_(validity), intervals_per_group_(intervals_per_group) {}

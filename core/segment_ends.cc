@@ -1,5 +1,7 @@
 #include "core/segment_ends.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -304,6 +306,7 @@ void Recutter::Replace(const ScanLine& scan_line,
   segment.sigma_offset_m = observation->sigma_offset_m;
   segment.sigma_direction_rad = observation->sigma_direction_rad;
   const LandmarkCandidate* own = Find(observation->landmark_id);
+  CHECK(own != nullptr) << "a segment out of its own scan line's reach";
   const PlaneTrace trace(observation->measurement.node_times_ns,
                          poses_.Of(*observation).WorldFromScanner(scanner.body_from_scanner),
                          own->normal,
@@ -454,8 +457,9 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     Range range;
     const bool is_another = LeaveOutHidden(scan_line, ends[i - first], &range, &observation);
     num_changed += is_another ? 1 : 0;
-    if (is_another ||
-        (counted_ == nullptr && observation.taken_to != observation.landmark_id)) {
+    // While openings are still counted, a segment that keeps its beams keeps its line too.
+    const bool is_last_call = counted_ == nullptr;
+    if (is_another || (is_last_call && observation.taken_to != observation.landmark_id)) {
       Replace(scan_line, range, &observation);
     }
   }

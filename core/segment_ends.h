@@ -20,7 +20,9 @@ namespace plumbline {
 // for the next call; counted: nullptr where there is none. An end is left alone where the
 // segment still follows its plane when the other would be far off; where no plane meets its
 // own, and where beams have been left out, beams that are hardly the plane's go. Observations
-// left without beams (num_points = 0), or off their plane, lose their landmark.
+// left without beams (num_points = 0), or off their plane, lose their landmark. In the last
+// call, where nothing is counted, all segments are taken to their planes' traces
+// (MakeObservationOn); before, those that change.
 //
 // Beams beyond such an end that lie on the plane met there, and belong to no segment, become
 // short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of

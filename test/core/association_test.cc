@@ -89,7 +89,7 @@ class AssociationTest : public testing::Test {
   AssociationOptions options_;
 };
 
-// The scan sees as far as 2.24 m, with margins for the gap and for motion of 1 m each.
+// The scan sees as far as 2.24 m, with margins of 1.5 m for the gap and 1 m for motion.
 TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   options_.max_gap_m = 1.0;
   const int ahead = AddWall(0.0, 0.0, -1.0, 1.0);
