@@ -89,9 +89,9 @@ class EstimationProblem {
 
   // Point-to-plane residuals of segments, one residual block for all that begin in the same
   // knot interval, or in the same of the cache's groups (factors/linearised_group.h).
-  // huber_width: in standard deviations of the norm of a segment's residuals, 0 for plain least
-  // squares. The observations outlive the problem. cache: groups that stand as they were are
-  // taken from it.
+  // huber_width: in standard deviations of the norm of a segment's residuals, 0 for plain
+  // least squares. The observations outlive the problem. cache: groups that stand as they were
+  // are taken from it.
   void AddSegments(const std::vector<const Observation*>& observations,
                    double huber_width,
                    ObservationGroupCache* cache);
