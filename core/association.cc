@@ -11,8 +11,15 @@ namespace {
 // The coarse test compares one distance with bounds on its variance; motion during the scan
 // line, which it neglects, may add to the distance.
 constexpr double kCoarseMargin = 4.0;
-// For the motion during a scan, the pose's error, and cells that reach beyond what was seen.
+// For the motion during a scan and cells that reach beyond what was seen.
 constexpr double kReachMargin = 1.0;  // m
+
+// At most this much of a deviation's variance comes from the pose; squared distance from the
+// body.
+double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
+  return pose_covariance.bottomRightCorner<3, 3>().trace() +
+         pose_covariance.topLeftCorner<3, 3>().trace() * distance2;
+}
 
 }  // namespace
 
@@ -57,6 +64,7 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     const std::deque<Observation>& observations,
     size_t first,
     const Eigen::Vector3d& body_world,
+    const Matrix6d& pose_covariance,
     const AssociationOptions& options) {
   double farthest = 0.0;
   for (size_t i = first; i < observations.size(); ++i) {
@@ -67,7 +75,10 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     farthest = std::max(
         farthest, lever_arm + std::max(observation.start.norm(), observation.end.norm()));
   }
-  return CandidatesWithinReach(candidates, body_world, farthest, options);
+  // So far off its plane an observation may be for the pose alone.
+  const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
+                               MaxVariance(pose_covariance, farthest * farthest));
+  return CandidatesWithinReach(candidates, body_world, farthest + off, options);
 }
 
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
@@ -92,10 +103,8 @@ std::vector<PossibleLandmark> PossibleLandmarks(
   const Eigen::Vector3d start_world = to_world(observation.start);
   const Eigen::Vector3d end_world = to_world(observation.end);
   const Eigen::Vector3d centroid_world = to_world(observation.centroid);
-  // At most this much of a deviation's variance comes from the pose.
-  const double pose_variance = pose_covariance.bottomRightCorner<3, 3>().trace() +
-                               pose_covariance.topLeftCorner<3, 3>().trace() *
-                                   (centroid_world - poses.middle().translation).squaredNorm();
+  const double pose_variance = MaxVariance(
+      pose_covariance, (centroid_world - poses.middle().translation).squaredNorm());
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);

@@ -31,21 +31,23 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
                                                    const LoopClosureOptions& options);
 
 // Those of the candidates that have been seen within farthest_m of a point, with a margin for
-// options.max_gap_m, the motion during a scan and the pose's error.
+// options.max_gap_m and the motion during a scan.
 std::vector<LandmarkCandidate> CandidatesWithinReach(
     const std::vector<LandmarkCandidate>& candidates,
     const Eigen::Vector3d& p_world,
     double farthest_m,
     const AssociationOptions& options);
 
-// Those of the candidates that come near enough for the observations of one scan to lie on:
-// the scan of observations[first] and those that follow it; body_world: where the rig was.
+// Those of the candidates that PossibleLandmarks may find for the observations of one scan:
+// that of observations[first] and those that follow it; body_world: where the rig was then.
+// pose_covariance: at least that of any pose in the scan.
 std::vector<LandmarkCandidate> CandidatesOfScan(
     const std::vector<LandmarkCandidate>& candidates,
     const Rig& rig,
     const std::deque<Observation>& observations,
     size_t first,
     const Eigen::Vector3d& body_world,
+    const Matrix6d& pose_covariance,
     const AssociationOptions& options);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.

@@ -149,6 +149,7 @@ class Batch {
                                       state_->observations,
                                       i,
                                       poses.Of(observation).middle().translation,
+                                      Matrix6d::Zero(),
                                       options_.association);
       }
       if (observation.num_points == 0) continue;  // all of its beams are left out

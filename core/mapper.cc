@@ -263,15 +263,8 @@ void Follower::Follow(const Scan& scan) {
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  tracker_->Track(first,
-                  last,
-                  CandidatesOfScan(CandidatesWithinGap(
-                                       state_->landmarks, scan_index, options_.loop_closure),
-                                   rig_,
-                                   state_->observations,
-                                   static_cast<size_t>(first),
-                                   state_->trajectory.WorldFromBody(scan.start_ns).translation,
-                                   options_.association));
+  tracker_->Track(
+      first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
   CheckNotLost(scan.end_ns);
   poses_.emplace(state_->trajectory);
   for (int index = first; index <= last; ++index) {

@@ -306,6 +306,21 @@ Tracker::Association Tracker::AssociateJointly(
   return best;
 }
 
+std::vector<LandmarkCandidate> Tracker::OfScan(
+    int first_observation,
+    const Matrix6d& pose_covariance,
+    const std::vector<LandmarkCandidate>& candidates) const {
+  const auto first = static_cast<size_t>(first_observation);
+  const int64_t time_ns = state_->observations[first].middle_time_ns();
+  return CandidatesOfScan(candidates,
+                          rig_,
+                          state_->observations,
+                          first,
+                          state_->trajectory.WorldFromBody(time_ns).translation,
+                          pose_covariance,
+                          options_.association);
+}
+
 Tracker::Association Tracker::ChooseUnder(
     const Matrix6d& unsteady,
     const std::vector<int>& observations,
@@ -313,18 +328,21 @@ Tracker::Association Tracker::ChooseUnder(
   const auto at = [&](int index) -> const Observation& {
     return state_->observations[static_cast<size_t>(index)];
   };
+  if (observations.empty()) return {};
   int64_t begin_ns = std::numeric_limits<int64_t>::max();
   int64_t end_ns = std::numeric_limits<int64_t>::min();
   for (const int index : observations) {
     begin_ns = std::min(begin_ns, at(index).middle_time_ns());
     end_ns = std::max(end_ns, at(index).middle_time_ns());
   }
-  MotionCovariance covariance = MotionCovariance::Zero();
-  if (!observations.empty()) {
-    covariance = pose_uncertainty_.AtBoth(state_->trajectory, begin_ns, end_ns);
-  }
+  MotionCovariance covariance = pose_uncertainty_.AtBoth(state_->trajectory, begin_ns, end_ns);
   // What the control points can not follow is the same all through the scan.
   covariance += unsteady.replicate<2, 2>();
+  // The poses pass linearly between both ends: neither is less certain than these together.
+  const std::vector<LandmarkCandidate> near =
+      OfScan(*std::min_element(observations.begin(), observations.end()),
+             covariance.topLeftCorner<6, 6>() + covariance.bottomRightCorner<6, 6>(),
+             candidates);
   std::vector<Pairing> pairings;
   int num_paired = 0;
   SharedPoses poses(state_->trajectory);
@@ -341,7 +359,7 @@ Tracker::Association Tracker::ChooseUnder(
              rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
              poses.Of(observation),
              PoseCovariance(covariance, share),
-             candidates,
+             near,
              options_.association)) {
       pairings.push_back({index,
                           possible.id,
@@ -415,6 +433,15 @@ bool Tracker::Associate(int first_observation,
                         int last_observation,
                         const std::vector<LandmarkCandidate>& candidates) {
   bool changed = false;
+  if (first_observation > last_observation) return changed;
+  const auto covariance_at = [&](int index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    return pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns());
+  };
+  const std::vector<LandmarkCandidate> near =
+      OfScan(first_observation,
+             covariance_at(first_observation) + covariance_at(last_observation),
+             candidates);
   SharedPoses shared(state_->trajectory);
   int64_t middle_ns = 0;
   Matrix6d covariance;  // of the pose then
@@ -428,7 +455,7 @@ bool Tracker::Associate(int first_observation,
       covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
     }
     const int id = FindLandmark(
-        observation, body_from_scanner, poses, covariance, candidates, options_.association);
+        observation, body_from_scanner, poses, covariance, near, options_.association);
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

@@ -83,6 +83,11 @@ class Tracker {
   Matrix6d UnsteadyCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
+  // CandidatesOfScan of the newest scan.
+  std::vector<LandmarkCandidate> OfScan(
+      int first_observation,
+      const Matrix6d& pose_covariance,
+      const std::vector<LandmarkCandidate>& candidates) const;
   // The observations, weightiest first, with poses that differ from the prediction by the
   // control points' errors and by this covariance on top.
   Association ChooseUnder(const Matrix6d& unsteady,

@@ -109,10 +109,16 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   of_next_scan.scan_index = observation_.scan_index + 1;
   of_next_scan.end = {50.0, 0.0};
   const std::deque<Observation> observations = {observation_, of_next_scan};
+  Matrix6d pose_covariance = Matrix6d::Zero();
   const auto found = [&](size_t first) {
     std::vector<int> ids;
-    for (const LandmarkCandidate& candidate :
-         CandidatesOfScan(all, rig, observations, first, Eigen::Vector3d::Zero(), options_)) {
+    for (const LandmarkCandidate& candidate : CandidatesOfScan(all,
+                                                               rig,
+                                                               observations,
+                                                               first,
+                                                               Eigen::Vector3d::Zero(),
+                                                               pose_covariance,
+                                                               options_)) {
       ids.push_back(candidate.landmark->id);
     }
     return ids;
@@ -120,6 +126,8 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   EXPECT_EQ(found(0), (std::vector<int>{ahead, beside}));
   EXPECT_EQ(found(1), (std::vector<int>{0, 1, 2, 3}));
   EXPECT_EQ(found(2), std::vector<int>{ahead}) << "without observations the margins alone";
+  pose_covariance(3, 3) = 1.0;  // may be 12 m off
+  EXPECT_EQ(found(0), (std::vector<int>{0, 1, 2, 3}));
 }
 
 TEST_F(AssociationTest, FindsTheWall) {
