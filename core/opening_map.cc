@@ -1,7 +1,5 @@
 #include "core/opening_map.h"
 
-#include <cmath>
-
 namespace plumbline {
 namespace {
 
