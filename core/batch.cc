@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <set>
 #include <vector>
 
 #include "core/association.h"
@@ -215,16 +214,16 @@ class Batch {
 
   // Landmarks that fewer scans support than a new plane needs.
   int DropWeak() {
-    std::vector<std::set<int>> scans(state_->landmarks.size());
-    for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id >= 0) {
-        scans[static_cast<size_t>(observation.landmark_id)].insert(observation.scan_index);
-      }
+    std::vector<int> num_scans(state_->landmarks.size(), 0);
+    std::vector<int> last_scan(state_->landmarks.size(), -1);
+    for (const Observation& observation : state_->observations) {  // by time
+      if (observation.landmark_id < 0) continue;
+      const auto id = static_cast<size_t>(observation.landmark_id);
+      if (observation.scan_index != last_scan[id]) ++num_scans[id];
+      last_scan[id] = observation.scan_index;
     }
     std::vector<bool> is_weak;
-    for (const std::set<int>& seen_in : scans) {
-      is_weak.push_back(static_cast<int>(seen_in.size()) < options_.planes.min_scans);
-    }
+    for (const int num : num_scans) is_weak.push_back(num < options_.planes.min_scans);
     return Release(is_weak);
   }
 

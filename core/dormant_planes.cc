@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -11,6 +10,7 @@
 
 #include "core/error.h"
 #include "factors/elimination.h"
+#include "factors/symmetric_inverse.h"
 
 namespace plumbline {
 namespace {
@@ -151,13 +151,8 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   const auto size = static_cast<Eigen::Index>(rows.size());
   const Eigen::Index num_given = gain_.cols();
   // As measurements of the planes: r = y - mean - gain x, with the inverse covariance.
-  const Eigen::MatrixXd own = covariance_(rows, rows);
-  const Eigen::VectorXd scale = own.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * own * scale.asDiagonal());
-  if (factor.info() != Eigen::Success) throw Error(kNotDetermined);
-  const Eigen::MatrixXd weight = scale.asDiagonal() *
-                                 factor.solve(Eigen::MatrixXd::Identity(size, size)) *
-                                 scale.asDiagonal();
+  const std::optional<Eigen::MatrixXd> weight = SymmetricInverse(covariance_(rows, rows));
+  if (!weight) throw Error(kNotDetermined);
   NormalEquations part;
   part.blocks = given_;
   part.offsets = given_offsets_;
@@ -180,7 +175,7 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   }
   Eigen::MatrixXd jacobian(size, num_given + size);
   jacobian << -gain_(rows, Eigen::all), Eigen::MatrixXd::Identity(size, size);
-  const Eigen::MatrixXd weighted = weight * jacobian;
+  const Eigen::MatrixXd weighted = *weight * jacobian;
   part.hessian = jacobian.transpose() * weighted;
   part.gradient = weighted.transpose() * residual;
 
@@ -199,7 +194,7 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   for (const BlockId& block : history->equations.blocks) history->at.push_back(at.at(block));
 
   // The others, given these too.
-  const Eigen::MatrixXd regression = covariance_(Eigen::all, rows) * weight;
+  const Eigen::MatrixXd regression = covariance_(Eigen::all, rows) * *weight;
   mean_ += regression * residual;
   Eigen::MatrixXd gain(mean_.size(), num_given + size);
   gain.leftCols(num_given) = gain_;

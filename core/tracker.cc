@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/joint_association.h"
 #include "factors/so3.h"
+#include "factors/symmetric_inverse.h"
 
 namespace plumbline {
 namespace {
@@ -71,15 +72,10 @@ std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
 
 Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   const std::vector<int> rows = FreeRows(information.rows());
-  const Eigen::MatrixXd free = information(rows, rows);
-  const Eigen::LLT<Eigen::MatrixXd> factor(free);
-  if (factor.info() != Eigen::Success) {
-    throw Error("the poses are not determined by the scans: singular estimate");
-  }
+  const std::optional<Eigen::MatrixXd> inverse = SymmetricInverse(information(rows, rows));
+  if (!inverse) throw Error("the poses are not determined by the scans: singular estimate");
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
-  const Eigen::MatrixXd inverse =
-      factor.solve(Eigen::MatrixXd::Identity(free.rows(), free.cols()));
-  covariance(rows, rows) = inverse;
+  covariance(rows, rows) = *inverse;
   return covariance;
 }
 

@@ -1,6 +1,5 @@
 #include "core/window.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,6 +12,7 @@
 #include "factors/manifolds.h"
 #include "factors/schur.h"
 #include "factors/so3.h"
+#include "factors/symmetric_inverse.h"
 
 namespace plumbline {
 namespace {
@@ -41,15 +41,11 @@ Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<in
   for (const int row : on) {
     if (equations.hessian(row, row) > 0.0) rows.push_back(row);
   }
-  const Eigen::MatrixXd free = equations.hessian(rows, rows);
-  // Scaled to a unit diagonal, so that metres and radians do not spoil the condition.
-  const Eigen::VectorXd scale = free.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * free * scale.asDiagonal());
-  if (factor.info() != Eigen::Success) throw Error(kNotDetermined);
-  const Eigen::MatrixXd inverse =
-      factor.solve(Eigen::MatrixXd::Identity(free.rows(), free.cols()));
+  const std::optional<Eigen::MatrixXd> inverse =
+      SymmetricInverse(equations.hessian(rows, rows));
+  if (!inverse) throw Error(kNotDetermined);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(equations.size(), equations.size());
-  covariance(rows, rows) = scale.asDiagonal() * inverse * scale.asDiagonal();
+  covariance(rows, rows) = *inverse;
   return covariance;
 }
 

@@ -13,6 +13,7 @@ packages=(
   libgflags-dev
   libgoogle-glog-dev
   libgtest-dev
+  libjemalloc-dev
   libpcl-dev
   librosbag-storage-dev
   libsensor-msgs-dev
