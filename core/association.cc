@@ -8,11 +8,22 @@
 namespace plumbline {
 namespace {
 
-// The coarse test compares one distance with bounds on its variance; motion during the scan
-// line, which it neglects, may add to the distance.
+// The coarse test compares one distance with bounds on its variance; what it neglects may add
+// to the distance.
 constexpr double kCoarseMargin = 4.0;
 // For the motion during a scan and cells that reach beyond what was seen.
 constexpr double kReachMargin = 1.0;  // m
+
+// The centroid on the straight line between the ends, where they were measured.
+Eigen::Vector3d CentroidWorld(const Observation& observation,
+                              const Eigen::Vector3d& start_world,
+                              const Eigen::Vector3d& end_world) {
+  const Eigen::Vector2d along = observation.end - observation.start;
+  const double length2 = along.squaredNorm();
+  if (!(length2 > 0.0)) return start_world;
+  const double share = along.dot(observation.centroid - observation.start) / length2;
+  return start_world + share * (end_world - start_world);
+}
 
 // At most this much of a deviation's variance comes from the pose; squared distance from the
 // body.
@@ -97,12 +108,12 @@ std::vector<PossibleLandmark> PossibleLandmarks(
     const std::vector<LandmarkCandidate>& candidates,
     const AssociationOptions& options) {
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
-  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
-    return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-  };
-  const Eigen::Vector3d start_world = to_world(observation.start);
-  const Eigen::Vector3d end_world = to_world(observation.end);
-  const Eigen::Vector3d centroid_world = to_world(observation.centroid);
+  // Within one scan line a turn moves far points by decimetres.
+  const ScanMotion motion = poses.MotionOf(body_from_scanner);
+  const Eigen::Vector3d start_world =
+      motion.ToWorld(observation.start, observation.start_time_ns);
+  const Eigen::Vector3d end_world = motion.ToWorld(observation.end, observation.end_time_ns);
+  const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
   const double pose_variance = MaxVariance(
       pose_covariance, (centroid_world - poses.middle().translation).squaredNorm());
   const Eigen::Matrix2d flatness =

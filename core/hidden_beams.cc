@@ -14,6 +14,10 @@ namespace {
 // beam lies: 1 mm across it is 20 mm along the beam.
 constexpr double kMinCosine = 0.05;
 constexpr double kSafeCosine = 0.06;  // the plane's turn as the scanner moves left out
+// Down to this cosine it tells it to a quarter of a metre; farther from an opening than that
+// such a beam may count.
+constexpr double kGrazingCosine = 0.004;
+constexpr double kGrazingReach = 0.25;  // m
 // How near the walls' seen parts have to come to what they hide: one cell of their grids.
 constexpr double kReach = 0.25;  // m
 // Walls whose normals are nearer to each other form no corner.
@@ -39,12 +43,15 @@ HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
           {poses.times_ns, world_from_scanner}};
 }
 
+int64_t HiddenBeams::BeamInstantNs(int beam) const {
+  return scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
+}
+
 std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const Meeting& meeting,
                                                          int beam,
                                                          const Eigen::Vector2d& direction,
                                                          double min_cosine) const {
-  const int64_t time_ns =
-      scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
+  const int64_t time_ns = BeamInstantNs(beam);
   const Eigen::Vector3d line = meeting.trace.At(time_ns);
   const double cosine = line.head<2>().dot(direction);
   if (std::abs(cosine) < min_cosine) return std::nullopt;
@@ -81,9 +88,24 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
   for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
     const std::optional<Eigen::Vector3d> at =
         MeetingPoint(meeting, beam, sweep.direction(), kMinCosine);
-    if (!at || openings.IsAt(*at)) beams.push_back(beam);
+    if (at ? openings.IsAt(*at) : IsNearOpening(meeting, beam, sweep.direction(), openings)) {
+      beams.push_back(beam);
+    }
   }
   return beams;
+}
+
+bool HiddenBeams::IsNearOpening(const Meeting& meeting,
+                                int beam,
+                                const Eigen::Vector2d& direction,
+                                const PlaneOpenings& openings) const {
+  const std::optional<Eigen::Vector3d> at =
+      MeetingPoint(meeting, beam, direction, kGrazingCosine);
+  if (!at) return true;
+  const Eigen::Vector3d from =
+      meeting.motion.ToWorld(Eigen::Vector2d::Zero(), BeamInstantNs(beam));
+  const Eigen::Vector3d reach = kGrazingReach * (*at - from).normalized();
+  return openings.MayBeAlong(*at - reach, *at + reach);
 }
 
 std::vector<int> HiddenBeams::BehindCorners(

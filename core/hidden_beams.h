@@ -25,8 +25,8 @@ struct HiddenBeams {
   int first_beam;
   int last_beam;  // inclusive
 
-  // Those that meet the plane in an opening of it, and where it has openings, those at grazing
-  // incidence, which may.
+  // Those that meet the plane in an opening of it, and those at grazing incidence near one,
+  // which may.
   std::vector<int> InOpenings(const PlaneOpenings& openings) const;
   // Those that meet a floor or ceiling behind two walls at once, both seen close by: between
   // the two faces of a corner that stands into the segment. Without a corner there, nothing is
@@ -41,12 +41,18 @@ struct HiddenBeams {
   };
 
   Meeting MakeMeeting() const;
+  int64_t BeamInstantNs(int beam) const;
   // Where a beam along a direction meets the plane, in the world; nothing where the cosine of
   // the angle between beam and normal is below a minimum.
   std::optional<Eigen::Vector3d> MeetingPoint(const Meeting& meeting,
                                               int beam,
                                               const Eigen::Vector2d& direction,
                                               double min_cosine) const;
+  // Of a beam at grazing incidence.
+  bool IsNearOpening(const Meeting& meeting,
+                     int beam,
+                     const Eigen::Vector2d& direction,
+                     const PlaneOpenings& openings) const;
 };
 
 // The end of a segment on a plane's trace; the beams leave it in steps of +1 or -1.

@@ -196,6 +196,30 @@ TEST_F(AssociationTest, WallEndsWhereItWasSeen) {
   EXPECT_EQ(Find(), 1);
 }
 
+// At 1.25 rad/s a wall is seen up to 13 m away, by beams 4 ms on average from the middle of
+// the scan line: at the pose then, its points would lie 4 cm off.
+TEST_F(AssociationTest, FindsTheWallInATurn) {
+  trajectory_ = Trajectory(kStart, 50'000'000, Rigid3d());
+  for (int i = 0; i < 4; ++i) {
+    Eigen::Map<Eigen::Quaterniond>(trajectory_.control_point(i).rotation.data()) =
+        RotationFromRollPitchYaw(0.0, 0.0, 1.25 * 0.05 * i);
+  }
+  scanner_.body_from_scanner.rotation.setIdentity();
+  scanner_.beams = 270;
+  scanner_.field_of_view_deg = 270.0;
+  scanner_.scan_rate_hz = 40.0;
+  std::mt19937_64 random(1);
+  const auto pose_at = [&](int64_t time_ns) { return trajectory_.WorldFromBody(time_ns); };
+  const ScanLine line = TakeScanLine({wall_}, scanner_, 0, kStart, pose_at, 0.0, &random);
+  constexpr int kFirstBeam = 139;
+  constexpr int kLastBeam = 224;
+  EXPECT_NEAR(line.ranges[kFirstBeam], 13.0, 1.5);
+  observation_ =
+      ObservePlane(line, scanner_, pose_at(line.BeamTime(135)), wall_, kFirstBeam, kLastBeam);
+  const int id = AddWall(0.0, 0.0, -5.0, 30.0);
+  EXPECT_EQ(Find(), id);
+}
+
 TEST_F(AssociationTest, TakesTheMostProbable) {
   AddWall(3.0 * SigmaOffset(), 0.0, -1.0, 1.0);
   AddWall(1.0 * SigmaOffset(), 0.0, -1.0, 1.0);

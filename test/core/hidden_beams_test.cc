@@ -102,14 +102,28 @@ TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
   EXPECT_EQ(std::find(beams.begin(), beams.end(), 86), beams.end());
 }
 
-// Where along the wall a beam at 1 degree lies is for the pose to say, to decimetres.
-TEST_F(HiddenBeamsTest, WithOpeningsGrazingBeamsMayLieInOne) {
+// Where along the wall a beam at 1 or 2 degrees lies, 1.36 m below the origin or 0.07 m above
+// it, is for the pose to say, to decimetres.
+TEST_F(HiddenBeamsTest, GrazingBeamsNearAnOpeningMayLieInIt) {
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
+  const auto hidden_with_opening_at = [&](double height) {
+    OpeningMap openings;
+    for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, height});
+    return Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall));
+  };
+  EXPECT_EQ(hidden_with_opening_at(-0.8), std::vector<int>{1});
+  EXPECT_EQ(hidden_with_opening_at(0.1), std::vector<int>{2});
+  const OpeningMap none;
+  EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(none.OpeningsOf(wall)).empty());
+}
+
+TEST_F(HiddenBeamsTest, BeamsAlmostAlongAPlaneWithOpeningsMayLieInAny) {
+  line_.angle_increment = 0.1 * kDegree;
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
   OpeningMap openings;
-  EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall)).empty());
-  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, -0.8});
-  EXPECT_EQ(Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall)),
-            std::vector<int>({1, 2}));
+  for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, 0.1});
+  EXPECT_EQ(Beams(Candidate(wall), 2, 3).InOpenings(openings.OpeningsOf(wall)),
+            std::vector<int>{2});
 }
 
 }  // namespace
