@@ -46,6 +46,7 @@ void Visit(Options& o, Visitor& v) {
   v.Section("window", [&](auto& s) {
     s.Integer("num_scans", o.window.num_scans, 2, 10000);
     s.Integer("knot_intervals_per_step", o.window.knot_intervals_per_step, 1, 100);
+    s.Flag("recut_segments", o.window.recut_segments);
     s.Flag("keep_statements", o.window.keep_statements);
   });
   v.Section("loop_closure", [&](auto& s) {

@@ -23,12 +23,6 @@ constexpr double kReach = 0.25;  // m
 // Walls whose normals are nearer to each other form no corner.
 constexpr double kMaxCosine = 0.7;
 
-// A wall that a segment crosses, at this share of its length.
-struct WallCrossing {
-  const LandmarkCandidate* wall;
-  double at;
-};
-
 // Beams on both sides of an end that may tell of an opening.
 constexpr int kNumBeams = 8;
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
@@ -108,50 +102,79 @@ bool HiddenBeams::IsNearOpening(const Meeting& meeting,
   return openings.MayBeAlong(*at - reach, *at + reach);
 }
 
-std::vector<int> HiddenBeams::BehindCorners(
-    const std::vector<LandmarkCandidate>& others) const {
-  std::vector<int> beams;
-  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const Meeting meeting = MakeMeeting();
+HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
+    const Meeting& meeting, const std::vector<LandmarkCandidate>& others) const {
+  WallCrossings crossings;
   const std::optional<Eigen::Vector3d> start =
       MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
   const std::optional<Eigen::Vector3d> end =
       MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam), kMinCosine);
-  if (!start || !end) return beams;
-  const auto point_at = [&](double share) -> Eigen::Vector3d {
-    return *start + share * (*end - *start);
-  };
-  std::vector<WallCrossing> leaving;   // goes behind the wall
-  std::vector<WallCrossing> entering;  // comes from behind it
+  if (!start || !end) return crossings;
+  crossings.start = *start;
+  crossings.end = *end;
   for (const LandmarkCandidate& other : others) {
     if (other.landmark->model != PlaneModel::kVertical) continue;
     const double from = other.normal.dot(*start) - other.distance;
     const double to = other.normal.dot(*end) - other.distance;
     if (from * to >= 0.0) continue;
-    (from > 0.0 ? leaving : entering).push_back({&other, from / (from - to)});
+    auto& of_kind = from > 0.0 ? crossings.leaving : crossings.entering;
+    of_kind.push_back({&other, from / (from - to)});
   }
+  return crossings;
+}
+
+double HiddenBeams::BeamAt(const WallCrossings& crossings, double share) const {
   const Rigid3d scanner_from_world = (poses.middle() * scanner.body_from_scanner).Inverse();
-  const auto beam_at = [&](double share) {
-    const Eigen::Vector3d p = scanner_from_world * point_at(share);
-    const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
-    return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
-  };
-  for (const WallCrossing& first : leaving) {
-    for (const WallCrossing& second : entering) {
+  const Eigen::Vector3d p = scanner_from_world * crossings.PointAt(share);
+  const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
+  return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
+}
+
+std::vector<int> HiddenBeams::BehindCorners(
+    const std::vector<LandmarkCandidate>& others) const {
+  std::vector<int> beams;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
+  const WallCrossings crossings = FindCrossings(MakeMeeting(), others);
+  for (const WallCrossing& first : crossings.leaving) {
+    for (const WallCrossing& second : crossings.entering) {
       if (first.at >= second.at) continue;
       if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCosine) continue;
-      const Eigen::Vector3d middle = point_at(0.5 * (first.at + second.at));
+      const Eigen::Vector3d middle = crossings.PointAt(0.5 * (first.at + second.at));
       const auto is_near = [&](const WallCrossing& crossing) {
         return crossing.wall->landmark->extent.IsNear(middle, middle, kReach);
       };
       if (!is_near(first) || !is_near(second)) continue;
       // One beam more on both sides, for the motion within the scan line.
-      const auto [low, high] = std::minmax({beam_at(first.at), beam_at(second.at)});
+      const auto [low, high] =
+          std::minmax({BeamAt(crossings, first.at), BeamAt(crossings, second.at)});
       const int from = std::max(first_beam, static_cast<int>(std::ceil(low)) - 1);
       const int to = std::min(last_beam, static_cast<int>(std::floor(high)) + 1);
       for (int beam = from; beam <= to; ++beam) beams.push_back(beam);
     }
   }
+  return beams;
+}
+
+std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& others) const {
+  std::vector<int> beams;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
+  const Meeting meeting = MakeMeeting();
+  const WallCrossings crossings = FindCrossings(meeting, others);
+  const auto is_hidden = [&](int beam, const LandmarkCandidate& wall) {
+    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
+    return at && wall.normal.dot(*at) - wall.distance > -kReach &&
+           wall.landmark->extent.IsNear(*at, *at, kReach);
+  };
+  // From the crossing away from the wall, both ways along the segment.
+  const auto add = [&](const WallCrossing& crossing, int step) {
+    int beam = static_cast<int>(std::lround(BeamAt(crossings, crossing.at)));
+    for (; beam >= first_beam && beam <= last_beam && is_hidden(beam, *crossing.wall);
+         beam += step) {
+      beams.push_back(beam);
+    }
+  };
+  for (const WallCrossing& crossing : crossings.leaving) add(crossing, 1);
+  for (const WallCrossing& crossing : crossings.entering) add(crossing, -1);
   return beams;
 }
 

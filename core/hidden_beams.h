@@ -32,8 +32,27 @@ struct HiddenBeams {
   // the two faces of a corner that stands into the segment. Without a corner there, nothing is
   // behind both that a beam could reach.
   std::vector<int> BehindCorners(const std::vector<LandmarkCandidate>& others) const;
+  // Those that meet a floor or ceiling close behind a single wall, where it has been seen:
+  // they end on its face. Tells a corner of which the other face has not come into view yet,
+  // at the price of the floor beside a door's jambs.
+  std::vector<int> BehindWalls(const std::vector<LandmarkCandidate>& others) const;
 
  private:
+  // A wall that the segment crosses, at this share of its length.
+  struct WallCrossing {
+    const LandmarkCandidate* wall;
+    double at;
+  };
+  // All of them, on the way from the segment's first beam to its last.
+  struct WallCrossings {
+    Eigen::Vector3d start;  // where these two beams meet the plane, in the world
+    Eigen::Vector3d end;
+    std::vector<WallCrossing> leaving;   // goes behind the wall
+    std::vector<WallCrossing> entering;  // comes from behind it
+
+    Eigen::Vector3d PointAt(double share) const { return start + share * (end - start); }
+  };
+
   // Where beams meet the plane.
   struct Meeting {
     PlaneTrace trace;
@@ -42,6 +61,11 @@ struct HiddenBeams {
 
   Meeting MakeMeeting() const;
   int64_t BeamInstantNs(int beam) const;
+  // None where an end is too grazing to tell where it lies.
+  WallCrossings FindCrossings(const Meeting& meeting,
+                              const std::vector<LandmarkCandidate>& others) const;
+  // The beam that meets the plane at a share of the segment's length, whole or between two.
+  double BeamAt(const WallCrossings& crossings, double share) const;
   // Where a beam along a direction meets the plane, in the world; nothing where the cosine of
   // the angle between beam and normal is below a minimum.
   std::optional<Eigen::Vector3d> MeetingPoint(const Meeting& meeting,

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/initialisation.h"
 #include "core/scan_reader.h"
+#include "core/segment_ends.h"
 #include "core/stopwatch.h"
 #include "core/tracker.h"
 #include "core/window.h"
@@ -266,12 +267,21 @@ void Follower::Follow(const Scan& scan) {
   tracker_->Track(
       first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
   CheckNotLost(scan.end_ns);
+  // Where an unsteady rig was, and so where planes meet, is hardly known.
+  if (options_.window.recut_segments && tracker_->IsSteady(scan.end_ns)) {
+    RecutScan(rig_,
+              options_,
+              scan,
+              static_cast<size_t>(first),
+              tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
+              state_.get());
+  }
   poses_.emplace(state_->trajectory);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {
       Accept(index, true);
-    } else {
+    } else if (observation.num_points > 0) {  // has beams left
       candidates_.Offer(
           observation,
           index,

@@ -43,6 +43,7 @@ struct WindowOptions {
   int num_scans = 10;  // estimated together; what is older is marginalised
   // While the tracker alone follows the rig well; else one.
   int knot_intervals_per_step = 2;
+  bool recut_segments = true;  // cut segments where the planes known so far meet
   // Whether what it states, pose by pose, is kept for the result: what one knows on the way.
   bool keep_statements = false;
 };

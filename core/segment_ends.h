@@ -1,10 +1,12 @@
 #pragma once
 
+#include "core/association.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
 #include "core/opening_map.h"
 #include "core/recording.h"
 #include "core/rig.h"
+#include "core/scan_reader.h"
 
 namespace plumbline {
 
@@ -20,9 +22,9 @@ namespace plumbline {
 // for the next call; counted: nullptr where there is none. An end is left alone where the
 // segment still follows its plane when the other would be far off; where no plane meets its
 // own, and where beams have been left out, beams that are hardly the plane's go. Observations
-// left without beams (num_points = 0), or off their plane, lose their landmark. In the last
-// call, where nothing is counted, all segments are taken to their planes' traces
-// (MakeObservationOn); before, those that change.
+// left without beams (num_points = 0), or off their plane, lose their landmark. Segments that
+// change are taken to their planes' traces (MakeObservationOn); in the last call, where
+// nothing is counted, also those that are on no trace of their plane yet.
 //
 // Beams beyond such an end that lie on the plane met there, and belong to no segment, become
 // short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
@@ -33,5 +35,18 @@ int RecutSegments(const Rig& rig,
                   const OpeningMap& openings,
                   OpeningMap* counted,
                   MapState* state);
+
+// The same for the scan that the rig has just been tracked by, with the planes known so far:
+// its observations, the last ones from first_observation on. All that have a landmark are
+// taken to its trace, and stay there: what the batch knows better of the plane is small beside
+// the noise of the segment's own line. There are no openings and no short runs yet, and of
+// most corners only one face has been seen: what lies close behind it is left out too
+// (HiddenBeams::BehindWalls). pose_covariance: of the rig's poses in the scan, at most.
+void RecutScan(const Rig& rig,
+               const MapperOptions& options,
+               const Scan& scan,
+               size_t first_observation,
+               const Matrix6d& pose_covariance,
+               MapState* state);
 
 }  // namespace plumbline

@@ -238,7 +238,7 @@ void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
 }
 
 bool Tracker::FollowsWell(int64_t now_ns) const {
-  return usual_share_ > kGoodShare && now_ns >= loose_until_ns_;
+  return usual_share_ > kGoodShare && IsSteady(now_ns);
 }
 
 Matrix6d Tracker::UnsteadyCovariance() const {

@@ -48,6 +48,8 @@ class Tracker {
   // Whether it may go on without the window for a while: the rig moves steadily, and most of
   // what the scans show are known planes.
   bool FollowsWell(int64_t now_ns) const;
+  // Whether the rig moves as its spline can follow.
+  bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
 
   // Uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }

@@ -35,7 +35,7 @@ MapperOptions UnusualOptions() {
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125};
   o.planes = {11, 1.75, 7, 2.5};
-  o.window = {33, 3, true};
+  o.window = {33, 3, false, true};
   o.loop_closure = {false, 77};
   o.batch = {FactorKind::kPoint, 3, false};
   o.max_gap_s = 0.6;
@@ -57,6 +57,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.planes.max_candidate_age_s, 2.5);
   EXPECT_EQ(read.window.num_scans, 33);
   EXPECT_EQ(read.window.knot_intervals_per_step, 3);
+  EXPECT_FALSE(read.window.recut_segments);
   EXPECT_TRUE(read.window.keep_statements);
   EXPECT_FALSE(read.loop_closure.enabled);
   EXPECT_EQ(read.loop_closure.max_gap_scans, 77);

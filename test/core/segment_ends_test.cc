@@ -329,5 +329,77 @@ TEST_F(SegmentEndsTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
   EXPECT_GT((noisy.offset() - clean.offset()).norm(), 0.1);
 }
 
+class RecutScanTest : public SegmentEndsTest {
+ protected:
+  void RecutTracked() {
+    Scan scan;
+    scan.scan_lines = {line_};
+    scan.scan_line_indices = {0};
+    RecutScan(rig_, MapperOptions(), scan, 0, Matrix6d::Zero(), state_.get());
+  }
+};
+
+TEST_F(RecutScanTest, MovesEndsToTheCorner) {
+  AddSideWall(2.0);
+  for (const int last : {kLast - 5, kLast + 2}) {
+    state_->observations.clear();
+    AddObservation(kFront, 40, last);
+    RecutTracked();
+    EXPECT_EQ(observation(0).last_beam, kLast);
+    EXPECT_EQ(observation(0).landmark_id, kFront);
+  }
+  EXPECT_TRUE(state_->short_runs.empty());
+}
+
+TEST_F(RecutScanTest, WhatHasNoPlaneStaysAsItIs) {
+  AddSideWall(2.0);
+  AddObservation(kFront, 40, kLast + 2);
+  state_->observations[0].landmark_id = -1;
+  RecutTracked();
+  EXPECT_EQ(observation(0).last_beam, kLast + 2);
+  EXPECT_EQ(observation(0).revision, 0);
+}
+
+TEST_F(RecutScanTest, TakesSegmentsToTheirPlanes) {
+  AddSideWall(2.0);
+  AddObservation(kFront, 60, kLast);
+  RecutTracked();
+  const SegmentMeasurement clean = observation(0).measurement;
+  state_->observations.clear();
+  for (size_t beam = 0; beam < line_.ranges.size(); ++beam) {
+    line_.ranges[beam] += beam % 3 == 0 ? 0.04f : -0.02f;
+  }
+  AddObservation(kFront, 60, kLast);
+  EXPECT_GT((observation(0).measurement.root() - clean.root()).norm(), 1e-2);
+  RecutTracked();
+  ASSERT_EQ(observation(0).measurement.rows.rows(), clean.rows.rows());
+  EXPECT_LT((observation(0).measurement.root() - clean.root()).norm(),
+            1e-9 * clean.root().norm());
+  EXPECT_EQ(observation(0).taken_to, kFront) << "for the batch to see";
+}
+
+// The front wall, turned into a floor 2 m below the scanner. A wall stands on it beyond
+// y = -1 m; of its corner the other face has not been seen.
+TEST_F(RecutScanTest, BeamsCloseBehindAWallGo) {
+  Eigen::Matrix3d rotation;
+  rotation.col(0) = -Eigen::Vector3d::UnitZ();
+  rotation.col(1) = Eigen::Vector3d::UnitY();
+  rotation.col(2) = Eigen::Vector3d::UnitX();
+  rig_.scanners[0].body_from_scanner.rotation = Eigen::Quaterniond(rotation);
+  state_->landmarks.clear();
+  Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, -2.0});
+  floor.extent.AddSegment({0.0, -3.0, -2.0}, {0.0, 1.0, -2.0});
+  floor.num_segments = 1;
+  state_->landmarks.push_back(floor);
+  AddWall({0.6, 0.8, 0.0}, {-0.4, -0.7, -2.0}, {0.4, -1.3, -2.0});
+  AddObservation(0, 40, kLast);
+  state_->observations[0].tangent = Eigen::Vector2d::UnitY();
+  RecutTracked();
+  EXPECT_EQ(observation(0).first_beam, 40);
+  EXPECT_EQ(observation(0).last_beam, kLast);
+  EXPECT_EQ(observation(0).excluded_beams, std::vector<int>({57, 58, 59, 60, 61, 62, 63}));
+  EXPECT_EQ(observation(0).num_points, kLast - 40 + 1 - 7);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -126,6 +126,24 @@ TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
   EXPECT_GE(planes.size(), 3u);
 }
 
+// Without noise, what is wrong with the window's planes is mostly beams of their neighbours.
+TEST_F(MappingEstimateTest, WindowsPlanesKeepToTheirOwnBeams) {
+  Scenario scenario = Base();
+  scenario.more = "noise: {scale: 0}\n";
+  const SimulatedRecording recording = Simulate(scenario);
+  WriteRecording(recording);
+  const auto sum_of_squares = [&](const std::string& recut) {
+    Map("window: {keep_statements: true, recut_segments: " + recut + "}\n");
+    std::filesystem::rename(Path("result/window_planes.json"), Path("result/planes.json"));
+    double sum = 0.0;
+    for (const PlaneMatch& match : EvaluateResult(recording).planes.list) {
+      sum += std::pow(match.distance_m / match.sigma_distance_m, 2);
+    }
+    return sum;
+  };
+  EXPECT_LT(sum_of_squares("true"), 0.5 * sum_of_squares("false"));
+}
+
 TEST(VarianceFactorTest, SmallIsSilentLargeWarnsAstrayIsAnError) {
   EXPECT_FALSE(JudgeVarianceFactor(1.0));
   EXPECT_FALSE(JudgeVarianceFactor(2.9));

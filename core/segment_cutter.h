@@ -1,0 +1,102 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/association.h"
+#include "core/mapper_options.h"
+#include "core/observation.h"
+#include "core/opening_map.h"
+#include "core/plane_meetings.h"
+#include "core/rig.h"
+#include "core/scan_line.h"
+#include "core/scan_trace.h"
+#include "core/trajectory.h"
+
+namespace plumbline {
+
+// Cuts the segments of single scan lines anew where their planes meet others: what cutting has
+// in common in the batch and while the rig is tracked (core/segment_ends.h).
+class SegmentCutter {
+ public:
+  struct Range {
+    int first;
+    int last;
+  };
+  // Where a segment ends now.
+  struct NewEnd {
+    int beam;
+    const LandmarkCandidate* beyond = nullptr;  // that may be given beams there
+    std::optional<Trace> trace = std::nullopt;  // of its own plane, if it has one
+    bool is_met = false;                        // by another plane
+  };
+  struct Ends {
+    NewEnd first;
+    NewEnd last;
+  };
+
+  // The trajectory stays as it is meanwhile. openings: of the landmarks, by id; nullptr while
+  // the rig is tracked: none is known yet, nor is every face of a corner. counted: counts them
+  // anew; may be nullptr.
+  SegmentCutter(const Rig& rig,
+                const MapperOptions& options,
+                const Trajectory& trajectory,
+                const std::vector<PlaneOpenings>* openings,
+                OpeningMap* counted);
+
+  // The planes that may bound segments, their own included.
+  void SetCandidates(std::vector<LandmarkCandidate> candidates) {
+    candidates_ = std::move(candidates);
+  }
+  const std::vector<LandmarkCandidate>& candidates() const { return candidates_; }
+  const LandmarkCandidate* Find(int landmark_id) const;
+  PoseSampler* sampler() { return &sampler_; }
+  SharedPoses* poses() { return &poses_; }
+
+  // Where the observations [first, last) of a scan line end, each at both sides.
+  std::vector<Ends> FindEnds(const ScanLine& scan_line,
+                             const std::deque<Observation>& observations,
+                             size_t first,
+                             size_t last);
+  // The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
+  int Extend(const ScanLine& scan_line, const Trace& trace, const FreeEnd& end, int to) const;
+  // The range between the ends, shorter where the beams there can not lie on the segment's
+  // plane or are off it; other such beams are left out. Returns whether the segment is another
+  // one then.
+  bool LeaveOutHidden(const ScanLine& scan_line,
+                      const Ends& ends,
+                      Range* range,
+                      Observation* observation);
+  // Makes the observation anew of the beams in the range, on its plane's trace. It loses its
+  // landmark where it has no beams left, or lies on its plane no more.
+  void Replace(const ScanLine& scan_line,
+               const Range& range,
+               const Matrix6d& pose_covariance,
+               Observation* observation);
+
+ private:
+  NewEnd FindEnd(const ScanLine& scan_line,
+                 const Observation& observation,
+                 const FreeEnd& end);
+  const LandmarkCandidate* Beyond(const std::vector<PlaneMeeting>& meetings,
+                                  int last,
+                                  int scan_index) const;
+  bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
+  // Those between two beams of an observation, on this plane.
+  std::vector<int> HiddenBeamsOf(const ScanLine& scan_line,
+                                 const Observation& observation,
+                                 const LandmarkCandidate& own,
+                                 const Range& range);
+
+  const Rig& rig_;
+  const MapperOptions& options_;
+  const std::vector<PlaneOpenings>* openings_;
+  OpeningMap* counted_;
+  PoseSampler sampler_;
+  SharedPoses poses_;
+  std::vector<LandmarkCandidate> candidates_;
+};
+
+}  // namespace plumbline
