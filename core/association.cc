@@ -13,15 +13,16 @@ namespace {
 constexpr double kCoarseMargin = 4.0;
 // For the motion during a scan and cells that reach beyond what was seen.
 constexpr double kReachMargin = 1.0;  // m
+constexpr double kRounding = 1e-6;    // m
 
 // The centroid on the straight line between the ends, where they were measured.
 Eigen::Vector3d CentroidWorld(const Observation& observation,
                               const Eigen::Vector3d& start_world,
                               const Eigen::Vector3d& end_world) {
-  const Eigen::Vector2d along = observation.end - observation.start;
+  const Eigen::Vector2d along = observation.end() - observation.start();
   const double length2 = along.squaredNorm();
   if (!(length2 > 0.0)) return start_world;
-  const double share = along.dot(observation.centroid - observation.start) / length2;
+  const double share = along.dot(observation.centroid() - observation.start()) / length2;
   return start_world + share * (end_world - start_world);
 }
 
@@ -46,7 +47,11 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
   candidates.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) {
     if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
-      candidates.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+      candidates.push_back({&landmark,
+                            landmark.Normal(),
+                            landmark.Distance(),
+                            landmark.extent.Centre(),
+                            landmark.extent.radius_m()});
     }
   }
   return candidates;
@@ -62,6 +67,8 @@ std::vector<LandmarkCandidate> CandidatesWithinReach(
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {
+    const double sphere_m = reach_m + candidate.radius_m + kRounding;
+    if ((p_world - candidate.centre_world).squaredNorm() > sphere_m * sphere_m) continue;
     if (candidate.landmark->extent.IsWithinReach(p_world, reach_m)) {
       within.push_back(candidate);
     }
@@ -84,7 +91,7 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
                                  .body_from_scanner.translation.norm();
     farthest = std::max(
-        farthest, lever_arm + std::max(observation.start.norm(), observation.end.norm()));
+        farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
   }
   // So far off its plane an observation may be for the pose alone.
   const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
@@ -111,8 +118,8 @@ std::vector<PossibleLandmark> PossibleLandmarks(
   // Within one scan line a turn moves far points by decimetres.
   const ScanMotion motion = poses.MotionOf(body_from_scanner);
   const Eigen::Vector3d start_world =
-      motion.ToWorld(observation.start, observation.start_time_ns);
-  const Eigen::Vector3d end_world = motion.ToWorld(observation.end, observation.end_time_ns);
+      motion.ToWorld(observation.start(), observation.start_time_ns);
+  const Eigen::Vector3d end_world = motion.ToWorld(observation.end(), observation.end_time_ns);
   const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
   const double pose_variance = MaxVariance(
       pose_covariance, (centroid_world - poses.middle().translation).squaredNorm());
@@ -120,8 +127,10 @@ std::vector<PossibleLandmark> PossibleLandmarks(
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
   const double gate = TwoDegreesQuantile(options.significance);
   std::vector<PossibleLandmark> possible;
-  for (const auto& [landmark_at, normal, distance] : candidates) {
-    const Landmark& landmark = *landmark_at;
+  for (const LandmarkCandidate& candidate : candidates) {
+    const Landmark& landmark = *candidate.landmark;
+    const Eigen::Vector3d& normal = candidate.normal;
+    const double distance = candidate.distance;
     if (normal.dot(world_from_scanner.translation) <= distance) continue;
     // Cheap first: a distance that no covariance can explain.
     Eigen::RowVector2d by_plane(-1.0, 0.0);

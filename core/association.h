@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <limits>
 #include <vector>
 
 #include "core/landmark.h"
@@ -23,6 +24,10 @@ struct LandmarkCandidate {
   const Landmark* landmark = nullptr;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   double distance = 0.0;
+  // A sphere around all that has been seen of it: of hundreds of planes a scan reaches a few,
+  // and most others are told by it, without a look at the landmark itself.
+  Eigen::Vector3d centre_world = Eigen::Vector3d::Zero();
+  double radius_m = std::numeric_limits<double>::infinity();
 };
 
 // The landmarks with segments that observations of this scan may belong to.

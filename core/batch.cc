@@ -34,7 +34,8 @@ constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
 constexpr int64_t kMaxRunsShare = 3;
-constexpr int kIntervalsPerGroup = 2;
+// Groups of two take a fifth more memory, of six hardly less; see also kTileControlPoints.
+constexpr int kIntervalsPerGroup = 4;
 
 class Batch {
  public:
@@ -175,8 +176,8 @@ class Batch {
             .MotionOf(rig_.scanners[static_cast<size_t>(observation.scanner_index)]
                           .body_from_scanner);
     return !landmark.extent.OthersAreNear(
-        motion.ToWorld(observation.start, observation.start_time_ns),
-        motion.ToWorld(observation.end, observation.end_time_ns),
+        motion.ToWorld(observation.start(), observation.start_time_ns),
+        motion.ToWorld(observation.end(), observation.end_time_ns),
         options_.association.max_gap_m);
   }
 
@@ -279,7 +280,7 @@ class Batch {
       const double offset =
           ObservationWeights(rig_, poses.Of(observation), state_->landmarks, observation)
               .offset;
-      constant += offset * offset * observation.measurement.constant;
+      constant += offset * offset * observation.measurement.constant();
     };
     for (const Observation& observation : state_->observations) add(observation);
     for (const Observation& run : state_->short_runs) add(run);

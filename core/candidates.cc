@@ -40,8 +40,8 @@ void Record(const Observation& observation,
             const TypeEvidence& evidence,
             PlaneCandidate* candidate) {
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
-  candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start),
-                                        world_from_scanner * Lift(observation.end));
+  candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
+                                        world_from_scanner * Lift(observation.end()));
   candidate->observations.push_back(observation_index);
   candidate->scans.insert(observation.scan_index);
   candidate->scanners.insert(observation.scanner_index);
@@ -56,7 +56,7 @@ TypeEvidence JudgeType(const Observation& observation,
                        const Eigen::Quaterniond& world_from_scanner,
                        double direction_sigma_rad,
                        double significance) {
-  const Eigen::Vector3d direction = world_from_scanner * Lift(observation.tangent);
+  const Eigen::Vector3d direction = world_from_scanner * Lift(observation.tangent());
   const Eigen::Vector3d scan_normal = world_from_scanner * Eigen::Vector3d::UnitZ();
   const double tilt_sine = scan_normal.head<2>().norm();
   const double sigmas = std::sqrt(TwoDegreesQuantile(significance));
@@ -81,8 +81,8 @@ bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
   const Landmark& landmark = candidate.landmark;
   if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) return false;
-  if (!landmark.extent.IsNear(world_from_scanner * Lift(observation.start),
-                              world_from_scanner * Lift(observation.end),
+  if (!landmark.extent.IsNear(world_from_scanner * Lift(observation.start()),
+                              world_from_scanner * Lift(observation.end()),
                               options_.association.max_gap_m)) {
     return false;
   }
@@ -133,13 +133,14 @@ void CandidatePlanes::Offer(const Observation& observation,
       observation.sigma_direction_rad > max_sigma) {
     return;
   }
-  const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid);
+  const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid());
   PlaneCandidate candidate;
   if (evidence.can_be_horizontal) {
     const double sign = world_from_scanner.translation.z() > centroid.z() ? 1.0 : -1.0;
     candidate.landmark = MakeHorizontalLandmark(sign, centroid);
   } else if (evidence.can_be_vertical) {
-    const Eigen::Vector3d direction = world_from_scanner.rotation * Lift(observation.tangent);
+    const Eigen::Vector3d direction =
+        world_from_scanner.rotation * Lift(observation.tangent());
     Eigen::Vector3d normal = direction.cross(Eigen::Vector3d::UnitZ());
     if (normal.dot(world_from_scanner.translation - centroid) < 0.0) normal = -normal;
     candidate.landmark = MakeVerticalLandmark(normal, centroid);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -12,18 +14,21 @@ inline int CellIndex(double coordinate) {
   return truncated - (coordinate < truncated ? 1 : 0);
 }
 
-// Counts on the cells of a plane's grid, kept in the rectangle that has been seen.
+// Counts on the cells of a plane's grid, kept in the rectangle that has been seen. Most of a
+// map's grids are empty space: a cell takes two bytes, and its count stays at the largest that
+// they hold.
 class CellGrid {
  public:
   using Cell = std::pair<int, int>;
+  static constexpr int kMaxCount = 65535;
 
   // Throws Error when the rectangle grows beyond any building's.
   void Add(const Cell& cell, int count) {
     if (count <= 0) return;
     if (!Covers(cell)) Cover(cell);
-    int& at = counts_[Index(cell.first - first_.first, cell.second - first_.second)];
+    uint16_t& at = counts_[Index(cell.first - first_.first, cell.second - first_.second)];
     if (at == 0) ++num_occupied_;
-    at += count;
+    at = static_cast<uint16_t>(std::min(at + std::min(count, kMaxCount), kMaxCount));
   }
   int Count(const Cell& cell) const {
     return Covers(cell)
@@ -61,7 +66,7 @@ class CellGrid {
 
   Cell first_ = {0, 0};
   Cell size_ = {0, 0};
-  std::vector<int> counts_;  // row by row
+  std::vector<uint16_t> counts_;  // row by row
   int num_occupied_ = 0;
 };
 

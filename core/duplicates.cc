@@ -118,8 +118,13 @@ bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m
 void MergeInto(int into_id, int from_id, MapState* state) {
   Landmark& into = state->landmarks[static_cast<size_t>(into_id)];
   Landmark& from = state->landmarks[static_cast<size_t>(from_id)];
-  for (Observation& observation : state->observations) {
-    if (observation.landmark_id == from_id) observation.landmark_id = into_id;
+  // It has no observations before its first scan.
+  auto observation = std::partition_point(
+      state->observations.begin(), state->observations.end(), [&](const Observation& earlier) {
+        return earlier.scan_index < from.first_scan;
+      });
+  for (; observation != state->observations.end(); ++observation) {
+    if (observation->landmark_id == from_id) observation->landmark_id = into_id;
   }
   into.extent.Merge(from.extent);
   into.first_scan = std::min(into.first_scan, from.first_scan);

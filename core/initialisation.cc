@@ -53,11 +53,12 @@ std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& sc
     Line line;
     line.observation = static_cast<int>(i);
     line.scanner = observation.scanner_index;
-    line.point_body = body_from_scanner *
-                      Eigen::Vector3d(observation.centroid.x(), observation.centroid.y(), 0.0);
+    line.point_body =
+        body_from_scanner *
+        Eigen::Vector3d(observation.centroid().x(), observation.centroid().y(), 0.0);
     line.direction_body =
         body_from_scanner.rotation *
-        Eigen::Vector3d(observation.tangent.x(), observation.tangent.y(), 0.0);
+        Eigen::Vector3d(observation.tangent().x(), observation.tangent().y(), 0.0);
     line.scan_normal_body = body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
     line.length_m = observation.length_m();
     line.sigma_rad = observation.sigma_direction_rad;

@@ -75,7 +75,7 @@ void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector
     max_ = max_.cwiseMax(p);
     hull_points_.push_back(p);
   }
-  constexpr size_t kReduceAt = 4096;
+  constexpr size_t kReduceAt = 512;
   if (hull_points_.size() > kReduceAt) hull_points_ = HullOf(std::move(hull_points_));
 }
 

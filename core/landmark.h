@@ -70,6 +70,9 @@ class PatchExtent {
   Eigen::Vector3d ToWorld(const Eigen::Vector2d& uv) const {
     return anchor_ + uv.x() * u_axis_ + uv.y() * v_axis_;
   }
+  // Middle of the bounding rectangle, and half its diagonal.
+  Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
+  double radius_m() const { return 0.5 * (max_ - min_).norm(); }
   const Eigen::Vector3d& anchor() const { return anchor_; }
   const Eigen::Vector3d& u_axis() const { return u_axis_; }
   const Eigen::Vector3d& v_axis() const { return v_axis_; }

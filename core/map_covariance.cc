@@ -10,8 +10,9 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumWeakDirections = 3;
-// A residual's control points lie in two adjacent tiles of so many.
-constexpr int kTileControlPoints = 6;
+// A residual's control points lie in two adjacent tiles of so many: a group of the batch has
+// nine at most and begins at every fourth.
+constexpr int kTileControlPoints = 8;
 
 // Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
 // their vectors.

@@ -114,12 +114,14 @@ Observation ObserveBeams(const ScanLine& scan_line,
     return line.RangeAt(line.normal.dot(direction), measured) * direction;
   };
   Observation observation;
-  observation.start = point_of(segment.first_beam);
-  observation.end = point_of(segment.last_beam);
+  const Eigen::Vector2d start = point_of(segment.first_beam);
+  const Eigen::Vector2d end = point_of(segment.last_beam);
+  observation.first_point = start.cast<float>();
+  observation.last_point = end.cast<float>();
   observation.start_time_ns = scan_line.BeamTime(segment.first_beam) + offset_ns;
   observation.end_time_ns = scan_line.BeamTime(segment.last_beam) + offset_ns;
-  SegmentMoments moments(
-      observation.start, observation.end, observation.start_time_ns, observation.end_time_ns);
+  SegmentMoments moments(start, end, observation.start_time_ns, observation.end_time_ns);
+  std::vector<ObservedPoint> points;
   double out_of_plane = 0.0;
   int middle_beam = segment.first_beam;
   VisitBeams(
@@ -138,19 +140,20 @@ Observation ObserveBeams(const ScanLine& scan_line,
         out_of_plane += across_variance * weight;
         if (2 * index <= segment.num_points) middle_beam = beam;
         if (!keep_points) return;
-        observation.points.push_back({{range * x, range * y},
-                                      scan_line.BeamTime(beam) + offset_ns,
-                                      std::sqrt(weight),
-                                      std::sqrt(weight) * offset});
+        points.push_back({{range * x, range * y},
+                          scan_line.BeamTime(beam) + offset_ns,
+                          std::sqrt(weight),
+                          std::sqrt(weight) * offset});
       });
   moments.Finish();
   const Eigen::Vector2d normal = line_of(middle_beam).normal;
-  observation.tangent = {-normal.y(), normal.x()};
+  observation.points = points;
   observation.num_points = segment.num_points;
-  observation.centroid = moments.Centroid();
-  observation.out_of_plane_ratio = out_of_plane / segment.num_points;
-  observation.measurement = moments.Compress(
-      Nodes(scan_line, offset_ns, observation.start_time_ns, observation.end_time_ns));
+  observation.out_of_plane_ratio = static_cast<float>(out_of_plane / segment.num_points);
+  observation.measurement = StoredMeasurement(
+      moments.Compress(
+          Nodes(scan_line, offset_ns, observation.start_time_ns, observation.end_time_ns)),
+      {moments.Centroid(), {-normal.y(), normal.x()}});
   return observation;
 }
 
@@ -159,8 +162,8 @@ void Describe(const Segment& segment, const ScanLine& scan_line, Observation* ob
   observation->first_beam = segment.first_beam;
   observation->last_beam = segment.last_beam;
   observation->excluded_beams = segment.excluded_beams;
-  observation->sigma_offset_m = segment.sigma_offset_m;
-  observation->sigma_direction_rad = segment.sigma_direction_rad;
+  observation->sigma_offset_m = static_cast<float>(segment.sigma_offset_m);
+  observation->sigma_direction_rad = static_cast<float>(segment.sigma_direction_rad);
 }
 
 }  // namespace
@@ -236,13 +239,13 @@ ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
 
 ObservationPoses::ObservationPoses(const Trajectory& trajectory,
                                    const Observation& observation)
-    : times_ns(observation.measurement.node_times_ns) {
+    : times_ns(observation.measurement.node_times_ns()) {
   PoseSampler poses(trajectory);
   for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses.WorldFromBody(times_ns[k]);
 }
 
 const ObservationPoses& SharedPoses::Of(const Observation& observation) {
-  const std::array<int64_t, 3>& times_ns = observation.measurement.node_times_ns;
+  const std::array<int64_t, 3> times_ns = observation.measurement.node_times_ns();
   for (const ObservationPoses& poses : kept_) {
     // The one between them follows.
     if (poses.times_ns[0] == times_ns[0] && poses.times_ns[2] == times_ns[2]) return poses;
@@ -272,28 +275,33 @@ LineDeviation DeviationFromPlane(const Observation& observation,
                                  const Landmark& landmark) {
   const Eigen::Vector3d normal = landmark.Normal();
   const double distance = landmark.Distance();
-  const auto root = observation.measurement.root();
+  const auto rows = observation.measurement.rows();
+  const Eigen::Matrix3d to_segment = observation.measurement.frame().Matrix().transpose();
   Eigen::Matrix<double, 9, 1> g;
   for (int k = 0; k < 3; ++k) {
     const Rigid3d world_from_scanner =
         poses.world_from_body[static_cast<size_t>(k)] * body_from_scanner;
     const Eigen::Vector3d normal_scanner = world_from_scanner.rotation.conjugate() * normal;
-    g.segment<3>(3 * k) << normal_scanner.x(), normal_scanner.y(),
-        normal.dot(world_from_scanner.translation) - distance;
+    g.segment<3>(3 * k) =
+        to_segment * Eigen::Vector3d(normal_scanner.x(),
+                                     normal_scanner.y(),
+                                     normal.dot(world_from_scanner.translation) - distance);
   }
-  // A line that deviates by offset + slope * (tangent . (s - centroid)) adds shift * (offset,
-  // slope) to g, the same at every node.
+  // A line that deviates by an offset and a slope, both at the centroid, adds them to g, the
+  // same at every node.
   Eigen::Matrix<double, 9, 2> shift;
   for (int k = 0; k < 3; ++k) {
-    shift.middleRows<3>(3 * k) << 0.0, observation.tangent.x(), 0.0,
-        observation.tangent.y(),  //
-        1.0, -observation.tangent.dot(observation.centroid);
+    shift.middleRows<3>(3 * k) << 0.0, 1.0,  //
+        0.0, 0.0,                            //
+        1.0, 0.0;
   }
   const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
   const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
   // At most nine rows: nothing is allocated, and products are unrolled.
+  const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> root =
+      rows.leftCols<9>().cast<double>();
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals =
-      weights.scale * root.lazyProduct(g) + weights.offset * observation.measurement.offset();
+      weights.scale * root.lazyProduct(g) + weights.offset * rows.col(9).cast<double>();
   const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 9, 2> design =
       weights.scale * root.lazyProduct(shift);
   const Eigen::Matrix2d information = design.transpose().lazyProduct(design);
@@ -302,17 +310,17 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   deviation.covariance = information.inverse();
   deviation.value = deviation.covariance * design.transpose().lazyProduct(residuals);
   deviation.chi2 = residuals.squaredNorm() +
-                   weights.offset * weights.offset * observation.measurement.constant;
+                   weights.offset * weights.offset * observation.measurement.constant();
   deviation.remaining_chi2 =
       std::max(0.0, deviation.chi2 - deviation.value.dot(information * deviation.value));
   deviation.num_residuals = static_cast<int>(residuals.size());
 
   const Eigen::Vector3d centroid_world =
       world_from_scanner *
-      Eigen::Vector3d(observation.centroid.x(), observation.centroid.y(), 0.0);
+      Eigen::Vector3d(observation.centroid().x(), observation.centroid().y(), 0.0);
   const Eigen::Vector3d tangent_world =
       world_from_scanner.rotation *
-      Eigen::Vector3d(observation.tangent.x(), observation.tangent.y(), 0.0);
+      Eigen::Vector3d(observation.tangent().x(), observation.tangent().y(), 0.0);
   const Eigen::Vector3d arm = centroid_world - poses.middle().translation;
   deviation.by_pose.row(0) << arm.cross(normal).transpose(), normal.transpose();
   deviation.by_pose.row(1) << tangent_world.cross(normal).transpose(), 0.0, 0.0, 0.0;

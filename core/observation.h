@@ -11,7 +11,8 @@
 #include "core/scan_motion.h"
 #include "core/segmentation.h"
 #include "core/trajectory.h"
-#include "factors/segment_factor.h"
+#include "factors/compact_array.h"
+#include "factors/stored_measurement.h"
 
 namespace plumbline {
 
@@ -24,32 +25,36 @@ struct ObservedPoint {
 };
 
 // What is kept of one segment of one scan line: its beams compressed to a matrix of at most
-// nine rows (factors/segment_factor.h), a line for association, and its landmark.
+// nine rows (factors/segment_factor.h), a line for association, and its landmark. A long
+// recording has millions of them: no more is kept than is needed.
 struct Observation {
+  StoredMeasurement measurement;
+  Eigen::Vector2f first_point = Eigen::Vector2f::Zero();  // scanner frame, m
+  Eigen::Vector2f last_point = Eigen::Vector2f::Zero();
+  int64_t start_time_ns = 0;  // of the first and last beam, time offset included
+  int64_t end_time_ns = 0;
   int scan_index = 0;
   int scan_line_index = 0;  // position in the recording's sequence of scan lines
   int scanner_index = 0;
   int first_beam = 0;
   int last_beam = 0;  // inclusive
-  std::vector<int> excluded_beams;
   int num_points = 0;
-  SegmentMeasurement measurement;
-  int64_t start_time_ns = 0;  // of the first and last beam, time offset included
-  int64_t end_time_ns = 0;
-  Eigen::Vector2d start = Eigen::Vector2d::Zero();  // scanner frame, m
-  Eigen::Vector2d end = Eigen::Vector2d::Zero();
-  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
-  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
-  double sigma_offset_m = 0.0;  // of the line, along its normal at the centroid
-  double sigma_direction_rad = 0.0;
-  double out_of_plane_ratio = 0.0;  // see WeightsOn
   int landmark_id = -1;
-  int revision = 0;   // counts changes of its beams
-  int taken_to = -1;  // landmark on whose trace the beams are; -1: on the segment's own line
-  std::vector<ObservedPoint> points;  // kept only for the per-point factor
+  int revision = 0;             // counts changes of its beams
+  int taken_to = -1;            // landmark on whose trace the beams are; -1: on its own line
+  float sigma_offset_m = 0.0F;  // of the line, along its normal at the centroid
+  float sigma_direction_rad = 0.0F;
+  float out_of_plane_ratio = 0.0F;  // see WeightsOn
+  CompactArray<int> excluded_beams;
+  CompactArray<ObservedPoint> points;  // kept only for the per-point factor
 
+  // Of its line, scanner frame, m.
+  Eigen::Vector2d start() const { return first_point.cast<double>(); }
+  Eigen::Vector2d end() const { return last_point.cast<double>(); }
+  const Eigen::Vector2d& centroid() const { return measurement.frame().origin; }
+  const Eigen::Vector2d& tangent() const { return measurement.frame().tangent; }
   int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
-  double length_m() const { return (end - start).norm(); }
+  double length_m() const { return (end() - start()).norm(); }
 };
 
 // Compresses a segment. keep_points also stores the single beams.

@@ -20,6 +20,7 @@ ObservationGroup MakeGroup(const Rig& rig,
   for (const Observation* observation : members) ids.push_back(observation->landmark_id);
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  ids.shrink_to_fit();  // few planes, many observations
   std::vector<SegmentGroup::Plane> planes;
   for (const int id : ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
@@ -34,7 +35,7 @@ ObservationGroup MakeGroup(const Rig& rig,
     segment.measurement = &observation->measurement;
     for (size_t k = 0; k < 3; ++k) {
       const Trajectory::Location at =
-          trajectory.Locate(observation->measurement.node_times_ns[k]);
+          trajectory.Locate(observation->measurement.node_times_ns()[k]);
       segment.nodes[k] = {at.first - first, at.u};
     }
     num_control_points = std::max(num_control_points, segment.nodes[2].first + kSplineOrder);
@@ -75,6 +76,24 @@ std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig) {
   return scanners;
 }
 
+// Hash of which observations these are, with which beams and planes: what a list of them would
+// tell, in less memory. The mixing is that of SplitMix64 (Steele et al. 2014).
+uint64_t Fingerprint(const std::vector<const Observation*>& observations) {
+  uint64_t hash = 0;
+  const auto mix = [&hash](uint64_t value) {
+    hash = (hash ^ value) + 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
+    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
+    hash ^= hash >> 31;
+  };
+  for (const Observation* observation : observations) {
+    mix(reinterpret_cast<uintptr_t>(observation));
+    mix(static_cast<uint64_t>(observation->landmark_id));
+    mix(static_cast<uint64_t>(observation->revision));
+  }
+  return hash;
+}
+
 // By the first of so many knot intervals in a row.
 std::map<int, std::vector<const Observation*>> ByInterval(
     const Trajectory& trajectory,
@@ -82,7 +101,7 @@ std::map<int, std::vector<const Observation*>> ByInterval(
     int intervals_per_group) {
   std::map<int, std::vector<const Observation*>> by_interval;
   for (const Observation* observation : observations) {
-    const int interval = trajectory.Locate(observation->measurement.node_times_ns[0]).first;
+    const int interval = trajectory.Locate(observation->measurement.node_times_ns()[0]).first;
     by_interval[interval - interval % intervals_per_group].push_back(observation);
   }
   return by_interval;
@@ -117,13 +136,9 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
   std::vector<const Entry*> entries;
   for (const auto& [first, observed] :
        ByInterval(trajectory, observations, intervals_per_group_)) {
-    std::vector<Member> members;
-    members.reserve(observed.size());
-    for (const Observation* observation : observed) {
-      members.push_back({observation, observation->landmark_id, observation->revision});
-    }
+    const uint64_t fingerprint = Fingerprint(observed);
     Kept& kept = groups_[first];
-    const bool stands = kept.members == members &&
+    const bool stands = kept.entry.group != nullptr && kept.fingerprint == fingerprint &&
                         (kept.huber_width == huber_width || kept.entry.group->is_plain());
     if (!stands) {
       ObservationGroup group =
@@ -131,7 +146,7 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
       kept.entry = {first,
                     std::move(group.landmark_ids),
                     std::make_shared<LinearisedGroup>(std::move(group.group))};
-      kept.members = std::move(members);
+      kept.fingerprint = fingerprint;
       kept.huber_width = huber_width;
     }
     kept.entry.group->set_validity(validity_);

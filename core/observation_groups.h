@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
@@ -60,19 +61,9 @@ class ObservationGroupCache {
   void ForgetBefore(int control_point);
 
  private:
-  struct Member {
-    const Observation* observation;
-    int landmark_id;
-    int revision;
-
-    bool operator==(const Member& other) const {
-      return observation == other.observation && landmark_id == other.landmark_id &&
-             revision == other.revision;
-    }
-  };
   struct Kept {
     Entry entry;
-    std::vector<Member> members;
+    uint64_t fingerprint = 0;  // of its observations
     double huber_width = 0.0;
   };
 

@@ -84,7 +84,7 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   const Rigid3d world_from_scanner =
       sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
       scanner.body_from_scanner;
-  const Eigen::Vector2d& p = at_last ? observation.end : observation.start;
+  const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
   const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
   const Trace trace(world_from_scanner, *own);
   const std::vector<PlaneMeeting> meetings =
@@ -225,8 +225,8 @@ bool SegmentCutter::LeaveOutHidden(const ScanLine& scan_line,
       excluded.end());
   const bool is_another = range->first != observation->first_beam ||
                           range->last != observation->last_beam ||
-                          excluded != observation->excluded_beams;
-  observation->excluded_beams = std::move(excluded);
+                          !(observation->excluded_beams == excluded);
+  observation->excluded_beams = excluded;
   return is_another;
 }
 
@@ -258,12 +258,12 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
   }
   segment.num_points = segment.last_beam - segment.first_beam + 1 -
                        static_cast<int>(segment.excluded_beams.size());
-  segment.normal = {-observation->tangent.y(), observation->tangent.x()};
+  segment.normal = {-observation->tangent().y(), observation->tangent().x()};
   segment.sigma_offset_m = observation->sigma_offset_m;
   segment.sigma_direction_rad = observation->sigma_direction_rad;
   const LandmarkCandidate* own = Find(observation->landmark_id);
   CHECK(own != nullptr) << "a segment out of its own scan line's reach";
-  const PlaneTrace trace(observation->measurement.node_times_ns,
+  const PlaneTrace trace(observation->measurement.node_times_ns(),
                          poses_.Of(*observation).WorldFromScanner(scanner.body_from_scanner),
                          own->normal,
                          own->distance);

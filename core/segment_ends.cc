@@ -150,11 +150,13 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   run.scan_index = nearby.scan_index;
   run.scan_line_index = nearby.scan_line_index;
   run.scanner_index = nearby.scanner_index;
-  run.sigma_offset_m = scanner.range_noise_m / std::sqrt(num_points);
-  run.sigma_direction_rad = M_PI;  // not known without the plane
-  run.measurement.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
-                                              BeamInstant(scan_line, run.last_beam, rig_));
-  if (!nearby.points.empty()) run.points.resize(1);  // so that Replace keeps them too
+  run.sigma_offset_m = static_cast<float>(scanner.range_noise_m / std::sqrt(num_points));
+  run.sigma_direction_rad = static_cast<float>(M_PI);  // not known without the plane
+  SegmentMeasurement nodes;
+  nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
+                                    BeamInstant(scan_line, run.last_beam, rig_));
+  run.measurement = StoredMeasurement(nodes, {});
+  run.points = nearby.points;  // so that Replace keeps them too
   const NewEnd near{first, nullptr, trace, true};
   const NewEnd far{last, nullptr, trace, is_bounded && last == to};
   const Ends ends = end.step > 0 ? Ends{near, far} : Ends{far, near};

@@ -79,7 +79,7 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
         poses.WorldFromBody(observation.middle_time_ns()) *
         rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
     for (const Eigen::Vector2d& p :
-         {observation.start, observation.centroid, observation.end}) {
+         {observation.start(), observation.centroid(), observation.end()}) {
       const Eigen::Vector3d end_world =
           world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
       const Eigen::Vector3d& start_world = world_from_scanner.translation;

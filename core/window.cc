@@ -71,7 +71,8 @@ void Window::AddStart(EstimationProblem* problem) const {
 void Window::Add(int observation_index) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
-  const int first = state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first;
+  const int first =
+      state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
   if (first >= start_) window_.push_back(observation_index);
 }
 
@@ -315,7 +316,7 @@ void Window::Marginalise(int new_start) {
   for (const int index : window_) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     const int first =
-        state_->trajectory.Locate(observation.measurement.node_times_ns[0]).first;
+        state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
     if (first >= new_start) {
       staying.push_back(index);
     } else {

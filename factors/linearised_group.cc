@@ -77,8 +77,27 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
   MarginalisedSystem system =
       Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
   rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
-  root_ = std::move(system.root);
+  order_ = std::move(system.order);
+  packed_root_.clear();
+  packed_root_.reserve(order_.size() * (order_.size() + 1) / 2);
+  for (Eigen::Index row = 0; row < system.root.rows(); ++row) {
+    for (size_t i = static_cast<size_t>(row); i < order_.size(); ++i) {
+      packed_root_.push_back(system.root(row, order_[i]));
+    }
+  }
   offset_ = std::move(system.offset);
+}
+
+Eigen::MatrixXd LinearisedGroup::Root() const {
+  Eigen::MatrixXd root =
+      Eigen::MatrixXd::Zero(offset_.size(), static_cast<Eigen::Index>(order_.size()));
+  auto next = packed_root_.begin();
+  for (Eigen::Index row = 0; row < root.rows(); ++row) {
+    for (size_t i = static_cast<size_t>(row); i < order_.size(); ++i) {
+      root(row, order_[i]) = *next++;
+    }
+  }
+  return root;
 }
 
 void LinearisedGroup::Evaluate(double const* const* parameters,
@@ -88,11 +107,12 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
   const bool is_near = Move(parameters, &step);
   if (!is_near) Linearise(parameters);
   const int num_residuals = group_.size() + 1;
-  const Eigen::Index rank = root_.rows();
+  const Eigen::MatrixXd root = Root();
+  const Eigen::Index rank = root.rows();
   Eigen::Map<Eigen::VectorXd> all(residuals, num_residuals);
   all.setZero();
   all.head(rank) = offset_;
-  if (is_near) all.head(rank).noalias() += root_ * step;
+  if (is_near) all.head(rank).noalias() += root * step;
   all[num_residuals - 1] = rest_;
   if (jacobians == nullptr) return;
   const int num_control_points = group_.num_control_points();
@@ -107,9 +127,9 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
       jacobian.bottomRows(num_residuals - rank).setZero();
       if (is_rotation) {
         jacobian.topRows(rank) =
-            root_.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
+            root.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
       } else {
-        jacobian.topRows(rank) = root_.middleCols(column, size);
+        jacobian.topRows(rank) = root.middleCols(column, size);
       }
     }
     column += tangent_size;

@@ -48,11 +48,14 @@ class LinearisedGroup {
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
   void Linearise(double const* const* parameters);
+  Eigen::MatrixXd Root() const;
 
   SegmentGroup group_;
   Validity validity_ = kFine;
   std::vector<double> at_;
-  Eigen::MatrixXd root_;
+  // Row i of the root without the zeros in the first i variables of the order, row by row.
+  std::vector<double> packed_root_;
+  std::vector<int> order_;
   Eigen::VectorXd offset_;
   double rest_ = 0.0;  // the residual that no unknown can lower
   bool has_outliers_ = false;

@@ -60,6 +60,9 @@ class PivotedElimination {
     return static_cast<int>(end - begin);
   }
 
+  // The variables as they have been eliminated, then the others.
+  const std::vector<int>& order() const { return order_; }
+
  private:
   // In the lower triangle of what is not eliminated yet; b >= a.
   void Swap(Eigen::Index a, Eigen::Index b) {
@@ -67,8 +70,9 @@ class PivotedElimination {
     const Eigen::Index between = b - a - 1;
     const Eigen::Index below = matrix_.rows() - b - 1;
     std::swap(matrix_(a, a), matrix_(b, b));
-    matrix_.col(a).segment(a + 1, between).swap(
-        matrix_.row(b).segment(a + 1, between).transpose());
+    matrix_.col(a)
+        .segment(a + 1, between)
+        .swap(matrix_.row(b).segment(a + 1, between).transpose());
     matrix_.col(a).tail(below).swap(matrix_.col(b).tail(below));
     std::swap(gradient_[a], gradient_[b]);
     std::swap(order_[static_cast<size_t>(a)], order_[static_cast<size_t>(b)]);
@@ -108,6 +112,9 @@ MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,
                                         offset[next] = row_offset;
                                         ++next;
                                       });
+  for (Eigen::Index k = num_marginalised; k < size; ++k) {
+    system.order.push_back(elimination.order()[static_cast<size_t>(k)] - num_marginalised);
+  }
   system.root = root.topRows(system.rank);
   system.offset = offset.head(system.rank);
   return system;

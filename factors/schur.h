@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace plumbline {
 
@@ -9,7 +10,9 @@ namespace plumbline {
 struct MarginalisedSystem {
   Eigen::MatrixXd root;    // S, rank x kept, S^T S = Schur complement
   Eigen::VectorXd offset;  // r0, rank, S^T r0 = reduced gradient
-  int rank = 0;            // of the kept part: directions the measurements say something about
+  // The kept variables as they were eliminated: row i of the root is zero in the first i.
+  std::vector<int> order;
+  int rank = 0;  // of the kept part: directions the measurements say something about
   int marginalised_rank = 0;  // of the marginalised part; less than its size: a free direction
                               // of it was left out, which is exact when it was free before
 };

@@ -36,7 +36,7 @@ struct SegmentMeasurement {
   // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
-  Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor> rows;  // [ U | b ]
+  Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows;  // [ U | b ]
   double constant = 0.0;  // sum of squares that no g changes
 
   auto root() const { return rows.leftCols<9>(); }

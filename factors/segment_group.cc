@@ -18,7 +18,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumNodes = 3;
-constexpr int kMaxControlPoints = 7;
+constexpr int kMaxControlPoints = 9;
 constexpr int kPoseSize = 6;
 constexpr int kMaxPlaneSize = 4;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
@@ -97,25 +97,29 @@ struct SegmentRows {
 };
 
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one
-// point, v from the body's position: of v = a x_axis + b y_axis + c origin and c alone.
-// Turning the body by a small rotation moves v by the rotation's cross product with it.
+// point, v from the body's position: of v = a along + b across + c origin and c alone, with
+// the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
+// rotation's cross product with it.
 template <int kPlaneSize>
-void Differentiate(const SegmentMeasurement& measurement,
+void Differentiate(const StoredMeasurement& measurement,
                    const SegmentWeights& by,
                    const ScannerAtNodes& scanner,
                    const NodePoses& poses,
                    const PlaneDerivatives& plane,
                    SegmentRows<kPlaneSize>* rows) {
-  const auto root = measurement.root();
-  rows->jacobian.setZero(root.rows(), SegmentRows<kPlaneSize>::kColumns);
-  rows->residuals.setZero(root.rows());
-  for (int k = 0; k < measurement.num_nodes; ++k) {
+  const auto stored = measurement.rows();
+  const Eigen::Matrix3d frame = measurement.frame().Matrix();
+  rows->jacobian.setZero(stored.rows(), SegmentRows<kPlaneSize>::kColumns);
+  rows->residuals.setZero(stored.rows());
+  for (int k = 0; k < measurement.num_nodes(); ++k) {
     const Eigen::Vector3d& position = poses.position[static_cast<size_t>(k)];
+    const Eigen::Matrix3d segment = scanner[static_cast<size_t>(k)] * frame;
     const double body_distance = plane.normal.dot(position) - plane.distance;
-    for (Eigen::Index row = 0; row < root.rows(); ++row) {
+    for (Eigen::Index row = 0; row < stored.rows(); ++row) {
       const Eigen::Vector3d weights =
-          by.scale * root.template block<1, 3>(row, 3 * k).transpose();
-      const Eigen::Vector3d v = scanner[static_cast<size_t>(k)] * weights;
+          by.scale *
+          stored.template block<1, 3>(row, 3 * k).transpose().template cast<double>();
+      const Eigen::Vector3d v = segment * weights;
       rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
       auto jacobian = rows->jacobian.row(row);
       jacobian.template segment<3>(kPoseSize * k) = v.cross(plane.normal).transpose();
@@ -128,7 +132,7 @@ void Differentiate(const SegmentMeasurement& measurement,
       }
     }
   }
-  rows->residuals += by.offset * measurement.offset();
+  rows->residuals += by.offset * stored.col(9).template cast<double>();
 }
 
 // Weighs the rows by Huber's loss of their norm; returns the cost.
@@ -326,7 +330,7 @@ SegmentGroup::SegmentGroup(int num_control_points,
   });
   members_.reserve(segments.size());
   for (const Segment& segment : segments) {
-    const int num_nodes = segment.measurement->num_nodes;
+    const int num_nodes = segment.measurement->num_nodes();
     if (scan_lines_.empty() || num_nodes != scan_lines_.back().num_nodes ||
         !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
       scan_lines_.push_back({segment.nodes, num_nodes, 0});
@@ -334,6 +338,7 @@ SegmentGroup::SegmentGroup(int num_control_points,
     members_.push_back({segment.measurement, segment.weights, segment.scanner, segment.plane});
     scan_lines_.back().end = members_.size();
   }
+  scan_lines_.shrink_to_fit();
 }
 
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {

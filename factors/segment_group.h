@@ -7,6 +7,7 @@
 
 #include "factors/plane_model.h"
 #include "factors/segment_factor.h"
+#include "factors/stored_measurement.h"
 
 namespace plumbline {
 
@@ -27,7 +28,7 @@ class SegmentGroup {
     double sign = 1.0;  // horizontal planes
   };
   struct Segment {
-    const SegmentMeasurement* measurement = nullptr;  // outlives the group
+    const StoredMeasurement* measurement = nullptr;  // outlives the group
     std::array<SplineNode, 3> nodes;
     int scanner = 0;  // position in scanners
     int plane = 0;    // position in planes
@@ -71,7 +72,7 @@ class SegmentGroup {
     size_t end;  // of its members
   };
   struct Member {
-    const SegmentMeasurement* measurement;
+    const StoredMeasurement* measurement;
     SegmentWeights weights;
     int scanner;
     int plane;

@@ -53,7 +53,7 @@ void SegmentGroupWithJacobian(benchmark::State& state, const std::string& walk_n
   }
   size_t num_segments = 0;
   for (const Observation* observation : Associated(map)) {
-    const int first = map.trajectory.Locate(observation->measurement.node_times_ns[0]).first;
+    const int first = map.trajectory.Locate(observation->measurement.node_times_ns()[0]).first;
     if (first == group.first_control_point) ++num_segments;
   }
   SegmentGroup::Quadratic quadratic;

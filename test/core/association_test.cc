@@ -99,15 +99,14 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   landmarks_[3].extent = PatchExtent(
       {0.0, 12.0, 0.0}, landmarks_[3].extent.u_axis(), landmarks_[3].extent.v_axis());
   landmarks_[3].extent.AddSegment({-1.0, 12.0, 0.0}, {1.0, 12.0, 0.0});
-  std::vector<LandmarkCandidate> all;
-  for (const Landmark& landmark : landmarks_) {
-    all.push_back({&landmark, landmark.Normal(), landmark.Distance()});
-  }
+  for (Landmark& landmark : landmarks_) landmark.num_segments = 1;
+  const std::vector<LandmarkCandidate> all = CandidatesWithinGap(landmarks_, 0, {});
+  ASSERT_EQ(all.size(), 4u);
   Rig rig;
   rig.scanners.push_back(scanner_);
   Observation of_next_scan = observation_;
   of_next_scan.scan_index = observation_.scan_index + 1;
-  of_next_scan.end = {50.0, 0.0};
+  of_next_scan.last_point = {50.0F, 0.0F};
   const std::deque<Observation> observations = {observation_, of_next_scan};
   Matrix6d pose_covariance = Matrix6d::Zero();
   const auto found = [&](size_t first) {

@@ -21,7 +21,8 @@ Observation TraceOf(const Eigen::Vector3d& normal_world,
                     const Eigen::Quaterniond& world_from_scanner) {
   const Eigen::Vector3d normal = world_from_scanner.conjugate() * normal_world;
   Observation observation;
-  observation.tangent = Eigen::Vector2d(-normal.y(), normal.x()).normalized();
+  observation.measurement = StoredMeasurement(
+      {}, {Eigen::Vector2d::Zero(), Eigen::Vector2d(-normal.y(), normal.x()).normalized()});
   return observation;
 }
 

@@ -57,6 +57,15 @@ TEST(CellGrid, AnyStopsWhereItIsTold) {
   EXPECT_EQ(visited, 3);
 }
 
+TEST(CellGrid, ACountStaysAtTheLargest) {
+  CellGrid grid;
+  for (const int count : {CellGrid::kMaxCount - 1, 2, 1'000'000'000}) grid.Add({2, 3}, count);
+  EXPECT_EQ(grid.Count({2, 3}), CellGrid::kMaxCount);
+  grid.Add({-50, 40}, 1);  // into a larger rectangle
+  EXPECT_EQ(grid.Count({2, 3}), CellGrid::kMaxCount);
+  EXPECT_EQ(grid.num_occupied(), 2);
+}
+
 TEST(CellGrid, AnAbsurdRectangleIsAnError) {
   CellGrid grid;
   grid.Add({0, 0}, 1);

@@ -135,7 +135,13 @@ TEST_F(DuplicatesTest, MergedLandmarkPassesEverythingOn) {
   AddWall(0.0, 2.0);
   AddWall(1.5, 4.5);
   AddWall(8.0, 9.0);
-  for (const int id : {0, 1, 1, -1, 2}) state_.observations.emplace_back().landmark_id = id;
+  for (const int id : {0, 1, 1, -1, 2}) {
+    Observation& observation = state_.observations.emplace_back();
+    observation.landmark_id = id;
+    // The first ones of wall 1 are of its first scan.
+    observation.scan_index =
+        id == 0 ? 0 : state_.landmarks[static_cast<size_t>(std::max(id, 1))].first_scan;
+  }
   state_.landmarks[0].first_time_ns = 100;
   state_.landmarks[0].last_time_ns = 200;
   state_.landmarks[1].first_time_ns = 50;

@@ -121,12 +121,13 @@ TEST(InitialisationDetailsTest, ReferenceIsTheWallOfTheXAxis) {
       frame->world_from_body *
       rig.scanners[static_cast<size_t>(reference.scanner_index)].body_from_scanner.rotation;
   const Eigen::Vector3d direction =
-      model_from_scanner * Eigen::Vector3d(reference.tangent.x(), reference.tangent.y(), 0.0);
+      model_from_scanner *
+      Eigen::Vector3d(reference.tangent().x(), reference.tangent().y(), 0.0);
   EXPECT_NEAR(direction.x(), 0.0, 1e-9);
   // The normal points from the wall to the scanner.
   const Eigen::Vector3d to_wall =
       model_from_scanner *
-      Eigen::Vector3d(reference.centroid.x(), reference.centroid.y(), 0.0);
+      Eigen::Vector3d(reference.centroid().x(), reference.centroid().y(), 0.0);
   EXPECT_LT(to_wall.x(), 0.0);
 }
 

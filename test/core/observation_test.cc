@@ -95,14 +95,14 @@ TEST_F(ObservationTest, KeepsWhatTheSegmentSays) {
   const Observation observation = MakeObservation(line, scanner_, segment, true);
   EXPECT_EQ(observation.scanner_index, 2);
   EXPECT_EQ(observation.num_points, 7);
-  EXPECT_EQ(observation.measurement.num_points, 7);
+  EXPECT_EQ(observation.measurement.num_points(), 7);
   EXPECT_EQ(observation.excluded_beams, segment.excluded_beams);
   EXPECT_EQ(observation.start_time_ns, line.BeamTime(10) + 5'000'000);
   EXPECT_EQ(observation.end_time_ns, line.BeamTime(19) + 5'000'000);
-  EXPECT_EQ(observation.sigma_direction_rad, 0.07);
+  EXPECT_EQ(observation.sigma_direction_rad, 0.07F);
   // Ranges without noise have single precision: that far the points lie off their line.
-  EXPECT_LT((observation.start - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-6);
-  EXPECT_LT((observation.end - line.ranges[19] * line.BeamDirection(19)).norm(), 1e-6);
+  EXPECT_LT((observation.start() - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-6);
+  EXPECT_LT((observation.end() - line.ranges[19] * line.BeamDirection(19)).norm(), 1e-6);
   ASSERT_EQ(observation.points.size(), 7u);
   EXPECT_LT((observation.points[2].position - line.ranges[14] * line.BeamDirection(14)).norm(),
             1e-6);
@@ -116,7 +116,7 @@ TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
       {wall_}, scanner_, 0, kStart, [](int64_t) { return BodyPose(); }, 0.02, &random_);
   const Observation observation =
       ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
-  const Eigen::Vector2d normal(observation.tangent.y(), -observation.tangent.x());
+  const Eigen::Vector2d normal(observation.tangent().y(), -observation.tangent().x());
   double sum_squares = 0.0;
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Eigen::Vector2d& point = observation.points[i].position;
@@ -224,7 +224,7 @@ TEST_F(ObservationTest, ValueAndCovarianceAreThoseOfALineFit) {
     const double distance =
         wall_.normal.dot(world_from_scanner * Eigen::Vector3d(s.x(), s.y(), 0.0)) -
         wall_.distance;
-    const Eigen::Vector2d row(1.0, observation.tangent.dot(s - observation.centroid));
+    const Eigen::Vector2d row(1.0, observation.tangent().dot(s - observation.centroid()));
     const double whitening = weights.scale * observation.points[i].whitening;
     const double residual =
         whitening * distance + weights.offset * observation.points[i].offset;

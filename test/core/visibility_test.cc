@@ -36,9 +36,10 @@ class VisibilityTest : public testing::Test {
       observation.landmark_id = id;
       observation.start_time_ns = NanosecondsFromSeconds(0.1);
       observation.end_time_ns = NanosecondsFromSeconds(0.11);
-      observation.start = {x, first_y};
-      observation.centroid = {x, 0.5 * (first_y + last_y)};
-      observation.end = {x, last_y};
+      observation.first_point = Eigen::Vector2d(x, first_y).cast<float>();
+      observation.measurement =
+          StoredMeasurement({}, {{x, 0.5 * (first_y + last_y)}, Eigen::Vector2d::UnitY()});
+      observation.last_point = Eigen::Vector2d(x, last_y).cast<float>();
     }
   }
 

@@ -58,6 +58,18 @@ TEST(Schur, KeepsTheMinimumAndItsCurvature) {
   }
 }
 
+TEST(Schur, RowsAreZeroInWhatWasEliminatedBefore) {
+  TestRandom random(7);
+  const Eigen::MatrixXd jacobian = RandomMatrix(20, 9, &random);
+  const Eigen::VectorXd residual = RandomMatrix(20, 1, &random);
+  const MarginalisedSystem system =
+      Marginalise(jacobian.transpose() * jacobian, jacobian.transpose() * residual, 3);
+  ASSERT_EQ(system.rank, 6);
+  const Eigen::MatrixXd ordered = system.root(Eigen::all, system.order);
+  EXPECT_EQ(Eigen::MatrixXd(ordered.triangularView<Eigen::StrictlyLower>()).norm(), 0.0);
+  EXPECT_GT(ordered.diagonal().minCoeff(), 0.0);
+}
+
 TEST(Schur, ReportsFreeDirections) {
   TestRandom random(6);
   // Kept variables 0 and 1 are only ever seen through their sum, in very different units.

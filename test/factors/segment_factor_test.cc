@@ -443,9 +443,9 @@ TEST(CompressSegment, PointsOfOneInstantNeedOneNode) {
   EXPECT_EQ(measurement.root().rightCols(6).norm(), 0.0);
   const Eigen::Vector3d g(0.6, 0.7, -2.0);
   const Eigen::VectorXd distances = (segment.points.transpose() * g.head<2>()).array() + g[2];
-  EXPECT_NEAR((measurement.root().leftCols<3>() * g).squaredNorm(),
-              distances.cwiseProduct(segment.whitening).squaredNorm(),
-              1e-6);
+  const Eigen::VectorXd residuals = measurement.root().leftCols<3>() * g;
+  EXPECT_NEAR(
+      residuals.squaredNorm(), distances.cwiseProduct(segment.whitening).squaredNorm(), 1e-6);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <vector>
 
 #include "factors/linearised_group.h"
@@ -20,7 +21,7 @@ struct Scene {
                                              {PlaneModel::kVertical, 1.0},
                                              {PlaneModel::kGeneral, 1.0}};
   std::vector<Eigen::VectorXd> plane_parameters;
-  std::vector<SegmentMeasurement> measurements;
+  std::deque<StoredMeasurement> measurements;
   std::vector<SegmentGroup::Segment> segments;
   TestBlocks blocks;
 
@@ -37,17 +38,19 @@ struct Scene {
     for (size_t i = 0; i < planes.size(); ++i) {
       blocks.AddPlane(planes[i].model, plane_parameters[i]);
     }
-    measurements.resize(static_cast<size_t>(num_segments));
     for (int i = 0; i < num_segments; ++i) {
-      SegmentMeasurement& measurement = measurements[static_cast<size_t>(i)];
+      SegmentMeasurement measurement;
       measurement.num_nodes = i % 4 == 0 ? 1 : 3;
+      if (measurement.num_nodes == 3) measurement.node_times_ns = {0, 1, 2};
       measurement.rows.setZero(2 + i % 6, 10);
       for (double& value : measurement.rows.leftCols(3 * measurement.num_nodes).reshaped()) {
         value = random.Uniform(-1.0, 1.0);
       }
       for (double& value : measurement.rows.col(9)) value = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
-      segment.measurement = &measurement;
+      const SegmentFrame frame = {{random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0)},
+                                  random.Vector(1.0).head<2>().normalized()};
+      segment.measurement = &measurements.emplace_back(measurement, frame);
       const double u = random.Uniform(0.0, 0.8);
       segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
       segment.scanner = i % 2;
@@ -87,7 +90,7 @@ Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
     blocks.AddEuclidean(scanner.body_from_scanner_translation);
     const auto plane = static_cast<size_t>(segment.plane);
     blocks.AddPlane(scene.planes[plane].model, scene.plane_parameters[plane]);
-    const auto factor = CreateSegmentFactor(*segment.measurement,
+    const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),
                                             segment.nodes,
                                             kNumControlPoints,
                                             scene.planes[plane].model,

@@ -1,0 +1,54 @@
+#include "factors/stored_measurement.h"
+
+#include <glog/logging.h>
+
+namespace plumbline {
+namespace {
+
+using DoubleRows = Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10>;
+
+}  // namespace
+
+Eigen::Matrix3d SegmentFrame::Matrix() const {
+  Eigen::Matrix3d matrix;
+  matrix << tangent.x(), -tangent.y(), origin.x(),  //
+      tangent.y(), tangent.x(), origin.y(),         //
+      0.0, 0.0, 1.0;
+  return matrix;
+}
+
+StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
+                                     const SegmentFrame& frame)
+    : frame_(frame),
+      first_node_ns_(measurement.node_times_ns[0]),
+      half_span_ns_(measurement.node_times_ns[1] - measurement.node_times_ns[0]),
+      constant_(static_cast<float>(measurement.constant)),
+      num_points_(measurement.num_points) {
+  CHECK_EQ(measurement.node_times_ns[2] - measurement.node_times_ns[1], half_span_ns_);
+  CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
+  const Eigen::Matrix3d to_own = frame.Matrix().inverse().transpose();
+  DoubleRows rows = measurement.rows;
+  for (int k = 0; k < 3; ++k) {
+    rows.middleCols<3>(3 * k) = measurement.rows.middleCols<3>(3 * k) * to_own;
+  }
+  const Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rounded =
+      rows.cast<float>();
+  rows_ = CompactArray<float>(rounded.data(), static_cast<size_t>(rounded.size()));
+}
+
+SegmentMeasurement StoredMeasurement::Unpack() const {
+  SegmentMeasurement measurement;
+  measurement.node_times_ns = node_times_ns();
+  measurement.num_nodes = num_nodes();
+  measurement.constant = constant_;
+  measurement.num_points = num_points_;
+  const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();
+  measurement.rows = rows().cast<double>();
+  for (int k = 0; k < 3; ++k) {
+    const DoubleRows own = measurement.rows;
+    measurement.rows.middleCols<3>(3 * k) = own.middleCols<3>(3 * k) * to_scanner;
+  }
+  return measurement;
+}
+
+}  // namespace plumbline
