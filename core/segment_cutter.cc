@@ -1,7 +1,5 @@
 #include "core/segment_cutter.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -262,7 +260,10 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
   segment.sigma_offset_m = observation->sigma_offset_m;
   segment.sigma_direction_rad = observation->sigma_direction_rad;
   const LandmarkCandidate* own = Find(observation->landmark_id);
-  CHECK(own != nullptr) << "a segment out of its own scan line's reach";
+  if (own == nullptr) {  // out of the scan line's reach, as where the estimate spins
+    observation->landmark_id = -1;
+    return;
+  }
   const PlaneTrace trace(observation->measurement.node_times_ns(),
                          poses_.Of(*observation).WorldFromScanner(scanner.body_from_scanner),
                          own->normal,

@@ -70,7 +70,8 @@ class SegmentCutter {
                       Range* range,
                       Observation* observation);
   // Makes the observation anew of the beams in the range, on its plane's trace. It loses its
-  // landmark where it has no beams left, or lies on its plane no more.
+  // landmark where it has no beams left, lies on its plane no more, or the plane is none of
+  // the candidates.
   void Replace(const ScanLine& scan_line,
                const Range& range,
                const Matrix6d& pose_covariance,

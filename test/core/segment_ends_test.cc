@@ -74,16 +74,16 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     state_->observations.push_back(observation);
   }
 
-  int Recut() {
+  int Recut(bool last = false) {
     const std::string path = (directory_ / "recording.bag").string();
     RecordingWriter writer(path, rig_);
     writer.Write(line_);
     writer.Close();
     RecordingReader recording(path, rig_);
     OpeningMap counted;
-    const int num_recut =
-        RecutSegments(rig_, MapperOptions(), &recording, openings_, &counted, state_.get());
-    openings_ = std::move(counted);
+    const int num_recut = RecutSegments(
+        rig_, MapperOptions(), &recording, openings_, last ? nullptr : &counted, state_.get());
+    if (!last) openings_ = std::move(counted);
     return num_recut;
   }
 
@@ -103,6 +103,16 @@ TEST_F(SegmentEndsTest, BeamsBeyondTheCornerGo) {
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_EQ(observation(0).num_points, kLast - 40 + 1);
   EXPECT_EQ(observation(0).landmark_id, kFront);
+}
+
+// As where a lost estimate spins: the plane was given to the segment from elsewhere.
+TEST_F(SegmentEndsTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
+  AddObservation(kFront, 40, kLast);
+  Landmark& front = state_->landmarks[kFront];
+  front.extent = PatchExtent({500.0, 0.0, 0.0}, front.extent.u_axis(), front.extent.v_axis());
+  front.extent.AddSegment({500.0, 0.0, 0.0}, {500.0, 1.0, 0.0});
+  Recut(true);
+  EXPECT_EQ(observation(0).landmark_id, -1);
 }
 
 TEST_F(SegmentEndsTest, BeamsUpToTheCornerCome) {
