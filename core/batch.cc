@@ -34,7 +34,7 @@ constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
 constexpr int64_t kMaxRunsShare = 3;
-// Groups of two take a fifth more memory, of six hardly less; see also kTileControlPoints.
+// Groups of two take more memory, of six hardly less; see also kTileControlPoints.
 constexpr int kIntervalsPerGroup = 4;
 
 class Batch {

@@ -107,8 +107,9 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
   const bool is_near = Move(parameters, &step);
   if (!is_near) Linearise(parameters);
   const int num_residuals = group_.size() + 1;
-  const Eigen::MatrixXd root = Root();
-  const Eigen::Index rank = root.rows();
+  const Eigen::Index rank = offset_.size();
+  Eigen::MatrixXd root;
+  if (is_near || jacobians != nullptr) root = Root();
   Eigen::Map<Eigen::VectorXd> all(residuals, num_residuals);
   all.setZero();
   all.head(rank) = offset_;
