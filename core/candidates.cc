@@ -45,7 +45,9 @@ void Record(const Observation& observation,
   candidate->observations.push_back(observation_index);
   candidate->scans.insert(observation.scan_index);
   candidate->scanners.insert(observation.scanner_index);
-  candidate->has_clear_type |= evidence.can_be_horizontal != evidence.can_be_vertical;
+  if (evidence.can_be_horizontal != evidence.can_be_vertical) {
+    candidate->clear_scans.insert(observation.scan_index);
+  }
   candidate->last_position = poses.middle().translation;
   candidate->last_time_ns = observation.end_time_ns;
 }
@@ -168,7 +170,11 @@ bool CandidatePlanes::IsReady(const PlaneCandidate& candidate, int min_scans) co
         candidate.landmark.covariance(0, 0) +
         FlatnessCovariance(length_m, options_.association.surface_flatness_m)(1, 1);
     const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
-    return (planar_ || candidate.has_clear_type) && variance < max_sigma * max_sigma;
+    // A single segment that took in beams of another surface slopes: it would make a wall of
+    // level ones on a lintel.
+    const bool has_clear_type =
+        planar_ || static_cast<int>(candidate.clear_scans.size()) >= min_scans;
+    return has_clear_type && variance < max_sigma * max_sigma;
   }
   return candidate.scanners.size() > 1 ||
          (candidate.last_position - candidate.first_position).norm() > kRevealingMotion;

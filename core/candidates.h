@@ -19,7 +19,7 @@ struct PlaneCandidate {
   std::vector<int> observations;  // indices
   std::set<int> scans;
   std::set<int> scanners;
-  bool has_clear_type = false;  // some segment can only lie on a plane of this type
+  std::set<int> clear_scans;  // with a segment that can only lie on a plane of this type
   Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
   Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
   int64_t last_time_ns = 0;
@@ -38,7 +38,8 @@ TypeEvidence JudgeType(const Observation& observation,
                        double significance);
 
 // Collects segments without a landmark into candidates and tells which of these have become
-// planes: seen in several scans, direction known well, type beyond doubt.
+// planes: seen in several scans, direction known well, type beyond doubt. That a plane is a
+// wall takes several scans, too.
 class CandidatePlanes {
  public:
   CandidatePlanes(const Rig& rig, bool planar, const MapperOptions& options);

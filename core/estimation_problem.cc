@@ -4,8 +4,9 @@
 #include <ceres/iteration_callback.h>
 #include <glog/logging.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
-#include <unordered_map>
+#include <functional>
 #include <utility>
 
 #include "core/error.h"
@@ -139,6 +140,11 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
   return blocks;
 }
 
+void EstimationProblem::AddFactor(std::unique_ptr<ceres::CostFunction> factor,
+                                  const std::vector<double*>& blocks) {
+  factors_.push_back(problem_.AddResidualBlock(factor.release(), nullptr, blocks));
+}
+
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
@@ -153,10 +159,7 @@ void EstimationProblem::AddPoints(const Observation& observation) {
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());
     blocks.push_back(Data(LandmarkBlock(landmark.id)));
-    problem_.AddResidualBlock(
-        CreatePointFactor(measurement, landmark.model, landmark.sign).release(),
-        nullptr,
-        blocks);
+    AddFactor(CreatePointFactor(measurement, landmark.model, landmark.sign), blocks);
   }
 }
 
@@ -177,7 +180,7 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
-    groups_.push_back(entry->group);
+    groups_.push_back({entry->group, blocks});
     problem_.AddResidualBlock(
         CreateSegmentGroupFactor(entry->group).release(), nullptr, blocks);
   }
@@ -186,40 +189,28 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
 void EstimationProblem::AddMotionPrior(int first, const TrajectoryOptions& options) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(first, 3);
-  problem_.AddResidualBlock(
-      CreateRotationAccelerationFactor(
-          options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s)
-          .release(),
-      nullptr,
-      {blocks[0], blocks[1], blocks[2]});
-  problem_.AddResidualBlock(
-      CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s).release(),
-      nullptr,
-      {blocks[3], blocks[4], blocks[5]});
+  AddFactor(CreateRotationAccelerationFactor(
+                options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s),
+            {blocks[0], blocks[1], blocks[2]});
+  AddFactor(CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s),
+            {blocks[3], blocks[4], blocks[5]});
 }
 
 void EstimationProblem::AddStartVelocityPrior(const TrajectoryOptions& options) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(0, 2);
-  problem_.AddResidualBlock(
-      CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
-                                   interval_s)
-          .release(),
-      nullptr,
-      {blocks[0], blocks[1]});
-  problem_.AddResidualBlock(
-      CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s).release(),
-      nullptr,
-      {blocks[2], blocks[3]});
+  AddFactor(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
+                                         interval_s),
+            {blocks[0], blocks[1]});
+  AddFactor(CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s),
+            {blocks[2], blocks[3]});
 }
 
 void EstimationProblem::AddOrigin(int64_t time_ns) {
   const Trajectory::Location at = trajectory_->Locate(time_ns);
   const std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
-  problem_.AddResidualBlock(
-      CreatePositionFactor(Eigen::Vector3d::Zero(), at.u, kOriginSigma).release(),
-      nullptr,
-      {blocks[4], blocks[5], blocks[6], blocks[7]});
+  AddFactor(CreatePositionFactor(Eigen::Vector3d::Zero(), at.u, kOriginSigma),
+            {blocks[4], blocks[5], blocks[6], blocks[7]});
 }
 
 void EstimationProblem::AddPrior(const Prior& prior) {
@@ -229,7 +220,7 @@ void EstimationProblem::AddPrior(const Prior& prior) {
     Register(block);
     blocks.push_back(Data(block));
   }
-  problem_.AddResidualBlock(CreateLinearPriorFactor(prior.linear).release(), nullptr, blocks);
+  AddFactor(CreateLinearPriorFactor(prior.linear), blocks);
 }
 
 std::vector<BlockId> EstimationProblem::Blocks() const {
@@ -243,12 +234,11 @@ namespace {
 // Ends a solution after a step that no group has been linearised anew for.
 class LinearStepEnds : public ceres::IterationCallback {
  public:
-  explicit LinearStepEnds(const std::vector<std::shared_ptr<LinearisedGroup>>& groups)
-      : groups_(groups) {}
+  // count: of the groups' linearisations so far.
+  explicit LinearStepEnds(std::function<int()> count) : count_(std::move(count)) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
-    int num_linearisations = 0;
-    for (const auto& group : groups_) num_linearisations += group->num_linearisations();
+    const int num_linearisations = count_();
     const bool was_linear =
         iteration.iteration > 0 && num_linearisations == num_linearisations_;
     num_linearisations_ = num_linearisations;
@@ -256,15 +246,21 @@ class LinearStepEnds : public ceres::IterationCallback {
   }
 
  private:
-  const std::vector<std::shared_ptr<LinearisedGroup>>& groups_;
+  std::function<int()> count_;
   int num_linearisations_ = 0;
 };
 
 }  // namespace
 
+int EstimationProblem::NumLinearisations() const {
+  int count = 0;
+  for (const GroupTerm& term : groups_) count += term.group->num_linearisations();
+  return count;
+}
+
 ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& given) {
   ceres::Solver::Options options = given;
-  LinearStepEnds linear_step_ends(groups_);
+  LinearStepEnds linear_step_ends([this] { return NumLinearisations(); });
   if (!groups_.empty()) options.callbacks.push_back(&linear_step_ends);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
@@ -291,12 +287,25 @@ BlockLayout EstimationProblem::Layout() const {
   return layout;
 }
 
+EstimationProblem::BlockPositions EstimationProblem::PositionsIn(
+    const BlockLayout& layout) const {
+  BlockPositions positions;
+  for (size_t i = 0; i < layout.blocks.size(); ++i) positions[Data(layout.blocks[i])] = i;
+  return positions;
+}
+
 void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
                                              const ResidualVisitor& visit) const {
-  std::unordered_map<const double*, size_t> block_at;
-  for (size_t i = 0; i < layout.blocks.size(); ++i) block_at[Data(layout.blocks[i])] = i;
   std::vector<ceres::ResidualBlockId> residual_blocks;
   problem_.GetResidualBlocks(&residual_blocks);
+  VisitResidualBlocks(residual_blocks, layout, visit);
+}
+
+void EstimationProblem::VisitResidualBlocks(
+    const std::vector<ceres::ResidualBlockId>& residual_blocks,
+    const BlockLayout& layout,
+    const ResidualVisitor& visit) const {
+  const BlockPositions positions = PositionsIn(layout);
   std::vector<double*> parameters;
   std::vector<std::pair<size_t, size_t>> order;  // position in the layout, in the parameters
   std::vector<double> values;
@@ -311,8 +320,8 @@ void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
     order.clear();
     columns.clear();
     for (size_t i = 0; i < parameters.size(); ++i) {
-      const auto at = block_at.find(parameters[i]);
-      if (at != block_at.end()) order.emplace_back(at->second, i);  // else: constant
+      const auto at = positions.find(parameters[i]);
+      if (at != positions.end()) order.emplace_back(at->second, i);  // else: constant
     }
     std::sort(order.begin(), order.end());
     for (const auto& [at, i] : order) {
@@ -344,8 +353,7 @@ void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
   }
 }
 
-NormalEquations EstimationProblem::Linearise() {
-  const BlockLayout layout = Layout();
+NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
   NormalEquations equations;
   equations.blocks = layout.blocks;
   equations.offsets = layout.offsets;
@@ -353,22 +361,116 @@ NormalEquations EstimationProblem::Linearise() {
   equations.gradient.setZero(equations.size());
   Eigen::MatrixXd product;
   Eigen::VectorXd gradient;
-  ForEachResidualBlock(layout,
-                       [&](const std::vector<int>& columns,
-                           const Eigen::MatrixXd& jacobian,
-                           const Eigen::VectorXd& residuals) {
-                         product.noalias() = jacobian.transpose() * jacobian;
-                         gradient.noalias() = jacobian.transpose() * residuals;
-                         for (size_t j = 0; j < columns.size(); ++j) {
-                           const auto at = static_cast<Eigen::Index>(j);
-                           equations.gradient[columns[j]] += gradient[at];
-                           double* const column = equations.hessian.col(columns[j]).data();
-                           for (size_t i = 0; i < columns.size(); ++i) {
-                             column[columns[i]] += product(static_cast<Eigen::Index>(i), at);
-                           }
-                         }
-                       });
+  VisitResidualBlocks(factors_,
+                      layout,
+                      [&](const std::vector<int>& columns,
+                          const Eigen::MatrixXd& jacobian,
+                          const Eigen::VectorXd& residuals) {
+                        equations.cost += 0.5 * residuals.squaredNorm();
+                        product.noalias() = jacobian.transpose() * jacobian;
+                        gradient.noalias() = jacobian.transpose() * residuals;
+                        for (size_t j = 0; j < columns.size(); ++j) {
+                          const auto at = static_cast<Eigen::Index>(j);
+                          equations.gradient[columns[j]] += gradient[at];
+                          double* const column = equations.hessian.col(columns[j]).data();
+                          for (size_t i = j; i < columns.size(); ++i) {
+                            column[columns[i]] += product(static_cast<Eigen::Index>(i), at);
+                          }
+                        }
+                      });
+  const BlockPositions positions = PositionsIn(layout);
+  for (const GroupTerm& term : groups_) AddGroup(term, layout, positions, &equations);
+  equations.hessian.triangularView<Eigen::StrictlyUpper>() = equations.hessian.transpose();
   return equations;
+}
+
+void EstimationProblem::AddGroup(const GroupTerm& term,
+                                 const BlockLayout& layout,
+                                 const BlockPositions& positions,
+                                 NormalEquations* equations) const {
+  constexpr int kRotationSize = 3;
+  const auto num_rotations = static_cast<size_t>(term.group->group().num_control_points());
+  std::vector<int> columns;  // of the group's rows; -1: held
+  for (size_t i = 0; i < term.blocks.size(); ++i) {
+    const size_t at = positions.at(term.blocks[i]);
+    const int begin = layout.offsets[at];
+    const int end = layout.offsets[at + 1];
+    // Where only the yaw is estimated, it is the last of a rotation's rows.
+    if (i < num_rotations) columns.insert(columns.end(), kRotationSize - (end - begin), -1);
+    for (int column = begin; column < end; ++column) {
+      columns.push_back(layout.is_free[static_cast<size_t>(column)] ? column : -1);
+    }
+  }
+  const LinearisedGroup::Model model = term.group->ModelAt(term.blocks.data());
+  equations->cost += model.cost;
+  for (size_t j = 0; j < columns.size(); ++j) {
+    if (columns[j] < 0) continue;
+    const auto of_group = static_cast<Eigen::Index>(j);
+    equations->gradient[columns[j]] += model.gradient[of_group];
+    for (size_t i = j; i < columns.size(); ++i) {
+      if (columns[i] < 0) continue;
+      const auto [low, high] = std::minmax(columns[i], columns[j]);
+      equations->hessian(high, low) += model.hessian(static_cast<Eigen::Index>(i), of_group);
+    }
+  }
+}
+
+EstimationProblem::Values EstimationProblem::ValuesOf(const BlockLayout& layout) const {
+  Values values(layout.blocks.size());
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    std::copy_n(Data(layout.blocks[i]), AmbientSize(layout.blocks[i]), values[i].begin());
+  }
+  return values;
+}
+
+void EstimationProblem::SetValues(const BlockLayout& layout, const Values& values) {
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    std::copy_n(values[i].begin(), AmbientSize(layout.blocks[i]), Data(layout.blocks[i]));
+  }
+}
+
+void EstimationProblem::Move(const BlockLayout& layout, const Eigen::VectorXd& step) {
+  const double* next = step.data();
+  for (const BlockId& block : layout.blocks) {
+    double* data = Data(block);
+    const int size = AmbientSize(block);
+    std::array<double, 4> moved;
+    if (const ceres::Manifold* manifold = problem_.GetManifold(data)) {
+      manifold->Plus(data, next, moved.data());
+    } else {
+      std::transform(data, data + size, next, moved.begin(), std::plus<>());
+    }
+    std::copy_n(moved.begin(), size, data);
+    next += problem_.ParameterBlockTangentSize(data);
+  }
+}
+
+NormalEquations EstimationProblem::SolveNormalEquations(int max_iterations,
+                                                        double function_tolerance) {
+  const BlockLayout layout = Layout();
+  std::vector<int> free;
+  for (int column = 0; column < layout.size(); ++column) {
+    if (layout.is_free[static_cast<size_t>(column)]) free.push_back(column);
+  }
+  NormalEquations now = Linearise(layout);
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    const int num_linearisations = NumLinearisations();
+    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(now.hessian(free, free)));
+    if (factor.info() != Eigen::Success) {
+      throw Error("the estimation failed: its normal equations are singular");
+    }
+    const Values values = ValuesOf(layout);
+    const Eigen::VectorXd gradient = now.gradient(free);
+    Move(layout, -factor.solve(gradient));
+    NormalEquations next = Linearise(layout);
+    if (!(now.cost - next.cost > function_tolerance * now.cost)) {
+      SetValues(layout, values);
+      break;
+    }
+    now = std::move(next);
+    if (NumLinearisations() == num_linearisations) break;  // the problem was linear
+  }
+  return now;
 }
 
 }  // namespace plumbline

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "core/landmark.h"
@@ -63,6 +64,7 @@ struct NormalEquations {
   std::vector<int> offsets;  // first row of each block; the last element is the total size
   Eigen::MatrixXd hessian;
   Eigen::VectorXd gradient;
+  double cost = 0.0;  // where a problem has been linearised
 
   int size() const { return offsets.back(); }
 };
@@ -113,8 +115,14 @@ class EstimationProblem {
   // problem was linear there, and the step has solved it. Throws Error when the solver fails.
   ceres::Solver::Summary Solve(const ceres::Solver::Options& options);
 
+  // The same by Gauss-Newton on the normal equations, for problems so small that Ceres' own
+  // work would be several times that of the factors. An iteration that lowers the cost by no
+  // more than this share of it is not taken and is the last one. Returns the normal equations
+  // at the solution.
+  NormalEquations SolveNormalEquations(int max_iterations, double function_tolerance);
+
   // Normal equations of all the residuals.
-  NormalEquations Linearise();
+  NormalEquations Linearise() const { return Linearise(Layout()); }
   BlockLayout Layout() const;
   // (columns, ascending; dense Jacobian on them; residuals) of a residual block.
   using ResidualVisitor = std::function<void(
@@ -130,9 +138,36 @@ class EstimationProblem {
   double* Data(const BlockId& block) const;
 
  private:
+  // A group of segments and its parameters.
+  struct GroupTerm {
+    std::shared_ptr<LinearisedGroup> group;
+    std::vector<double*> blocks;
+  };
+  // What the blocks hold, by the position in a layout.
+  using Values = std::vector<std::array<double, 4>>;
+  using BlockPositions = std::unordered_map<const double*, size_t>;
+
   void Register(const BlockId& block);
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);
+  // A residual block that is no group of segments.
+  void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
+                 const std::vector<double*>& blocks);
+  BlockPositions PositionsIn(const BlockLayout& layout) const;
+  void VisitResidualBlocks(const std::vector<ceres::ResidualBlockId>& residual_blocks,
+                           const BlockLayout& layout,
+                           const ResidualVisitor& visit) const;
+  NormalEquations Linearise(const BlockLayout& layout) const;
+  // Adds its cost, gradient and the lower triangle of its Hessian.
+  void AddGroup(const GroupTerm& term,
+                const BlockLayout& layout,
+                const BlockPositions& positions,
+                NormalEquations* equations) const;
+  int NumLinearisations() const;
+  Values ValuesOf(const BlockLayout& layout) const;
+  void SetValues(const BlockLayout& layout, const Values& values);
+  // Moves the blocks by their parts of a step in the free columns.
+  void Move(const BlockLayout& layout, const Eigen::VectorXd& step);
 
   const Rig& rig_;
   bool planar_;
@@ -147,7 +182,8 @@ class EstimationProblem {
   std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
   std::vector<std::unique_ptr<ceres::Manifold>> plane_manifolds_;
   std::map<BlockId, double*> blocks_;
-  std::vector<std::shared_ptr<LinearisedGroup>> groups_;
+  std::vector<GroupTerm> groups_;
+  std::vector<ceres::ResidualBlockId> factors_;  // all residual blocks that are no groups
   ceres::Problem problem_;
 };
 

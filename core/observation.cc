@@ -16,13 +16,6 @@ namespace {
 struct Line {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
   double distance = 0.0;
-
-  // Where a beam meets the line, given the cosine of the angle between beam and normal; the
-  // measured range where it runs along it.
-  double RangeAt(double cosine, double measured) const {
-    const double range = distance / cosine;
-    return std::abs(cosine) > 1e-3 && range > 0.0 ? range : measured;
-  }
 };
 
 // Calls visit(index, beam, x, y, range) for the beams of a segment that count, along (x, y).
@@ -95,23 +88,111 @@ std::array<int64_t, 3> Nodes(const ScanLine& scan_line,
                                                 : NodesOfSpan(start_ns, end_ns);
 }
 
-// What MakeObservation and its variant have in common: line_of(beam) is the one that a beam is
-// taken to, tangent and weights follow from them.
-template <typename LineOf>
+// Beams of a segment side by side, so that loops over them become vector instructions.
+struct BeamBlock {
+  using Values = SegmentMoments::Values;
+
+  size_t size = 0;
+  Values since_start;                   // beams since the segment's first
+  Values x, y;                          // unit vector along the beam
+  Values measured;                      // range
+  Values normal_x, normal_y, distance;  // of the line that it is taken to
+};
+
+// Where a beam meets the line, given the cosine of the angle between beam and normal; the
+// measured range where it runs along it.
+double RangeAt(double distance, double cosine, double measured) {
+  const double range = distance / cosine;
+  return (std::abs(cosine) > 1e-3) & (range > 0.0) ? range : measured;
+}
+
+// The sums over a segment's beams, each taken to its line.
+class BeamSums {
+ public:
+  // points: where the single beams are kept; nullptr where they are not.
+  BeamSums(const ScanLine& scan_line,
+           const Scanner& scanner,
+           int64_t start_ns,
+           SegmentMoments* moments,
+           std::vector<ObservedPoint>* points)
+      : range_variance_(scanner.range_noise_m * scanner.range_noise_m),
+        angle_variance_(scanner.angle_noise_rad * scanner.angle_noise_rad),
+        increment_ns_(scan_line.time_increment_s * 1e9),
+        start_ns_(start_ns),
+        moments_(moments),
+        points_(points) {}
+
+  void Add(const BeamBlock& beams) {
+    SegmentMoments::Points points;  // a local one: nothing else can lie in its place
+    SegmentMoments::Values out_of_plane;
+    for (size_t i = 0; i < beams.size; ++i) {
+      const double x = beams.x[i];
+      const double y = beams.y[i];
+      const double cosine = beams.normal_x[i] * x + beams.normal_y[i] * y;
+      const double sine = beams.normal_x[i] * y - beams.normal_y[i] * x;
+      const double range = RangeAt(beams.distance[i], cosine, beams.measured[i]);
+      const double across_variance = range * range * angle_variance_;
+      const double weight =
+          1.0 / (range_variance_ * cosine * cosine + across_variance * sine * sine);
+      points.x[i] = range * x;
+      points.y[i] = range * y;
+      points.since_start_ns[i] = beams.since_start[i] * increment_ns_;
+      points.weight[i] = weight;
+      points.offset[i] = cosine * (beams.measured[i] - range);
+      out_of_plane[i] = across_variance * weight;
+    }
+    for (size_t i = 0; i < beams.size; ++i) out_of_plane_ += out_of_plane[i];
+    moments_->Add(points, beams.size);
+    if (points_ != nullptr) Keep(points, beams.size);
+  }
+
+  double out_of_plane() const { return out_of_plane_; }
+
+ private:
+  void Keep(const SegmentMoments::Points& points, size_t size) {
+    for (size_t i = 0; i < size; ++i) {
+      const double whitening = std::sqrt(points.weight[i]);
+      points_->push_back({{points.x[i], points.y[i]},
+                          start_ns_ + std::llround(points.since_start_ns[i]),
+                          whitening,
+                          whitening * points.offset[i]});
+    }
+  }
+
+  double range_variance_;
+  double angle_variance_;
+  double increment_ns_;
+  int64_t start_ns_;
+  SegmentMoments* moments_;
+  std::vector<ObservedPoint>* points_;
+  double out_of_plane_ = 0.0;
+};
+
+// What MakeObservation and its variant have in common: set_lines(block) gives the lines that
+// its beams are taken to, tangent and weights follow from them.
+template <typename SetLines>
 Observation ObserveBeams(const ScanLine& scan_line,
                          const Scanner& scanner,
                          const Segment& segment,
-                         const LineOf& line_of,
+                         const SetLines& set_lines,
                          bool keep_points) {
-  const double range_variance = scanner.range_noise_m * scanner.range_noise_m;
-  const double angle_variance = scanner.angle_noise_rad * scanner.angle_noise_rad;
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
-  const double increment_ns = scan_line.time_increment_s * 1e9;
-  const auto point_of = [&](int beam) -> Eigen::Vector2d {
+  BeamBlock beams;
+  const auto set_one = [&](int beam) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-    const Line line = line_of(beam);
-    const double measured = scan_line.ranges[static_cast<size_t>(beam)];
-    return line.RangeAt(line.normal.dot(direction), measured) * direction;
+    beams.size = 1;
+    beams.since_start[0] = beam - segment.first_beam;
+    beams.x[0] = direction.x();
+    beams.y[0] = direction.y();
+    beams.measured[0] = scan_line.ranges[static_cast<size_t>(beam)];
+    set_lines(&beams);
+    const Eigen::Vector2d normal(beams.normal_x[0], beams.normal_y[0]);
+    return Line{normal, beams.distance[0]};
+  };
+  const auto point_of = [&](int beam) -> Eigen::Vector2d {
+    const Line line = set_one(beam);
+    const Eigen::Vector2d direction(beams.x[0], beams.y[0]);
+    return RangeAt(line.distance, line.normal.dot(direction), beams.measured[0]) * direction;
   };
   Observation observation;
   const Eigen::Vector2d start = point_of(segment.first_beam);
@@ -122,38 +203,36 @@ Observation ObserveBeams(const ScanLine& scan_line,
   observation.end_time_ns = scan_line.BeamTime(segment.last_beam) + offset_ns;
   SegmentMoments moments(start, end, observation.start_time_ns, observation.end_time_ns);
   std::vector<ObservedPoint> points;
-  double out_of_plane = 0.0;
+  BeamSums sums(scan_line,
+                scanner,
+                observation.start_time_ns,
+                &moments,
+                keep_points ? &points : nullptr);
   int middle_beam = segment.first_beam;
+  beams.size = 0;
   VisitBeams(
       scan_line, segment, [&](int index, int beam, double x, double y, double measured) {
-        const Line line = line_of(beam);
-        const double cosine = line.normal.x() * x + line.normal.y() * y;
-        const double sine = line.normal.x() * y - line.normal.y() * x;
-        const double range = line.RangeAt(cosine, measured);
-        const double across_variance = range * range * angle_variance;
-        const double variance =
-            range_variance * cosine * cosine + across_variance * sine * sine;
-        const double weight = 1.0 / variance;
-        const double offset = cosine * (measured - range);
-        const double since_start_ns = (beam - segment.first_beam) * increment_ns;
-        moments.Add(range * x, range * y, since_start_ns, weight, offset);
-        out_of_plane += across_variance * weight;
+        const size_t i = beams.size++;
+        beams.since_start[i] = beam - segment.first_beam;
+        beams.x[i] = x;
+        beams.y[i] = y;
+        beams.measured[i] = measured;
         if (2 * index <= segment.num_points) middle_beam = beam;
-        if (!keep_points) return;
-        points.push_back({{range * x, range * y},
-                          scan_line.BeamTime(beam) + offset_ns,
-                          std::sqrt(weight),
-                          std::sqrt(weight) * offset});
+        if (beams.size < SegmentMoments::kBlock && index + 1 < segment.num_points) return;
+        set_lines(&beams);
+        sums.Add(beams);
+        beams.size = 0;
       });
-  moments.Finish();
-  const Eigen::Vector2d normal = line_of(middle_beam).normal;
+  const Eigen::Vector2d normal = set_one(middle_beam).normal;
+  const Eigen::Vector2d tangent(-normal.y(), normal.x());
   observation.points = points;
   observation.num_points = segment.num_points;
-  observation.out_of_plane_ratio = static_cast<float>(out_of_plane / segment.num_points);
+  observation.out_of_plane_ratio =
+      static_cast<float>(sums.out_of_plane() / segment.num_points);
   observation.measurement = StoredMeasurement(
       moments.Compress(
           Nodes(scan_line, offset_ns, observation.start_time_ns, observation.end_time_ns)),
-      {moments.Centroid(), {-normal.y(), normal.x()}});
+      {moments.Centroid().cast<float>(), tangent.cast<float>()});
   return observation;
 }
 
@@ -173,8 +252,14 @@ Observation MakeObservation(const ScanLine& scan_line,
                             const Segment& segment,
                             bool keep_points) {
   const Line line = FitLine(scan_line, segment);
-  Observation observation = ObserveBeams(
-      scan_line, scanner, segment, [&](int) { return line; }, keep_points);
+  const auto set_lines = [&](BeamBlock* beams) {
+    for (size_t i = 0; i < beams->size; ++i) {
+      beams->normal_x[i] = line.normal.x();
+      beams->normal_y[i] = line.normal.y();
+      beams->distance[i] = line.distance;
+    }
+  };
+  Observation observation = ObserveBeams(scan_line, scanner, segment, set_lines, keep_points);
   Describe(segment, scan_line, &observation);
   return observation;
 }
@@ -186,15 +271,23 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               bool keep_points) {
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
   const PlaneTrace unit = trace.WithUnitNormal();
-  const double first_share =
-      static_cast<double>(scan_line.BeamTime(0) + offset_ns - unit.middle_ns()) /
-      unit.half_span_ns();
+  const double first_share = static_cast<double>(scan_line.BeamTime(segment.first_beam) +
+                                                 offset_ns - unit.middle_ns()) /
+                             unit.half_span_ns();
   const double share_per_beam = scan_line.time_increment_s * 1e9 / unit.half_span_ns();
-  const auto line_of = [&](int beam) {
-    const Eigen::Vector3d at = unit.AtShare(first_share + beam * share_per_beam);
-    return Line{at.head<2>(), at.z()};
+  const auto set = [&](int row, const BeamBlock& beams, BeamBlock::Values* values) {
+    const auto [constant, linear, quadratic] = unit.Polynomial(row);
+    for (size_t i = 0; i < beams.size; ++i) {
+      const double share = first_share + beams.since_start[i] * share_per_beam;
+      (*values)[i] = constant + share * (linear + share * quadratic);
+    }
   };
-  Observation observation = ObserveBeams(scan_line, scanner, segment, line_of, keep_points);
+  const auto set_lines = [&](BeamBlock* beams) {
+    set(0, *beams, &beams->normal_x);
+    set(1, *beams, &beams->normal_y);
+    set(2, *beams, &beams->distance);
+  };
+  Observation observation = ObserveBeams(scan_line, scanner, segment, set_lines, keep_points);
   Describe(segment, scan_line, &observation);
   return observation;
 }

@@ -51,8 +51,8 @@ struct Observation {
   // Of its line, scanner frame, m.
   Eigen::Vector2d start() const { return first_point.cast<double>(); }
   Eigen::Vector2d end() const { return last_point.cast<double>(); }
-  const Eigen::Vector2d& centroid() const { return measurement.frame().origin; }
-  const Eigen::Vector2d& tangent() const { return measurement.frame().tangent; }
+  Eigen::Vector2d centroid() const { return measurement.frame().origin.cast<double>(); }
+  Eigen::Vector2d tangent() const { return measurement.frame().tangent.cast<double>(); }
   int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
   double length_m() const { return (end() - start()).norm(); }
 };
@@ -80,6 +80,10 @@ class PlaneTrace {
   // In half spans from the middle instant: -1 at the first, 1 at the last.
   Eigen::Vector3d AtShare(double tau) const {
     return constant_ + tau * (linear_ + tau * quadratic_);
+  }
+  // Of one component, by rising powers of the share.
+  std::array<double, 3> Polynomial(int row) const {
+    return {constant_[row], linear_[row], quadratic_[row]};
   }
   int64_t middle_ns() const { return middle_ns_; }
   double half_span_ns() const { return half_span_ns_; }

@@ -1,9 +1,5 @@
 #include "core/pose_uncertainty.h"
 
-#include <algorithm>
-
-#include "factors/spline.h"
-
 namespace plumbline {
 namespace {
 
@@ -11,45 +7,53 @@ constexpr int kPoseSize = 6;  // rows of a control point
 
 }  // namespace
 
-PoseUncertainty::Local PoseUncertainty::LocalJacobian(const Trajectory& trajectory,
-                                                      int64_t time_ns) const {
+PoseUncertainty::Local PoseUncertainty::LocalAt(const Trajectory& trajectory,
+                                                int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);
-  const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
   Local local;
-  // A pose before the first control point that is known depends on given ones as well.
-  const int known = std::max(at.first, first_);
-  const int last = static_cast<int>(covariance_.cols()) / kPoseSize + first_ - kSplineOrder;
-  const int begin = std::min(known, last);
-  local.column = kPoseSize * (begin - first_);
-  local.jacobian.setZero();
+  local.spline = trajectory.PoseJacobian(at);
   for (int j = 0; j < kSplineOrder; ++j) {
-    const int column = kPoseSize * (at.first + j - begin);
-    if (column < 0 || column >= local.jacobian.cols()) continue;
-    const auto index = static_cast<size_t>(j);
-    local.jacobian.block<3, 3>(0, column) = spline.rotation_wrt_control[index];
-    local.jacobian.block<3, 3>(3, column + 3)
-        .diagonal()
-        .setConstant(spline.position_weights[index]);
+    const Eigen::Index column = kPoseSize * (at.first + j - first_);
+    if (column < 0 || column >= covariance_.cols()) continue;
+    local.columns[static_cast<size_t>(j)] = column;
   }
   return local;
 }
 
+// A control point turns the pose by its turn alone and shifts it by its shift alone: blocks of
+// three are multiplied, and nothing by zero.
+Matrix6d PoseUncertainty::Between(const Local& a, const Local& b) const {
+  Matrix6d result = Matrix6d::Zero();
+  for (size_t j = 0; j < kSplineOrder; ++j) {
+    if (!b.columns[j]) continue;
+    Matrix6d cross = Matrix6d::Zero();  // of the pose a with the control point
+    for (size_t i = 0; i < kSplineOrder; ++i) {
+      if (!a.columns[i]) continue;
+      const Matrix6d block = covariance_.block<6, 6>(*a.columns[i], *b.columns[j]);
+      cross.topRows<3>() += a.spline.rotation_wrt_control[i].lazyProduct(block.topRows<3>());
+      cross.bottomRows<3>() += a.spline.position_weights[i] * block.bottomRows<3>();
+    }
+    result.leftCols<3>() +=
+        cross.leftCols<3>().lazyProduct(b.spline.rotation_wrt_control[j].transpose());
+    result.rightCols<3>() += b.spline.position_weights[j] * cross.rightCols<3>();
+  }
+  return result;
+}
+
 Matrix6d PoseUncertainty::At(const Trajectory& trajectory, int64_t time_ns) const {
-  const Local local = LocalJacobian(trajectory, time_ns);
-  const Eigen::Matrix<double, 6, 24> cross =
-      local.jacobian * covariance_.block<24, 24>(local.column, local.column);
-  return cross.lazyProduct(local.jacobian.transpose());
+  const Local local = LocalAt(trajectory, time_ns);
+  return Between(local, local);
 }
 
 Eigen::Matrix<double, 12, 12> PoseUncertainty::AtBoth(const Trajectory& trajectory,
                                                       int64_t first_ns,
                                                       int64_t second_ns) const {
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(12, covariance_.cols());
-  const Local first = LocalJacobian(trajectory, first_ns);
-  const Local second = LocalJacobian(trajectory, second_ns);
-  jacobian.block<6, 24>(0, first.column) = first.jacobian;
-  jacobian.block<6, 24>(6, second.column) = second.jacobian;
-  return jacobian * covariance_ * jacobian.transpose();
+  const Local first = LocalAt(trajectory, first_ns);
+  const Local second = LocalAt(trajectory, second_ns);
+  const Matrix6d cross = Between(first, second);
+  Eigen::Matrix<double, 12, 12> joint;
+  joint << Between(first, first), cross, cross.transpose(), Between(second, second);
+  return joint;
 }
 
 }  // namespace plumbline

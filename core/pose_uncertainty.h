@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "core/association.h"
 #include "core/trajectory.h"
+#include "factors/spline.h"
 
 namespace plumbline {
 
@@ -24,12 +27,15 @@ class PoseUncertainty {
                                        int64_t second_ns) const;
 
  private:
-  // The control points that a pose depends on: first column, derivative.
+  // A pose by the control points that it depends on.
   struct Local {
-    Eigen::Index column = 0;
-    Eigen::Matrix<double, 6, 24> jacobian;
+    // Of each, the first column; nothing for one that is given.
+    std::array<std::optional<Eigen::Index>, kSplineOrder> columns;
+    SplinePoseJacobian spline;
   };
-  Local LocalJacobian(const Trajectory& trajectory, int64_t time_ns) const;
+  Local LocalAt(const Trajectory& trajectory, int64_t time_ns) const;
+  // Covariance of one pose (rows) with another one.
+  Matrix6d Between(const Local& a, const Local& b) const;
 
   int first_ = 0;  // control point of the first six rows
   Eigen::MatrixXd covariance_;

@@ -19,21 +19,12 @@ namespace {
 
 // Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
 constexpr double kHuberWidth = 5.0;
+// The window only has to be good enough for the next associations and as the batch's start: an
+// iteration that lowers the cost by less than this share of it is the last one.
+constexpr double kFunctionTolerance = 1e-4;
+constexpr int kMaxIterations = 5;
 constexpr char kNotDetermined[] =
     "the poses and planes are not determined by the scans: singular estimate";
-
-ceres::Solver::Options SolverOptions() {
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 5;
-  options.num_threads = 1;  // Ceres sums costs by thread: more of them would change the result
-  options.logging_type = ceres::SILENT;
-  // The window only has to be good enough for the next associations and as the batch's start:
-  // an iteration that lowers the cost by less than this share of it is the last one.
-  options.function_tolerance = 1e-4;
-  options.initial_trust_region_radius = 1e12;  // Gauss-Newton: prediction and history are near
-  return options;
-}
 
 // Inverse on the rows and directions that are estimated; zero on the others.
 Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<int>& on) {
@@ -210,8 +201,8 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
   problem.AddSegments(in_window, kHuberWidth, &groups_);
-  problem.Solve(SolverOptions());
-  const NormalEquations equations = problem.Linearise();
+  const NormalEquations equations =
+      problem.SolveNormalEquations(kMaxIterations, kFunctionTolerance);
 
   const int newest = state_->trajectory.Locate(now_ns).first;
   PoseGaussian newest_poses = NewestPoses(equations, newest);

@@ -62,7 +62,6 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
   return true;
 }
 
-// H = root^T root and g = root^T offset.
 void LinearisedGroup::Linearise(double const* const* parameters) {
   at_.clear();
   const int num_blocks =
@@ -71,14 +70,17 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
     at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
   }
   ++num_linearisations_;
-  SegmentGroup::Quadratic quadratic;
-  group_.Linearise(parameters, &quadratic);
-  has_outliers_ = quadratic.has_outliers;
-  MarginalisedSystem system =
-      Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
-  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
-  order_ = std::move(system.order);
+  group_.Linearise(parameters, &quadratic_);
+  has_outliers_ = quadratic_.has_outliers;
   packed_root_.clear();
+}
+
+// H = root^T root and g = root^T offset.
+void LinearisedGroup::TakeRoot() {
+  MarginalisedSystem system =
+      Marginalise(quadratic_.hessian, quadratic_.gradient, 0, kRankTolerance);
+  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic_.cost - system.offset.squaredNorm()));
+  order_ = std::move(system.order);
   packed_root_.reserve(order_.size() * (order_.size() + 1) / 2);
   for (Eigen::Index row = 0; row < system.root.rows(); ++row) {
     for (size_t i = static_cast<size_t>(row); i < order_.size(); ++i) {
@@ -86,6 +88,19 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
     }
   }
   offset_ = std::move(system.offset);
+  quadratic_ = {};
+}
+
+LinearisedGroup::Model LinearisedGroup::ModelAt(double const* const* parameters) {
+  Eigen::VectorXd step;
+  if (quadratic_.hessian.size() == 0 || !Move(parameters, &step)) {
+    Linearise(parameters);
+    return {quadratic_.cost, quadratic_.gradient, quadratic_.hessian};
+  }
+  const Eigen::VectorXd change = quadratic_.hessian.selfadjointView<Eigen::Lower>() * step;
+  return {quadratic_.cost + step.dot(quadratic_.gradient + 0.5 * change),
+          quadratic_.gradient + change,
+          quadratic_.hessian};
 }
 
 Eigen::MatrixXd LinearisedGroup::Root() const {
@@ -104,8 +119,11 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
                                double* residuals,
                                double** jacobians) {
   Eigen::VectorXd step;
-  const bool is_near = Move(parameters, &step);
-  if (!is_near) Linearise(parameters);
+  const bool is_near = !packed_root_.empty() && Move(parameters, &step);
+  if (!is_near) {
+    Linearise(parameters);
+    TakeRoot();
+  }
   const int num_residuals = group_.size() + 1;
   const Eigen::Index rank = offset_.size();
   Eigen::MatrixXd root;

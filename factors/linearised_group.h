@@ -43,16 +43,29 @@ class LinearisedGroup {
   // SegmentGroup::Linearise.
   void Evaluate(double const* const* parameters, double* residuals, double** jacobians);
 
+  // The cost's quadratic model about these parameters (SegmentGroup::Quadratic), for solvers
+  // of normal equations. A group keeps either what these ask for or Ceres' rows: asked for the
+  // other one, it is linearised anew.
+  struct Model {
+    double cost;
+    Eigen::VectorXd gradient;
+    const Eigen::MatrixXd& hessian;  // lower triangle; valid until the next call
+  };
+  Model ModelAt(double const* const* parameters);
+
  private:
   int BlockSize(int block) const;
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
   void Linearise(double const* const* parameters);
+  // Turns the linearisation into Ceres' rows.
+  void TakeRoot();
   Eigen::MatrixXd Root() const;
 
   SegmentGroup group_;
   Validity validity_ = kFine;
   std::vector<double> at_;
+  SegmentGroup::Quadratic quadratic_;  // empty once the root has been taken
   // Row i of the root without the zeros in the first i variables of the order, row by row.
   std::vector<double> packed_root_;
   std::vector<int> order_;

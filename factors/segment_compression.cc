@@ -145,16 +145,19 @@ SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
                          points_scanner.col(num_points - 1),
                          times_ns.front(),
                          times_ns.back());
+  SegmentMoments::Points block;
+  size_t size = 0;
   for (Eigen::Index i = 0; i < num_points; ++i) {
-    const auto since_start_ns =
+    block.x[size] = points_scanner(0, i);
+    block.y[size] = points_scanner(1, i);
+    block.since_start_ns[size] =
         static_cast<double>(times_ns[static_cast<size_t>(i)] - times_ns.front());
-    moments.Add(points_scanner(0, i),
-                points_scanner(1, i),
-                since_start_ns,
-                whitening[i] * whitening[i],
-                offsets.size() > 0 ? offsets[i] / whitening[i] : 0.0);
+    block.weight[size] = whitening[i] * whitening[i];
+    block.offset[size] = offsets.size() > 0 ? offsets[i] / whitening[i] : 0.0;
+    if (++size < SegmentMoments::kBlock && i + 1 < num_points) continue;
+    moments.Add(block, size);
+    size = 0;
   }
-  moments.Finish();
   return moments.Compress(nodes_ns);
 }
 
@@ -172,38 +175,50 @@ SegmentMoments::SegmentMoments(const Eigen::Vector2d& start,
   inverse_half_span_ = half_span_ns > 0 ? 1.0 / half_span_ns_ : 0.0;
 }
 
-void SegmentMoments::TakeUpWaiting() {
+void SegmentMoments::Add(const Points& points, size_t num_points) {
   // Points across by less do not change a residual by a millionth of its standard deviation.
   constexpr double kNegligible = 1e-9;
-  const auto end = static_cast<size_t>(num_waiting_);
-  num_waiting_ = 0;
-  double most_across = 0.0;
-  for (size_t i = 0; i < end; ++i) {
-    most_across = std::max(most_across, std::abs(waiting_.across[i]));
+  CHECK_LE(num_points, kBlock);
+  num_points_ += static_cast<int>(num_points);
+  Values along, across, tau, weight, offset;
+  for (size_t i = 0; i < num_points; ++i) {
+    const double from_x = points.x[i] - middle_.x();
+    const double from_y = points.y[i] - middle_.y();
+    along[i] = along_.x() * from_x + along_.y() * from_y;
+    across[i] = along_.x() * from_y - along_.y() * from_x;
+    tau[i] = (points.since_start_ns[i] - half_span_ns_) * inverse_half_span_;
+    weight[i] = points.weight[i];
+    offset[i] = points.offset[i];
   }
+  size_t end = num_points;
   if (end % 2 == 1) {  // a companion without weight
-    waiting_.along[end] = waiting_.across[end] = waiting_.tau[end] = 0.0;
-    waiting_.weight[end] = waiting_.offset[end] = 0.0;
+    along[end] = across[end] = tau[end] = weight[end] = offset[end] = 0.0;
+    ++end;
+  }
+  double most_across = 0.0;
+  for (size_t i = 0; i < num_points; ++i) {
+    most_across = std::max(most_across, std::abs(across[i]));
   }
   const auto add = [&](Product product, const auto& value) {
-    const auto sums = SumByPower<5>(waiting_.tau.data(), end, value);
+    const auto sums = SumByPower<5>(tau.data(), end, value);
     for (size_t j = 0; j < 5; ++j) products_[j][product] += sums[j];
   };
   const auto add_with_offset = [&](int row, const auto& value) {
-    const auto sums = SumByPower<3>(waiting_.tau.data(), end, value);
+    const auto sums = SumByPower<3>(tau.data(), end, value);
     for (int j = 0; j < 3; ++j) with_offset_(row, j) += sums[static_cast<size_t>(j)];
   };
-  const auto a = [&](size_t i) { return Load(&waiting_.along[i]); };
-  const auto b = [&](size_t i) { return Load(&waiting_.across[i]); };
-  const auto w2 = [&](size_t i) { return Load(&waiting_.weight[i]); };
-  const auto o = [&](size_t i) { return Load(&waiting_.offset[i]); };
+  const auto a = [&](size_t i) { return Load(&along[i]); };
+  const auto b = [&](size_t i) { return Load(&across[i]); };
+  const auto w2 = [&](size_t i) { return Load(&weight[i]); };
+  const auto o = [&](size_t i) { return Load(&offset[i]); };
+  // One group of sums after the other: the processor's registers hold a group, not all of the
+  // forty.
   add(kOne, w2);
   add(kAlong, [&](size_t i) { return w2(i) * a(i); });
   add(kAlong2, [&](size_t i) { return w2(i) * a(i) * a(i); });
   add_with_offset(0, [&](size_t i) { return w2(i) * o(i) * a(i); });
   add_with_offset(2, [&](size_t i) { return w2(i) * o(i); });
-  offset2_ += SumByPower<1>(
-      waiting_.tau.data(), end, [&](size_t i) { return w2(i) * o(i) * o(i); })[0];
+  offset2_ += SumByPower<1>(tau.data(), end, [&](size_t i) { return w2(i) * o(i) * o(i); })[0];
   if (most_across < kNegligible) return;
   add(kAcross, [&](size_t i) { return w2(i) * b(i); });
   add(kAlongAcross, [&](size_t i) { return w2(i) * a(i) * b(i); });

@@ -214,7 +214,14 @@ class Spread {
     const int positions = 3 * num_control_points;
     for (int k = 0; k < num_nodes_; ++k) {
       AddGradient(k, line, positions, quadratic);
-      for (int l = 0; l < num_nodes_; ++l) AddPair(k, l, line, positions, quadratic);
+    }
+    const auto [begin, last] =
+        std::minmax_element(first_.begin(), first_.begin() + num_nodes_);
+    for (int column = *begin; column < *last + kSplineOrder; ++column) {
+      const OfControlPoint by_column = MultiplyBy(column, line);
+      for (int row = *begin; row < *last + kSplineOrder; ++row) {
+        AddPair(row, column, by_column, positions, quadratic);
+      }
     }
     for (size_t i = 0; i < line.sees_plane.size(); ++i) {
       if (!line.sees_plane[i]) continue;
@@ -233,6 +240,35 @@ class Spread {
     return poses_.splines[static_cast<size_t>(node)].position_weights[static_cast<size_t>(j)];
   }
   int First(int node) const { return first_[static_cast<size_t>(node)]; }
+  bool Uses(int node, int control_point) const {
+    return control_point >= First(node) && control_point < First(node) + kSplineOrder;
+  }
+
+  // Columns of a control point, rows of the nodes' poses: those of the rotation, and those of
+  // the position for the nodes' positions.
+  struct OfControlPoint {
+    std::array<Eigen::Matrix<double, kPoseSize, 3>, kNumNodes> rotation;
+    std::array<Eigen::Matrix3d, kNumNodes> position;
+  };
+
+  OfControlPoint MultiplyBy(int control_point, const LineSystem& line) const {
+    OfControlPoint product;
+    for (int k = 0; k < num_nodes_; ++k) {
+      auto& rotation = product.rotation[static_cast<size_t>(k)];
+      auto& position = product.position[static_cast<size_t>(k)];
+      rotation.setZero();
+      position.setZero();
+      for (int l = 0; l < num_nodes_; ++l) {
+        if (!Uses(l, control_point)) continue;
+        const int j = control_point - First(l);
+        rotation += line.poses.block<kPoseSize, 3>(kPoseSize * k, kPoseSize * l)
+                        .lazyProduct(Rotation(l, j));
+        position +=
+            Weight(l, j) * line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l + 3);
+      }
+    }
+    return product;
+  }
 
   void AddGradient(int k,
                    const LineSystem& line,
@@ -247,30 +283,29 @@ class Spread {
     }
   }
 
-  // Lower triangle only.
-  void AddPair(int k,
-               int l,
-               const LineSystem& line,
+  // The blocks of two control points that lie in the lower triangle.
+  void AddPair(int row,
+               int column,
+               const OfControlPoint& by_column,
                int positions,
                SegmentGroup::Quadratic* quadratic) const {
-    const Eigen::Matrix3d rotations = line.poses.block<3, 3>(kPoseSize * k, kPoseSize * l);
-    const Eigen::Matrix3d mixed = line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l);
-    const Eigen::Matrix3d both = line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l + 3);
-    Eigen::MatrixXd& hessian = quadratic->hessian;
-    for (int j = 0; j < kSplineOrder; ++j) {
-      const int column = 3 * (First(l) + j);
-      const Eigen::Matrix3d turned = rotations * Rotation(l, j);
-      const Eigen::Matrix3d shifted = mixed * Rotation(l, j);
-      for (int i = 0; i < kSplineOrder; ++i) {
-        const int row = 3 * (First(k) + i);
-        const double weight = Weight(k, i);
-        hessian.block<3, 3>(positions + row, column) += weight * shifted;
-        if (row < column) continue;
-        hessian.block<3, 3>(row, column).noalias() += Rotation(k, i).transpose() * turned;
-        hessian.block<3, 3>(positions + row, positions + column) +=
-            weight * Weight(l, j) * both;
-      }
+    Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d both = Eigen::Matrix3d::Zero();
+    for (int k = 0; k < num_nodes_; ++k) {
+      if (!Uses(k, row)) continue;
+      const int i = row - First(k);
+      const auto& rotation = by_column.rotation[static_cast<size_t>(k)];
+      mixed += Weight(k, i) * rotation.bottomRows<3>();
+      if (row < column) continue;
+      rotations += Rotation(k, i).transpose().lazyProduct(rotation.topRows<3>());
+      both += Weight(k, i) * by_column.position[static_cast<size_t>(k)];
     }
+    Eigen::MatrixXd& hessian = quadratic->hessian;
+    hessian.block<3, 3>(positions + 3 * row, 3 * column) += mixed;
+    if (row < column) return;
+    hessian.block<3, 3>(3 * row, 3 * column) += rotations;
+    hessian.block<3, 3>(positions + 3 * row, positions + 3 * column) += both;
   }
 
   void AddCross(const LineVector& cross,

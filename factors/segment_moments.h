@@ -22,22 +22,18 @@ class SegmentMoments {
                  int64_t start_ns,
                  int64_t end_ns);
 
-  // A point (x, y), taken so long after the first; w^2 in 1/m^2; the offset in m, without w.
-  void Add(double x, double y, double since_start_ns, double weight, double offset) {
-    if (num_waiting_ == kBlock) TakeUpWaiting();
-    const auto i = static_cast<size_t>(num_waiting_++);
-    const double from_x = x - middle_.x();
-    const double from_y = y - middle_.y();
-    waiting_.along[i] = along_.x() * from_x + along_.y() * from_y;
-    waiting_.across[i] = along_.x() * from_y - along_.y() * from_x;
-    waiting_.tau[i] = (since_start_ns - half_span_ns_) * inverse_half_span_;
-    waiting_.weight[i] = weight;
-    waiting_.offset[i] = offset;
-    ++num_points_;
-  }
+  // Points side by side, so that loops over them become vector instructions.
+  static constexpr size_t kBlock = 32;
+  using Values = std::array<double, kBlock>;
+  struct Points {
+    Values x, y;            // m
+    Values since_start_ns;  // after the segment's first point
+    Values weight;          // w^2 in 1/m^2
+    Values offset;          // m, without w
+  };
 
-  // Takes up the last points. To be called once, before what follows.
-  void Finish() { TakeUpWaiting(); }
+  // The first num_points of these.
+  void Add(const Points& points, size_t num_points);
 
   int num_points() const { return num_points_; }
   double sum_weights() const { return products_[0][kOne]; }
@@ -48,15 +44,8 @@ class SegmentMoments {
   SegmentMeasurement Compress(const std::array<int64_t, 3>& nodes_ns) const;
 
  private:
-  // Points are taken up in blocks, one group of sums after the other: the processor's
-  // registers hold a group, not all of the forty.
-  static constexpr int kBlock = 32;
-  struct Block {
-    std::array<double, kBlock> along, across, tau, weight, offset;
-  };
   enum Product { kAlong2, kAlongAcross, kAcross2, kAlong, kAcross, kOne };
 
-  void TakeUpWaiting();
   Eigen::Matrix<double, 9, 9> Matrix() const;
   Eigen::Matrix3d Frame() const;
 
@@ -67,8 +56,6 @@ class SegmentMoments {
   double half_span_ns_;
   double inverse_half_span_;  // 0 if all points are of one instant
   int num_points_ = 0;
-  int num_waiting_ = 0;
-  Block waiting_;
   std::array<std::array<double, 6>, 5> products_{};        // by the power of tau
   Eigen::Matrix3d with_offset_ = Eigen::Matrix3d::Zero();  // columns: likewise; a, b, 1
   double offset2_ = 0.0;

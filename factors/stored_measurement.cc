@@ -10,9 +10,11 @@ using DoubleRows = Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9,
 }  // namespace
 
 Eigen::Matrix3d SegmentFrame::Matrix() const {
+  const Eigen::Vector2d t = tangent.cast<double>();
+  const Eigen::Vector2d o = origin.cast<double>();
   Eigen::Matrix3d matrix;
-  matrix << tangent.x(), -tangent.y(), origin.x(),  //
-      tangent.y(), tangent.x(), origin.y(),         //
+  matrix << t.x(), -t.y(), o.x(),  //
+      t.y(), t.x(), o.y(),         //
       0.0, 0.0, 1.0;
   return matrix;
 }

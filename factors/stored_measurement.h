@@ -9,10 +9,11 @@
 
 namespace plumbline {
 
-// Where a segment lies in the scan plane.
+// Where a segment lies in the scan plane, near enough: what is measured in it is exact in it,
+// rounded as it is.
 struct SegmentFrame {
-  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  // scanner frame, m
-  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();
+  Eigen::Vector2f origin = Eigen::Vector2f::Zero();  // scanner frame, m
+  Eigen::Vector2f tangent = Eigen::Vector2f::UnitX();
 
   // (x, y, 1) = matrix (along, across, 1), from the origin.
   Eigen::Matrix3d Matrix() const;

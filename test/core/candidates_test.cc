@@ -20,9 +20,10 @@ const double kDegree = M_PI / 180.0;
 Observation TraceOf(const Eigen::Vector3d& normal_world,
                     const Eigen::Quaterniond& world_from_scanner) {
   const Eigen::Vector3d normal = world_from_scanner.conjugate() * normal_world;
+  const Eigen::Vector2d tangent = Eigen::Vector2d(-normal.y(), normal.x()).normalized();
   Observation observation;
-  observation.measurement = StoredMeasurement(
-      {}, {Eigen::Vector2d::Zero(), Eigen::Vector2d(-normal.y(), normal.x()).normalized()});
+  observation.measurement =
+      StoredMeasurement({}, {Eigen::Vector2f::Zero(), tangent.cast<float>()});
   return observation;
 }
 
@@ -101,7 +102,7 @@ class CandidatePlanesTest : public testing::Test {
             scanner_index,
             now_ns,
             [&](int64_t) { return pose; },
-            scanner.range_noise_m,
+            noise_share_ * scanner.range_noise_m,
             &random_);
         for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
           Observation observation = MakeObservation(line, scanner, segment, false);
@@ -129,6 +130,7 @@ class CandidatePlanesTest : public testing::Test {
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
   CandidatePlanes candidates_{rig_, false, options_};
+  double noise_share_ = 1.0;  // of the scanners' range noise
   std::mt19937_64 random_{3};
   int scan_ = 0;
   int num_offered_ = 0;
@@ -187,6 +189,23 @@ TEST_F(CandidatePlanesTest, MotionTellsFloorFromWall) {
     EXPECT_EQ(candidate.landmark.model, PlaneModel::kHorizontal);
     EXPECT_NEAR(candidate.landmark.Distance(), 0.0, 0.02);
   }
+}
+
+// Of segments that may lie on a wall or on a door's lintel, a single one that took in beams of
+// another surface, and slopes for it, makes no wall.
+TEST_F(CandidatePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
+  noise_share_ = 0.0;
+  const int min_scans = options_.planes.min_scans;
+  const PlaneScene level = {{WallNormal(225.0), -2.0}};
+  const PlaneScene sloping = {{WallNormal(225.045), -2.0}};  // 5 standard deviations
+  Walk(sloping, {1}, 1, 0.0, 0.0);
+  Walk(level, {1}, min_scans - 1, 0.0, 0.0);
+  EXPECT_TRUE(candidates_.TakeReady(min_scans).empty());
+  Walk(sloping, {1}, min_scans - 1, 0.0, 0.0);
+  const std::vector<PlaneCandidate> walls = candidates_.TakeReady(min_scans);
+  ASSERT_EQ(walls.size(), 1u);
+  EXPECT_EQ(walls.front().landmark.model, PlaneModel::kVertical);
+  EXPECT_EQ(static_cast<int>(walls.front().scans.size()), 2 * min_scans - 1);
 }
 
 TEST_F(CandidatePlanesTest, MovingTowardsAWallMakesNoFloor) {

@@ -116,7 +116,10 @@ TEST_F(ObservationTest, SplitsRangesIntoLineAndOffsets) {
       {wall_}, scanner_, 0, kStart, [](int64_t) { return BodyPose(); }, 0.02, &random_);
   const Observation observation =
       ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
-  const Eigen::Vector2d normal(observation.tangent().y(), -observation.tangent().x());
+  const Eigen::Vector2d tangent =
+      (observation.points[0].position - observation.points.end()[-1].position).normalized();
+  EXPECT_LT((observation.tangent() - tangent).norm(), 1e-7);  // kept in single precision
+  const Eigen::Vector2d normal(tangent.y(), -tangent.x());
   double sum_squares = 0.0;
   for (size_t i = 0; i < observation.points.size(); ++i) {
     const Eigen::Vector2d& point = observation.points[i].position;

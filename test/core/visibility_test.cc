@@ -37,9 +37,9 @@ class VisibilityTest : public testing::Test {
       observation.start_time_ns = NanosecondsFromSeconds(0.1);
       observation.end_time_ns = NanosecondsFromSeconds(0.11);
       observation.first_point = Eigen::Vector2d(x, first_y).cast<float>();
-      observation.measurement =
-          StoredMeasurement({}, {{x, 0.5 * (first_y + last_y)}, Eigen::Vector2d::UnitY()});
       observation.last_point = Eigen::Vector2d(x, last_y).cast<float>();
+      const Eigen::Vector2f middle = 0.5F * (observation.first_point + observation.last_point);
+      observation.measurement = StoredMeasurement({}, {middle, Eigen::Vector2f::UnitY()});
     }
   }
 

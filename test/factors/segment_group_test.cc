@@ -48,8 +48,9 @@ struct Scene {
       }
       for (double& value : measurement.rows.col(9)) value = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
-      const SegmentFrame frame = {{random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0)},
-                                  random.Vector(1.0).head<2>().normalized()};
+      const Eigen::Vector2d origin(random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0));
+      const Eigen::Vector2d tangent = random.Vector(1.0).head<2>().normalized();
+      const SegmentFrame frame = {origin.cast<float>(), tangent.cast<float>()};
       segment.measurement = &measurements.emplace_back(measurement, frame);
       const double u = random.Uniform(0.0, 0.8);
       segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
@@ -169,6 +170,34 @@ TEST(SegmentGroup, FollowsItsParameters) {
   EXPECT_GT((moved - before).norm(), 1e-3);
   scene.blocks[kNumControlPoints][0] -= 0.1;
   EXPECT_LT((scene.blocks.Residuals(*factor) - before).norm(), 1e-9);
+}
+
+// Where the linearisation still holds, and asked for the other view in between.
+TEST(SegmentGroup, ModelEqualsCeresRows) {
+  Scene scene(60);
+  const auto group = std::make_shared<LinearisedGroup>(scene.Group(3.0));
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(3.0)));
+  group->ModelAt(scene.blocks.pointers().data());
+  scene.blocks.Residuals(*factor);
+  scene.blocks[kNumControlPoints][0] += 0.005;
+  const Eigen::VectorXd residuals = scene.blocks.Residuals(*factor);
+  const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor);
+  const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
+  const LinearisedGroup::Model model = group->ModelAt(scene.blocks.pointers().data());
+  EXPECT_EQ(group->num_linearisations(), 1);
+  EXPECT_NEAR(model.cost, 0.5 * residuals.squaredNorm(), 1e-10 * model.cost);
+  const Eigen::Index size = 6 * kNumControlPoints + 3;  // before the plane with a manifold
+  EXPECT_LT((model.gradient.head(size) - gradient.head(size)).norm(), 1e-8 * gradient.norm());
+  const Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
+  const Eigen::MatrixXd difference =
+      model.hessian.topLeftCorner(size, size) - hessian.topLeftCorner(size, size);
+  EXPECT_LT(Eigen::MatrixXd(difference.triangularView<Eigen::Lower>()).norm(),
+            1e-10 * model.hessian.norm());
+  scene.blocks.Residuals(*CreateSegmentGroupFactor(group));
+  const double cost = group->ModelAt(scene.blocks.pointers().data()).cost;
+  EXPECT_EQ(group->num_linearisations(), 3);
+  EXPECT_NEAR(cost, model.cost, 1e-4 * model.cost);
 }
 
 TEST(SegmentGroup, HasNoMoreResidualsThanUnknownsPlusOne) {

@@ -19,15 +19,15 @@ struct FarSegment {
   SegmentMeasurement measurement;
 
   FarSegment() {
-    frame.origin = {21.3, -20.7};
-    frame.tangent = Eigen::Vector2d(0.6, 0.8);
+    frame.origin = {21.3F, -20.7F};
+    frame.tangent = {0.6F, 0.8F};
     Eigen::Matrix2Xd points(2, kNumPoints);
     std::vector<int64_t> times_ns;
     TestRandom random(2);
     Eigen::VectorXd offsets(kNumPoints);
     for (int i = 0; i < kNumPoints; ++i) {
       const double along = 10.0 * i / (kNumPoints - 1) - 5.0;
-      points.col(i) = frame.origin + along * frame.tangent;
+      points.col(i) = frame.origin.cast<double>() + along * frame.tangent.cast<double>();
       times_ns.push_back(1'000'000'000'000'000 + 20'000 * i);
       offsets[i] = random.Uniform(-2.0, 2.0);
     }
@@ -40,9 +40,11 @@ struct FarSegment {
     Eigen::Matrix<double, 9, 1> g;
     for (int k = 0; k < 3; ++k) {
       const double turn = (1.0 + 0.1 * k) * slope;
-      const Eigen::Vector2d across(-frame.tangent.y(), frame.tangent.x());
-      const Eigen::Vector2d normal = std::cos(turn) * across + std::sin(turn) * frame.tangent;
-      g.segment<3>(3 * k) << normal, (1.0 + 0.2 * k) * offset_m - normal.dot(frame.origin);
+      const Eigen::Vector2d tangent = frame.tangent.cast<double>();
+      const Eigen::Vector2d across(-tangent.y(), tangent.x());
+      const Eigen::Vector2d normal = std::cos(turn) * across + std::sin(turn) * tangent;
+      g.segment<3>(3 * k) << normal,
+          (1.0 + 0.2 * k) * offset_m - normal.dot(frame.origin.cast<double>());
     }
     return g;
   }
@@ -92,14 +94,14 @@ TEST(StoredMeasurement, KeepsNodesAndCounts) {
 
   const SegmentMeasurement instant = CompressSegment(
       Eigen::Vector2d(2.0, 0.0), {50'000'000}, Eigen::VectorXd::Constant(1, 10.0));
-  const StoredMeasurement of_instant(instant, {{2.0, 0.0}, {0.0, 1.0}});
+  const StoredMeasurement of_instant(instant, {{2.0F, 0.0F}, {0.0F, 1.0F}});
   EXPECT_EQ(of_instant.num_nodes(), 1);
   EXPECT_EQ(of_instant.Unpack().num_nodes, 1);
   EXPECT_LT((of_instant.Unpack().root() - instant.root()).norm(), 1e-5);
 }
 
 TEST(SegmentFrame, MapsAlongAndAcrossToTheScanPlane) {
-  const SegmentFrame frame = {{3.0, -1.0}, {0.0, 1.0}};
+  const SegmentFrame frame = {{3.0F, -1.0F}, {0.0F, 1.0F}};
   const Eigen::Vector3d p = frame.Matrix() * Eigen::Vector3d(2.0, 0.5, 1.0);
   EXPECT_LT((p - Eigen::Vector3d(2.5, 1.0, 1.0)).norm(), 1e-15);
 }

@@ -3,6 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "core/config.h"
 #include "core/estimation_problem.h"
@@ -43,11 +46,63 @@ class CovarianceTest : public MappingTest {
     problem_->AddSegments(associated, 0.0);
   }
 
+  // What the blocks hold, one after the other.
+  std::vector<double> Values() const {
+    std::vector<double> values;
+    for (const BlockId& block : problem_->Blocks()) {
+      const double* data = problem_->Data(block);
+      values.insert(values.end(), data, data + problem_->AmbientSize(block));
+    }
+    return values;
+  }
+  // Moves control points and planes by some millimetres, the same way every time.
+  void MoveAway(const std::vector<double>& solution) {
+    size_t next = 0;
+    for (const BlockId& block : problem_->Blocks()) {
+      double* data = problem_->Data(block);
+      for (int i = 0; i < problem_->AmbientSize(block); ++i, ++next) data[i] = solution[next];
+      if (block.kind == BlockId::Kind::kPosition) data[0] += 0.003 * (block.index % 3 - 1);
+      if (block.kind == BlockId::Kind::kLandmark) {
+        data[problem_->AmbientSize(block) - 1] += 0.002 * (block.index % 3 - 1);
+      }
+    }
+  }
+
   Rig rig_;
   MapperOptions options_;
   std::unique_ptr<MapResult> result_;
   std::unique_ptr<EstimationProblem> problem_;
 };
+
+// The window's way to a solution, and the batch's.
+TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
+  std::vector<ScenarioScanner> horizontal = TiltedRig();
+  for (ScenarioScanner& scanner : horizontal) scanner.rotation_deg = "0, 0, 20";
+  for (const auto& scanners : {TiltedRig(), horizontal}) {
+    MapScenario(scanners);
+    const std::vector<double> mapped = Values();
+    MoveAway(mapped);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.initial_trust_region_radius = 1e12;
+    options.function_tolerance = 1e-14;
+    options.logging_type = ceres::SILENT;
+    problem_->Solve(options);
+    const std::vector<double> by_ceres = Values();
+    MoveAway(mapped);
+    const NormalEquations equations = problem_->SolveNormalEquations(50, 1e-14);
+    const std::vector<double> found = Values();
+    double largest = 0.0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      largest = std::max(largest, std::abs(found[i] - by_ceres[i]));
+    }
+    EXPECT_LT(largest, 1e-7);
+    EXPECT_LT((equations.hessian - problem_->Linearise().hessian).norm(),
+              1e-6 * equations.hessian.norm());
+    MoveAway(mapped);
+    EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
+  }
+}
 
 TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   MapScenario(TiltedRig());
