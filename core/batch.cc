@@ -21,8 +21,8 @@ namespace {
 constexpr double kHuberWidth = 5.0;
 // Share of the cost by which the last iteration may still lower it. The cost is half the
 // number of points: the final tolerance leaves far less than one standard deviation of any
-// unknown.
-constexpr double kRoundTolerance = 1e-5;
+// unknown. What outliers still give way before the rounds, they do in them.
+constexpr double kRoundTolerance = 1e-3;
 constexpr double kFinalTolerance = 1e-9;
 constexpr int kMaxIterations = 30;
 // Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
@@ -102,13 +102,7 @@ class Batch {
 
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
-    for (Landmark& landmark : state_->landmarks) {
-      landmark.extent = landmark.EmptyExtent();
-      landmark.num_segments = 0;
-      landmark.num_points = 0;
-      landmark.last_scan = 0;
-      landmark.last_time_ns = 0;
-    }
+    for (Landmark& landmark : state_->landmarks) Empty(&landmark);
     SharedPoses poses(state_->trajectory);
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
@@ -300,7 +294,20 @@ class Batch {
       observation.landmark_id = -1;
       ++num_released;
     }
+    for (Landmark& landmark : state_->landmarks) {
+      const bool is_released = landmarks[static_cast<size_t>(landmark.id)];
+      if (is_released && !landmark.heading_fixed) Empty(&landmark);
+    }
     return num_released;
+  }
+
+  // Leaves a landmark as it is before its first observation is counted.
+  static void Empty(Landmark* landmark) {
+    landmark->extent = landmark->EmptyExtent();
+    landmark->num_segments = 0;
+    landmark->num_points = 0;
+    landmark->last_scan = 0;
+    landmark->last_time_ns = 0;
   }
 
   const Rig& rig_;
@@ -330,7 +337,7 @@ BatchReport EstimateBatch(const Rig& rig,
     batch.RebuildLandmarks();
     const int num_merged = batch.MergeDuplicates();
     int num_dropped = batch.DropShadows() + batch.DropPassedThrough();
-    if (num_merged + num_dropped > 0) batch.RebuildLandmarks();
+    if (num_merged > 0) batch.RebuildLandmarks();
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
     report.changed_associations = num_changed + num_dropped;

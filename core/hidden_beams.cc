@@ -23,6 +23,8 @@ constexpr double kReach = 0.25;  // m
 // Walls whose normals are nearer to each other form no corner.
 constexpr double kMaxCosine = 0.7;
 
+// Beams that are asked for openings together, before each alone.
+constexpr int kBeamsAtOnce = 16;
 // Beams on both sides of an end that may tell of an opening.
 constexpr int kNumBeams = 8;
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
@@ -71,19 +73,27 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
     }
     return beams;
   }
-  // Most segments pass none, and between ends that are not grazing no beam is.
-  const auto end_point = [&](int beam) {
-    return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+  // Most segments pass none, of the others most beams: between ends that are not grazing and
+  // have none along them no beam is.
+  const auto passes_none = [&](int first, int last) {
+    const auto at = [&](int beam) {
+      return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+    };
+    const std::optional<Eigen::Vector3d> start = at(first);
+    const std::optional<Eigen::Vector3d> end = at(last);
+    return start && end && !openings.MayBeAlong(*start, *end);
   };
-  const std::optional<Eigen::Vector3d> start = end_point(first_beam);
-  const std::optional<Eigen::Vector3d> end = end_point(last_beam);
-  if (start && end && !openings.MayBeAlong(*start, *end)) return beams;
-  BeamSweep sweep(scan_line, first_beam);
-  for (int beam = first_beam; beam <= last_beam; ++beam, sweep.Next()) {
-    const std::optional<Eigen::Vector3d> at =
-        MeetingPoint(meeting, beam, sweep.direction(), kMinCosine);
-    if (at ? openings.IsAt(*at) : IsNearOpening(meeting, beam, sweep.direction(), openings)) {
-      beams.push_back(beam);
+  if (passes_none(first_beam, last_beam)) return beams;
+  for (int first = first_beam; first <= last_beam; first += kBeamsAtOnce) {
+    const int last = std::min(first + kBeamsAtOnce - 1, last_beam);
+    if (passes_none(first, last)) continue;
+    BeamSweep sweep(scan_line, first);
+    for (int beam = first; beam <= last; ++beam, sweep.Next()) {
+      const auto at = MeetingPoint(meeting, beam, sweep.direction(), kMinCosine);
+      if (at ? openings.IsAt(*at)
+             : IsNearOpening(meeting, beam, sweep.direction(), openings)) {
+        beams.push_back(beam);
+      }
     }
   }
   return beams;

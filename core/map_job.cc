@@ -135,7 +135,8 @@ class PointExporter {
 
   void Place(const ScanLine& scan_line, int64_t start_ns) {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-    const Trajectory& trajectory = state_.trajectory;
+    const int64_t map_start_ns = state_.trajectory.start_ns();
+    const int64_t map_end_ns = state_.trajectory.end_ns();
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     std::optional<ScanMotion> motion;
     BeamSweep sweep(scan_line, 0);
@@ -144,14 +145,11 @@ class PointExporter {
       if (!scanner.IsValidRange(range)) continue;
       ++num_points_;
       const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-      if (time_ns < trajectory.start_ns() || time_ns >= trajectory.end_ns()) {
-        continue;  // before the start or after the end of the map
-      }
+      if (time_ns < map_start_ns || time_ns >= map_end_ns) continue;
       if (time_ns > span_end_ns) {
         const int last = scan_line.num_beams() - 1;
-        span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
-                                time_ns + kMaxSpanNs,
-                                trajectory.end_ns() - 1});
+        span_end_ns = std::min(
+            {BeamInstant(scan_line, last, rig_), time_ns + kMaxSpanNs, map_end_ns - 1});
         const ObservationPoses poses(NodesOfSpan(time_ns, span_end_ns), &sampler_);
         motion.emplace(poses.MotionOf(scanner.body_from_scanner));
       }

@@ -28,18 +28,21 @@ char* Put(Value value, char* at) {
   return at + sizeof(value);
 }
 
-// Of the same length for every number of points, so that it can be filled in at the end.
+// Spaces for the digits that a number of points has less than another: headers are of the same
+// length for every number, so that they can be filled in at the end.
+std::string Padding(int64_t num_points, size_t times) {
+  const size_t num_digits = std::to_string(num_points).size();
+  return std::string(times * (std::numeric_limits<int64_t>::digits10 + 1 - num_digits), ' ');
+}
+
 std::string PlyHeader(int64_t num_points) {
-  const std::string count = std::to_string(num_points);
-  const std::string padding(
-      static_cast<size_t>(std::numeric_limits<int64_t>::digits10 + 1) - count.size(), ' ');
   return "ply\n"
          "format binary_little_endian 1.0\n"
          "comment metres; time in s since the first scan line; plane_id -1: on no plane" +
-         padding +
+         Padding(num_points, 1) +
          "\n"
          "element vertex " +
-         count +
+         std::to_string(num_points) +
          "\n"
          "property float x\n"
          "property float y\n"
@@ -73,41 +76,62 @@ std::string PcdHeader(int64_t num_points) {
   add_field("residual", pcl::PCLPointField::FLOAT32, sizeof(float));
   CHECK_EQ(cloud.point_step, kPointBytes);
   cloud.row_step = cloud.point_step * cloud.width;
+  // The number occurs twice, as width and as points.
   return pcl::PCDWriter().generateHeaderBinary(
              cloud, Eigen::Vector4f::Zero(), Eigen::Quaternionf::Identity()) +
-         "DATA binary\n";
+         "#" + Padding(num_points, 2) + "\nDATA binary\n";
 }
 
 }  // namespace
 
 PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::string& pcd_path)
     : ply_(ply_path), pcd_(pcd_path) {
-  stream_ = std::fopen(ply_.temporary_path().c_str(), "w+b");
-  if (stream_ == nullptr) Fail(ply_);
   buffer_.reserve(kBufferBytes + kPointBytes);
-  const std::string header = PlyHeader(0);
-  WriteToPly(header.data(), header.size());
+  WriteHeaders();
 }
 
-PointCloudWriter::~PointCloudWriter() {
+PointCloudWriter::File::File(const std::string& path)
+    : file_(path), stream_(std::fopen(file_.temporary_path().c_str(), "wb")) {
+  if (stream_ == nullptr) Fail();
+}
+
+PointCloudWriter::File::~File() {
   if (stream_ != nullptr) std::fclose(stream_);
 }
 
-void PointCloudWriter::Fail(const AtomicFile& file) const {
-  throw Error(file.path() + ": can not be written: " + std::strerror(errno));
+void PointCloudWriter::File::Fail() const {
+  throw Error(file_.path() + ": can not be written: " + std::strerror(errno));
 }
 
-void PointCloudWriter::WriteToPly(const void* data, size_t size) {
-  if (std::fwrite(data, 1, size, stream_) != size) Fail(ply_);
+void PointCloudWriter::File::Rewind() {
+  if (std::fseek(stream_, 0, SEEK_SET) != 0) Fail();
+}
+
+void PointCloudWriter::File::Write(const void* data, size_t size) {
+  if (std::fwrite(data, 1, size, stream_) != size) Fail();
+}
+
+void PointCloudWriter::File::Close() {
+  std::FILE* stream = stream_;
+  stream_ = nullptr;
+  if (std::fclose(stream) != 0) Fail();
+}
+
+void PointCloudWriter::WriteHeaders() {
+  const std::string ply = PlyHeader(num_points_);
+  ply_.Write(ply.data(), ply.size());
+  const std::string pcd = PcdHeader(num_points_);
+  pcd_.Write(pcd.data(), pcd.size());
 }
 
 void PointCloudWriter::Flush() {
-  WriteToPly(buffer_.data(), buffer_.size());
+  ply_.Write(buffer_.data(), buffer_.size());
+  pcd_.Write(buffer_.data(), buffer_.size());
   buffer_.clear();
 }
 
 void PointCloudWriter::Add(const MapPoint& point) {
-  CHECK(stream_ != nullptr) << "Add() after Finish()";
+  CHECK(!finished_) << "Add() after Finish()";
   CHECK_GE(point.scanner, 0);
   CHECK_LE(point.scanner, std::numeric_limits<uint8_t>::max());
   std::array<char, kPointBytes> bytes;
@@ -125,42 +149,14 @@ void PointCloudWriter::Add(const MapPoint& point) {
 }
 
 void PointCloudWriter::Finish() {
-  CHECK(stream_ != nullptr) << "Finish() twice";
+  CHECK(!finished_) << "Finish() twice";
+  finished_ = true;
   Flush();
-  if (std::fseek(stream_, 0, SEEK_SET) != 0) Fail(ply_);
-  const std::string header = PlyHeader(num_points_);
-  WriteToPly(header.data(), header.size());
-  if (std::fflush(stream_) != 0) Fail(ply_);
-  CopyToPcd();
-  std::FILE* stream = stream_;
-  stream_ = nullptr;
-  if (std::fclose(stream) != 0) Fail(ply_);
-}
-
-// The points follow the header in stream_.
-void PointCloudWriter::CopyToPcd() {
-  if (std::fseek(stream_, static_cast<long>(PlyHeader(num_points_).size()), SEEK_SET) != 0) {
-    Fail(ply_);
-  }
-  std::FILE* pcd = std::fopen(pcd_.temporary_path().c_str(), "wb");
-  if (pcd == nullptr) Fail(pcd_);
-  const std::string header = PcdHeader(num_points_);
-  bool good = std::fwrite(header.data(), 1, header.size(), pcd) == header.size();
-  std::vector<char> block(kBufferBytes);
-  int64_t num_bytes = 0;
-  while (good) {
-    const size_t size = std::fread(block.data(), 1, block.size(), stream_);
-    if (size == 0) break;
-    good = std::fwrite(block.data(), 1, size, pcd) == size;
-    num_bytes += static_cast<int64_t>(size);
-  }
-  const int write_error = errno;
-  const bool closed = std::fclose(pcd) == 0;
-  if (!good) errno = write_error;
-  if (!good || !closed) Fail(pcd_);
-  if (num_bytes != num_points_ * static_cast<int64_t>(kPointBytes)) {
-    throw Error(ply_.path() + ": can not be read back");
-  }
+  ply_.Rewind();
+  pcd_.Rewind();
+  WriteHeaders();
+  ply_.Close();
+  pcd_.Close();
 }
 
 void PointCloudWriter::Commit() {

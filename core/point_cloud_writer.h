@@ -11,15 +11,11 @@
 namespace plumbline {
 
 // Writes the same points as a binary PLY and as a binary PCD file, at a constant cost in
-// memory: points go straight to the PLY file; the PCD file is PCL's header before the same
-// bytes.
+// memory: both hold the same bytes after their headers, that of the PCD file by PCL.
 class PointCloudWriter {
  public:
   // Throws Error naming the file when it can not be created.
   PointCloudWriter(const std::string& ply_path, const std::string& pcd_path);
-  ~PointCloudWriter();
-  PointCloudWriter(const PointCloudWriter&) = delete;
-  PointCloudWriter& operator=(const PointCloudWriter&) = delete;
 
   void Add(const MapPoint& point);
   // Completes both files under their temporary names. Call once, after the last point.
@@ -28,16 +24,34 @@ class PointCloudWriter {
   void Commit();
 
  private:
-  void Flush();
-  void WriteToPly(const void* data, size_t size);
-  void CopyToPcd();
-  [[noreturn]] void Fail(const AtomicFile& file) const;
+  // A file of which the beginning is written last.
+  class File {
+   public:
+    explicit File(const std::string& path);
+    ~File();
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
 
-  AtomicFile ply_;
-  AtomicFile pcd_;
-  std::FILE* stream_ = nullptr;  // of ply_
-  std::vector<char> buffer_;     // packed points not yet in stream_
+    void Write(const void* data, size_t size);
+    void Rewind();
+    void Close();
+    void Commit() { file_.Commit(); }
+
+   private:
+    [[noreturn]] void Fail() const;
+
+    AtomicFile file_;
+    std::FILE* stream_;
+  };
+
+  void WriteHeaders();
+  void Flush();
+
+  File ply_;
+  File pcd_;
+  std::vector<char> buffer_;  // packed points not yet in the files
   int64_t num_points_ = 0;
+  bool finished_ = false;
 };
 
 }  // namespace plumbline

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -14,7 +13,9 @@ inline double SecondsBetween(int64_t start_ns, int64_t end_ns) {
 }
 
 inline int64_t NanosecondsFromSeconds(double seconds) {
-  return static_cast<int64_t>(std::llround(seconds * 1e9));
+  const double nanoseconds = seconds * 1e9;
+  // As std::llround, which is a library's call: this is asked for every beam.
+  return static_cast<int64_t>(nanoseconds + (nanoseconds < 0.0 ? -0.5 : 0.5));
 }
 
 // "12.345 s", for messages.
