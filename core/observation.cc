@@ -103,6 +103,7 @@ struct BeamBlock {
 // measured range where it runs along it.
 double RangeAt(double distance, double cosine, double measured) {
   const double range = distance / cosine;
+  // Both are asked: a branch would keep the compiler from taking several beams at a time.
   return (std::abs(cosine) > 1e-3) & (range > 0.0) ? range : measured;
 }
 
@@ -177,22 +178,18 @@ Observation ObserveBeams(const ScanLine& scan_line,
                          const SetLines& set_lines,
                          bool keep_points) {
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
-  BeamBlock beams;
-  const auto set_one = [&](int beam) {
-    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-    beams.size = 1;
-    beams.since_start[0] = beam - segment.first_beam;
-    beams.x[0] = direction.x();
-    beams.y[0] = direction.y();
-    beams.measured[0] = scan_line.ranges[static_cast<size_t>(beam)];
-    set_lines(&beams);
-    const Eigen::Vector2d normal(beams.normal_x[0], beams.normal_y[0]);
-    return Line{normal, beams.distance[0]};
+  const auto line_of = [&](int beam) {
+    BeamBlock one;
+    one.size = 1;
+    one.since_start[0] = beam - segment.first_beam;
+    set_lines(&one);
+    return Line{{one.normal_x[0], one.normal_y[0]}, one.distance[0]};
   };
   const auto point_of = [&](int beam) -> Eigen::Vector2d {
-    const Line line = set_one(beam);
-    const Eigen::Vector2d direction(beams.x[0], beams.y[0]);
-    return RangeAt(line.distance, line.normal.dot(direction), beams.measured[0]) * direction;
+    const Line line = line_of(beam);
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const double measured = scan_line.ranges[static_cast<size_t>(beam)];
+    return RangeAt(line.distance, line.normal.dot(direction), measured) * direction;
   };
   Observation observation;
   const Eigen::Vector2d start = point_of(segment.first_beam);
@@ -209,7 +206,7 @@ Observation ObserveBeams(const ScanLine& scan_line,
                 &moments,
                 keep_points ? &points : nullptr);
   int middle_beam = segment.first_beam;
-  beams.size = 0;
+  BeamBlock beams;
   VisitBeams(
       scan_line, segment, [&](int index, int beam, double x, double y, double measured) {
         const size_t i = beams.size++;
@@ -223,7 +220,7 @@ Observation ObserveBeams(const ScanLine& scan_line,
         sums.Add(beams);
         beams.size = 0;
       });
-  const Eigen::Vector2d normal = set_one(middle_beam).normal;
+  const Eigen::Vector2d normal = line_of(middle_beam).normal;
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
   observation.points = points;
   observation.num_points = segment.num_points;
