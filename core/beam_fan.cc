@@ -106,10 +106,10 @@ BeamFan::BeamFan(const ScanLine& scan_line,
   }
 }
 
-NormalEquations BeamFan::SumOnLine(int first,
-                                   int last,
-                                   const Eigen::Vector2d& q,
-                                   int* num_points) const {
+LineEquations BeamFan::SumOnLine(int first,
+                                 int last,
+                                 const Eigen::Vector2d& q,
+                                 int* num_points) const {
   Pair count{}, xx{}, xy{}, yy{}, x{}, y{}, square{};
   for (int i = first; i <= last; i += 2) {
     const Pair one = {1.0, i < last ? 1.0 : 0.0};

@@ -23,7 +23,7 @@ struct ScaledLine {
 };
 
 // Least squares for the two parameters of a line: sums over observations row . q = value.
-struct NormalEquations {
+struct LineEquations {
   double xx = 0.0, xy = 0.0, yy = 0.0;  // sum weight row row^T
   double x = 0.0, y = 0.0;              // sum weight row value
   double square = 0.0;                  // sum weight value^2
@@ -39,7 +39,7 @@ struct NormalEquations {
     square += weight * value * value;
   }
 
-  NormalEquations operator-(const NormalEquations& other) const {
+  LineEquations operator-(const LineEquations& other) const {
     return {xx - other.xx,
             xy - other.xy,
             yy - other.yy,
@@ -167,10 +167,10 @@ class BeamFan {
   }
 
   // Normal equations for a change of q from the beams first .. last that are on the line.
-  NormalEquations SumOnLine(int first,
-                            int last,
-                            const Eigen::Vector2d& q,
-                            int* num_points) const;
+  LineEquations SumOnLine(int first,
+                          int last,
+                          const Eigen::Vector2d& q,
+                          int* num_points) const;
 
   // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most
   // the outlier threshold; 0 without a return and past the last beam.

@@ -32,7 +32,7 @@ void LineGrower::Truncate(int num_points) {
 void LineGrower::TakeUp(int beam, const BeamFan::Meeting& at) {
   const double weight = 1.0 / at.variance;
   const double value = at.slope * (line_.scale - at.excess);
-  NormalEquations sum = sums_[num_points_];
+  LineEquations sum = sums_[num_points_];
   sum.Add(line_.scale * at.point, value, weight);
   point_beams_[num_points_] = beam;
   sums_[++num_points_] = sum;
@@ -43,7 +43,7 @@ bool LineGrower::Seed(int first) {
   Clear();
   seed_beams_.clear();
   // The measured ranges give a first line, and that the weights and the linearisation.
-  NormalEquations measured;
+  LineEquations measured;
   int gap = 0;
   for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
     if (!fan_.HasReturn(i)) continue;
@@ -72,7 +72,7 @@ bool LineGrower::Seed(int first) {
 // sums outside the array.
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
   const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
-  NormalEquations sum = sums_[num_points_];
+  LineEquations sum = sums_[num_points_];
   ScaledLine line = line_;
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
@@ -124,8 +124,8 @@ bool LineGrower::EndAtChange(size_t num_kept) {
 // Sum of squares when the points from `begin` to before `end` lie on a line of their own and
 // all others on another: in the usual case with one division for both.
 double LineGrower::SplitChi2(size_t begin, size_t end) const {
-  const NormalEquations run = sums_[end] - sums_[begin];
-  const NormalEquations rest = sums_[num_points_] - run;
+  const LineEquations run = sums_[end] - sums_[begin];
+  const LineEquations rest = sums_[num_points_] - run;
   if (!run.IsSolvable() || !rest.IsSolvable()) return run.Chi2() + rest.Chi2();
   const double a = run.Determinant();
   const double b = rest.Determinant();

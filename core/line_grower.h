@@ -45,7 +45,7 @@ class LineGrower {
   int num_points() const { return static_cast<int>(num_points_); }
   int PointBeam(int point) const { return point_beams_[static_cast<size_t>(point)]; }
   Eigen::Vector2d q() const { return line_.q(); }
-  const NormalEquations& equations() const { return sums_[num_points_]; }
+  const LineEquations& equations() const { return sums_[num_points_]; }
 
  private:
   void TakeUp(int beam, const BeamFan::Meeting& at);
@@ -59,8 +59,8 @@ class LineGrower {
   size_t num_points_ = 0;
   // As long as there are beams. What follows the points is of no account.
   std::vector<int> point_beams_;
-  std::vector<NormalEquations> sums_;  // [k]: of the first k points
-  std::vector<double> chi2_;           // likewise
+  std::vector<LineEquations> sums_;  // [k]: of the first k points
+  std::vector<double> chi2_;         // likewise
 };
 
 }  // namespace plumbline

@@ -28,7 +28,7 @@ char* Put(Value value, char* at) {
   return at + sizeof(value);
 }
 
-// Spaces for the digits that a number of points has less than another: headers are of the same
+// Spaces for the digits that the largest number of points has more: headers are of the same
 // length for every number, so that they can be filled in at the end.
 std::string Padding(int64_t num_points, size_t times) {
   const size_t num_digits = std::to_string(num_points).size();

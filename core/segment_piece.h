@@ -12,16 +12,16 @@ struct Piece {
   int last = 0;                   // inclusive
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
-  NormalEquations information;  // of the last fit or, while growing, of the points taken up
-  int num_points = 0;           // likewise
-  double chi2 = 0.0;            // after the last fit
+  LineEquations information;  // of the last fit or, while growing, of the points taken up
+  int num_points = 0;         // likewise
+  double chi2 = 0.0;          // after the last fit
 };
 
 // (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if both are
 // one line.
 inline double Difference(const Piece& a, const Piece& b) {
-  const NormalEquations& m = a.information;
-  const NormalEquations& n = b.information;
+  const LineEquations& m = a.information;
+  const LineEquations& n = b.information;
   const double scale_m = 1.0 / m.Determinant();
   const double scale_n = 1.0 / n.Determinant();
   const double xx = scale_m * m.yy + scale_n * n.yy;

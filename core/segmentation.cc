@@ -152,8 +152,7 @@ void Segmenter::AddGrownPiece(bool starts_at_change) {
 bool Segmenter::Fit(int max_iterations, Piece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     int num_points = 0;
-    const NormalEquations sum =
-        fan_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
+    const LineEquations sum = fan_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
     if (num_points < options_.min_points || !sum.IsSolvable()) return false;
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
@@ -418,7 +417,7 @@ bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
   int first = piece.first;
   int last = piece.last;
   fan_.TrimToLine(piece.q, &first, &last);
-  const NormalEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
+  const LineEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
   if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
   segment->first_beam = first;
   segment->last_beam = last;
