@@ -47,11 +47,7 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
   candidates.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) {
     if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
-      candidates.push_back({&landmark,
-                            landmark.Normal(),
-                            landmark.Distance(),
-                            landmark.extent.Centre(),
-                            landmark.extent.radius_m()});
+      candidates.emplace_back(landmark);
     }
   }
   return candidates;
@@ -107,73 +103,91 @@ Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
 
 double TwoDegreesQuantile(double significance) { return -2.0 * std::log(significance); }
 
-std::vector<PossibleLandmark> PossibleLandmarks(
-    const Observation& observation,
-    const Rigid3d& body_from_scanner,
-    const ObservationPoses& poses,
-    const Matrix6d& pose_covariance,
-    const std::vector<LandmarkCandidate>& candidates,
-    const AssociationOptions& options) {
-  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
+namespace {
+
+// Calls visit(possible) for the candidates that the observation may lie on.
+template <typename Visit>
+void VisitPossible(const Observation& observation,
+                   const ObservationPoses& poses,
+                   const Matrix6d& pose_covariance,
+                   const std::vector<LandmarkCandidate>& candidates,
+                   const AssociationOptions& options,
+                   const Visit& visit) {
+  const Eigen::Vector3d& scanner_world = poses.world_from_scanner.translation;
   // Within one scan line a turn moves far points by decimetres.
-  const ScanMotion motion = poses.MotionOf(body_from_scanner);
   const Eigen::Vector3d start_world =
-      motion.ToWorld(observation.start(), observation.start_time_ns);
-  const Eigen::Vector3d end_world = motion.ToWorld(observation.end(), observation.end_time_ns);
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns);
+  const Eigen::Vector3d end_world =
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns);
   const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
   const double pose_variance = MaxVariance(
-      pose_covariance, (centroid_world - poses.middle().translation).squaredNorm());
+      pose_covariance, (centroid_world - poses.world_from_body.translation).squaredNorm());
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
+  const double own_variance =
+      2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
+      flatness(0, 0);
   const double gate = TwoDegreesQuantile(options.significance);
-  std::vector<PossibleLandmark> possible;
   for (const LandmarkCandidate& candidate : candidates) {
-    const Landmark& landmark = *candidate.landmark;
-    const Eigen::Vector3d& normal = candidate.normal;
-    const double distance = candidate.distance;
-    if (normal.dot(world_from_scanner.translation) <= distance) continue;
+    if (candidate.SignedDistance(scanner_world) <= 0.0) continue;
     // Cheap first: a distance that no covariance can explain.
-    Eigen::RowVector2d by_plane(-1.0, 0.0);
-    if (landmark.model == PlaneModel::kVertical) {
-      const double along = normal.x() * centroid_world.y() - normal.y() * centroid_world.x();
-      by_plane << (landmark.heading_fixed ? 0.0 : along), -1.0;
-    }
-    const double max_variance =
-        2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
-        flatness(0, 0) + by_plane.dot(landmark.covariance * by_plane.transpose());
-    const double offset = normal.dot(centroid_world) - distance;
+    const double offset = candidate.SignedDistance(centroid_world);
+    const double max_variance = own_variance + candidate.DistanceVariance(centroid_world);
     if (offset * offset > kCoarseMargin * gate * max_variance) continue;
-    if (!landmark.extent.IsNear(start_world, end_world, options.max_gap_m)) continue;
-    const LineDeviation deviation =
-        DeviationFromPlane(observation, body_from_scanner, poses, landmark);
+    if (!candidate.landmark->extent.IsNear(start_world, end_world, options.max_gap_m)) {
+      continue;
+    }
+    const LineDeviation deviation = DeviationFromPlane(observation, poses, candidate);
     const Eigen::Matrix2d noise =
         deviation.covariance + flatness +
-        deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
+        deviation.by_plane * candidate.covariance * deviation.by_plane.transpose();
     const Eigen::Matrix<double, 2, 6> by_pose = deviation.by_pose.lazyProduct(pose_covariance);
     const Eigen::Matrix2d covariance =
         noise + by_pose.lazyProduct(deviation.by_pose.transpose());
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    possible.push_back(
-        {landmark.id, deviation, noise, distance2 + std::log(covariance.determinant())});
+    visit(PossibleLandmark{candidate.landmark->id,
+                           deviation,
+                           noise,
+                           distance2 + std::log(covariance.determinant())});
   }
-  return possible;
+}
+
+}  // namespace
+
+std::vector<PossibleLandmark> PossibleLandmarks(
+    const Observation& observation,
+    const ObservationPoses& poses,
+    const Matrix6d& pose_covariance,
+    const std::vector<LandmarkCandidate>& candidates,
+    const AssociationOptions& options) {
+  std::vector<PossibleLandmark> all;
+  VisitPossible(observation,
+                poses,
+                pose_covariance,
+                candidates,
+                options,
+                [&](const PossibleLandmark& possible) { all.push_back(possible); });
+  return all;
 }
 
 int FindLandmark(const Observation& observation,
-                 const Rigid3d& body_from_scanner,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
                  const std::vector<LandmarkCandidate>& candidates,
                  const AssociationOptions& options) {
   double best_score = std::numeric_limits<double>::infinity();
   int best_id = -1;
-  for (const PossibleLandmark& possible : PossibleLandmarks(
-           observation, body_from_scanner, poses, pose_covariance, candidates, options)) {
-    if (possible.score >= best_score) continue;
-    best_score = possible.score;
-    best_id = possible.id;
-  }
+  VisitPossible(observation,
+                poses,
+                pose_covariance,
+                candidates,
+                options,
+                [&](const PossibleLandmark& possible) {
+                  if (possible.score >= best_score) return;
+                  best_score = possible.score;
+                  best_id = possible.id;
+                });
   return best_id;
 }
 

@@ -2,12 +2,13 @@
 
 #include <Eigen/Core>
 #include <deque>
-#include <limits>
 #include <vector>
 
 #include "core/landmark.h"
+#include "core/line_deviation.h"
 #include "core/mapper_options.h"
 #include "core/observation.h"
+#include "core/observation_poses.h"
 #include "core/rig.h"
 
 namespace plumbline {
@@ -17,18 +18,6 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // Which landmarks an observation may belong to, by the gap rule: with loop closure switched
 // off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
-
-// A landmark as association looks at it: what every test asks for at hand. Valid while the
-// landmark stands still.
-struct LandmarkCandidate {
-  const Landmark* landmark = nullptr;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
-  double distance = 0.0;
-  // A sphere around all that has been seen of it: of hundreds of planes a scan reaches a few,
-  // and most others are told by it, without a look at the landmark itself.
-  Eigen::Vector3d centre_world = Eigen::Vector3d::Zero();
-  double radius_m = std::numeric_limits<double>::infinity();
-};
 
 // The landmarks with segments that observations of this scan may belong to.
 std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
@@ -73,7 +62,6 @@ struct PossibleLandmark {
 // Those of the candidates that the observation may lie on; see FindLandmark.
 std::vector<PossibleLandmark> PossibleLandmarks(
     const Observation& observation,
-    const Rigid3d& body_from_scanner,
     const ObservationPoses& poses,
     const Matrix6d& pose_covariance,
     const std::vector<LandmarkCandidate>& candidates,
@@ -85,7 +73,6 @@ std::vector<PossibleLandmark> PossibleLandmarks(
 // where the covariance takes in the segment's noise, the pose's (pose_covariance: world-frame
 // rotation and position of the body), the plane's and the surface's unevenness.
 int FindLandmark(const Observation& observation,
-                 const Rigid3d& body_from_scanner,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
                  const std::vector<LandmarkCandidate>& candidates,

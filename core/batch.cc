@@ -103,10 +103,10 @@ class Batch {
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
     for (Landmark& landmark : state_->landmarks) Empty(&landmark);
-    SharedPoses poses(state_->trajectory);
+    SharedPoses poses(rig_, state_->trajectory);
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
-      CountObservation(rig_, observation, poses.Of(observation), state_);
+      CountObservation(observation, poses.Of(observation), state_);
     }
     for (const Observation& run : state_->short_runs) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(run.landmark_id)];
@@ -126,7 +126,7 @@ class Batch {
   // Associates every observation anew; returns how many changed.
   int Reassociate() {
     int num_changed = 0;
-    SharedPoses poses(state_->trajectory);
+    SharedPoses poses(rig_, state_->trajectory);
     std::vector<LandmarkCandidate> within_gap;
     std::vector<LandmarkCandidate> candidates;
     int scan_index = -1;
@@ -142,18 +142,16 @@ class Batch {
                                       rig_,
                                       state_->observations,
                                       i,
-                                      poses.Of(observation).middle().translation,
+                                      poses.Of(observation).world_from_body.translation,
                                       Matrix6d::Zero(),
                                       options_.association);
       }
       if (observation.num_points == 0) continue;  // all of its beams are left out
-      int id = FindLandmark(
-          observation,
-          rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-          poses.Of(observation),
-          Matrix6d::Zero(),
-          candidates,
-          options_.association);
+      int id = FindLandmark(observation,
+                            poses.Of(observation),
+                            Matrix6d::Zero(),
+                            candidates,
+                            options_.association);
       if (id >= 0 && id == observation.landmark_id && IsAlone(observation, &poses)) id = -1;
       num_changed += id != observation.landmark_id ? 1 : 0;
       observation.landmark_id = id;
@@ -165,10 +163,7 @@ class Batch {
   // plane's first, uncertain estimate took in far away from it would hold it there for good.
   bool IsAlone(const Observation& observation, SharedPoses* poses) const {
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
-    const ScanMotion motion =
-        poses->Of(observation)
-            .MotionOf(rig_.scanners[static_cast<size_t>(observation.scanner_index)]
-                          .body_from_scanner);
+    const ScanMotion& motion = poses->Of(observation).motion;
     return !landmark.extent.OthersAreNear(
         motion.ToWorld(observation.start(), observation.start_time_ns),
         motion.ToWorld(observation.end(), observation.end_time_ns),
@@ -266,14 +261,13 @@ class Batch {
   double VarianceFactor(const ceres::Solver::Summary& summary, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
-    SharedPoses poses(state_->trajectory);
+    SharedPoses poses(rig_, state_->trajectory);
     const auto add = [&](const Observation& observation) {
       if (observation.landmark_id < 0) return;
       num_points += observation.num_points;
       if (factor == FactorKind::kPoint) return;  // its residuals hold everything
       const double offset =
-          ObservationWeights(rig_, poses.Of(observation), state_->landmarks, observation)
-              .offset;
+          ObservationWeights(poses.Of(observation), state_->landmarks, observation).offset;
       constant += offset * offset * observation.measurement.constant();
     };
     for (const Observation& observation : state_->observations) add(observation);

@@ -36,10 +36,9 @@ void Update(const LineDeviation& deviation, const Eigen::Matrix2d& noise, Landma
 void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
-            const Rigid3d& body_from_scanner,
             const TypeEvidence& evidence,
             PlaneCandidate* candidate) {
-  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
   candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
                                         world_from_scanner * Lift(observation.end()));
   candidate->observations.push_back(observation_index);
@@ -48,7 +47,7 @@ void Record(const Observation& observation,
   if (evidence.can_be_horizontal != evidence.can_be_vertical) {
     candidate->clear_scans.insert(observation.scan_index);
   }
-  candidate->last_position = poses.middle().translation;
+  candidate->last_position = poses.world_from_body.translation;
   candidate->last_time_ns = observation.end_time_ns;
 }
 
@@ -70,17 +69,15 @@ TypeEvidence JudgeType(const Observation& observation,
   return evidence;
 }
 
-CandidatePlanes::CandidatePlanes(const Rig& rig, bool planar, const MapperOptions& options)
-    : rig_(rig), planar_(planar), options_(options) {}
+CandidatePlanes::CandidatePlanes(bool planar, const MapperOptions& options)
+    : planar_(planar), options_(options) {}
 
 bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
                               const Observation& observation,
                               const LineDeviation& deviation,
                               const ObservationPoses& poses,
                               const Matrix6d& pose_covariance) const {
-  const Rigid3d world_from_scanner =
-      poses.middle() *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
   const Landmark& landmark = candidate.landmark;
   if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) return false;
   if (!landmark.extent.IsNear(world_from_scanner * Lift(observation.start()),
@@ -101,9 +98,7 @@ void CandidatePlanes::Offer(const Observation& observation,
                             int observation_index,
                             const ObservationPoses& poses,
                             const Matrix6d& pose_covariance) {
-  const Rigid3d& body_from_scanner =
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
   const double rotation_variance = pose_covariance.topLeftCorner<3, 3>().trace();
   const double direction_sigma = std::sqrt(
       observation.sigma_direction_rad * observation.sigma_direction_rad + rotation_variance +
@@ -124,10 +119,10 @@ void CandidatePlanes::Offer(const Observation& observation,
     const bool horizontal = candidate.landmark.model == PlaneModel::kHorizontal;
     if (!(horizontal ? evidence.can_be_horizontal : evidence.can_be_vertical)) continue;
     const LineDeviation deviation =
-        DeviationFromPlane(observation, body_from_scanner, poses, candidate.landmark);
+        DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
     if (!Matches(candidate, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + flatness, &candidate.landmark);
-    Record(observation, observation_index, poses, body_from_scanner, evidence, &candidate);
+    Record(observation, observation_index, poses, evidence, &candidate);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
@@ -150,13 +145,13 @@ void CandidatePlanes::Offer(const Observation& observation,
     return;
   }
   const LineDeviation deviation =
-      DeviationFromPlane(observation, body_from_scanner, poses, candidate.landmark);
+      DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
   const int size = candidate.landmark.num_parameters();
   const Eigen::MatrixXd design = deviation.by_plane.leftCols(size);
   candidate.landmark.covariance.topLeftCorner(size, size) =
       (design.transpose() * (deviation.covariance + flatness).inverse() * design).inverse();
-  candidate.first_position = poses.middle().translation;
-  Record(observation, observation_index, poses, body_from_scanner, evidence, &candidate);
+  candidate.first_position = poses.world_from_body.translation;
+  Record(observation, observation_index, poses, evidence, &candidate);
   candidates_.push_back(std::move(candidate));
 }
 

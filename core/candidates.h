@@ -8,8 +8,7 @@
 #include "core/landmark.h"
 #include "core/mapper_options.h"
 #include "core/observation.h"
-#include "core/rig.h"
-#include "core/trajectory.h"
+#include "core/observation_poses.h"
 
 namespace plumbline {
 
@@ -42,7 +41,7 @@ TypeEvidence JudgeType(const Observation& observation,
 // wall takes several scans, too.
 class CandidatePlanes {
  public:
-  CandidatePlanes(const Rig& rig, bool planar, const MapperOptions& options);
+  CandidatePlanes(bool planar, const MapperOptions& options);
 
   // Gives the observation to the candidates it agrees with, or starts new ones.
   void Offer(const Observation& observation,
@@ -64,7 +63,6 @@ class CandidatePlanes {
                const Matrix6d& pose_covariance) const;
   bool IsReady(const PlaneCandidate& candidate, int min_scans) const;
 
-  const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
   std::deque<PlaneCandidate> candidates_;

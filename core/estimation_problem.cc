@@ -149,7 +149,9 @@ void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
   const SegmentWeights weights = ObservationWeights(
-      rig_, ObservationPoses(*trajectory_, observation), *landmarks_, observation);
+      ObservationPoses(*trajectory_, rig_.scanners[scanner].body_from_scanner, observation),
+      *landmarks_,
+      observation);
   Register(LandmarkBlock(landmark.id));
   for (const ObservedPoint& point : observation.points) {
     const Trajectory::Location at = trajectory_->Locate(point.time_ns);

@@ -34,9 +34,7 @@ constexpr double kMinPassageDepth = 0.05;  // m
 }  // namespace
 
 HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
-  const auto world_from_scanner = poses.WorldFromScanner(scanner.body_from_scanner);
-  return {{poses.times_ns, world_from_scanner, plane.normal, plane.distance},
-          {poses.times_ns, world_from_scanner}};
+  return {poses.motion.TraceOf(plane.normal, plane.distance), poses.motion};
 }
 
 int64_t HiddenBeams::BeamInstantNs(int beam) const {
@@ -123,9 +121,9 @@ HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
   crossings.start = *start;
   crossings.end = *end;
   for (const LandmarkCandidate& other : others) {
-    if (other.landmark->model != PlaneModel::kVertical) continue;
-    const double from = other.normal.dot(*start) - other.distance;
-    const double to = other.normal.dot(*end) - other.distance;
+    if (!other.is_vertical) continue;
+    const double from = other.SignedDistance(*start);
+    const double to = other.SignedDistance(*end);
     if (from * to >= 0.0) continue;
     auto& of_kind = from > 0.0 ? crossings.leaving : crossings.entering;
     of_kind.push_back({&other, from / (from - to)});
@@ -134,7 +132,7 @@ HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
 }
 
 double HiddenBeams::BeamAt(const WallCrossings& crossings, double share) const {
-  const Rigid3d scanner_from_world = (poses.middle() * scanner.body_from_scanner).Inverse();
+  const Rigid3d scanner_from_world = poses.world_from_scanner.Inverse();
   const Eigen::Vector3d p = scanner_from_world * crossings.PointAt(share);
   const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
   return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
@@ -172,7 +170,7 @@ std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& 
   const WallCrossings crossings = FindCrossings(meeting, others);
   const auto is_hidden = [&](int beam, const LandmarkCandidate& wall) {
     const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
-    return at && wall.normal.dot(*at) - wall.distance > -kReach &&
+    return at && wall.SignedDistance(*at) > -kReach &&
            wall.landmark->extent.IsNear(*at, *at, kReach);
   };
   // From the crossing away from the wall, both ways along the segment.
@@ -192,7 +190,7 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
   // Where a beam meets the plane; nothing where that is out of range.
   const auto meeting_point = [&](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector3d> {
     if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
-    return end.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+    return end.placement * p.homogeneous();
   };
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   BeamSweep outwards(end.scan_line, end.beam, end.step);

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/association.h"
-#include "core/observation.h"
+#include "core/landmark.h"
+#include "core/observation_poses.h"
 #include "core/opening_map.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
@@ -56,7 +56,7 @@ struct HiddenBeams {
   // Where beams meet the plane.
   struct Meeting {
     PlaneTrace trace;
-    ScanMotion motion;
+    const ScanMotion& motion;
   };
 
   Meeting MakeMeeting() const;
@@ -83,7 +83,7 @@ struct HiddenBeams {
 struct SegmentEnd {
   const ScanLine& scan_line;
   const Scanner& scanner;
-  const Rigid3d& world_from_scanner;  // at the end's instant
+  const ScanPlacement& placement;  // at the end's instant
   const Trace& trace;
   const Landmark& landmark;
   int beam;    // the last one

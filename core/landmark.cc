@@ -213,15 +213,29 @@ double Landmark::Distance() const {
 
 Eigen::Matrix2d Landmark::DeviationJacobian(const Eigen::Vector3d& p_world,
                                             const Eigen::Vector3d& direction_world) const {
+  return LandmarkCandidate(*this).DeviationJacobian(p_world, direction_world);
+}
+
+LandmarkCandidate::LandmarkCandidate(const Landmark& of)
+    : landmark(&of),
+      normal(of.Normal()),
+      distance(of.Distance()),
+      centre_world(of.extent.Centre()),
+      radius_m(of.extent.radius_m()),
+      is_vertical(of.model == PlaneModel::kVertical),
+      heading_fixed(of.heading_fixed),
+      covariance(of.covariance) {}
+
+Eigen::Matrix2d LandmarkCandidate::DeviationJacobian(
+    const Eigen::Vector3d& p_world, const Eigen::Vector3d& direction_world) const {
   Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();
-  if (model == PlaneModel::kHorizontal) {
+  if (landmark->model == PlaneModel::kHorizontal) {
     jacobian(0, 0) = -1.0;
     return jacobian;
   }
-  CHECK(model == PlaneModel::kVertical);
-  const Eigen::Vector3d normal_by_angle(
-      -std::sin(parameters[0]), std::cos(parameters[0]), 0.0);
+  CHECK(is_vertical);
   if (!heading_fixed) {
+    const Eigen::Vector3d normal_by_angle(-normal.y(), normal.x(), 0.0);
     jacobian(0, 0) = normal_by_angle.dot(p_world);
     jacobian(1, 0) = normal_by_angle.dot(direction_world);
   }

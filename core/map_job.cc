@@ -81,9 +81,7 @@ class PointExporter {
  public:
   PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
       : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {
-    for (const Landmark& landmark : state.landmarks) {
-      planes_.push_back({&landmark, landmark.Normal(), landmark.Distance()});
-    }
+    for (const Landmark& landmark : state.landmarks) planes_.emplace_back(landmark);
   }
 
   void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
@@ -150,8 +148,9 @@ class PointExporter {
         const int last = scan_line.num_beams() - 1;
         span_end_ns = std::min(
             {BeamInstant(scan_line, last, rig_), time_ns + kMaxSpanNs, map_end_ns - 1});
-        const ObservationPoses poses(NodesOfSpan(time_ns, span_end_ns), &sampler_);
-        motion.emplace(poses.MotionOf(scanner.body_from_scanner));
+        motion = ObservationPoses(
+                     NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
+                     .motion;
       }
       const Eigen::Vector3d p_world = motion->ToWorld(range * sweep.direction(), time_ns);
       MapPoint point;
@@ -160,7 +159,7 @@ class PointExporter {
       point.scanner = scan_line.scanner_index;
       point.residual_m = std::numeric_limits<float>::quiet_NaN();
       if (const LandmarkCandidate* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
-        const double residual = plane->normal.dot(p_world) - plane->distance;
+        const double residual = plane->SignedDistance(p_world);
         ++num_used_;
         sum_squares_ += residual * residual;
         point.plane_id = plane->landmark->id;

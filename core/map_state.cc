@@ -3,16 +3,13 @@
 #include <algorithm>
 
 namespace plumbline {
-void CountObservation(const Rig& rig,
-                      const Observation& observation,
+void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state) {
   Landmark& landmark = state->landmarks[static_cast<size_t>(observation.landmark_id)];
-  const Rigid3d& body_from_scanner =
-      rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const ScanMotion motion = poses.MotionOf(body_from_scanner);
-  landmark.extent.AddSegment(motion.ToWorld(observation.start(), observation.start_time_ns),
-                             motion.ToWorld(observation.end(), observation.end_time_ns));
+  landmark.extent.AddSegment(
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns),
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns));
   if (landmark.num_segments == 0) {
     landmark.first_scan = observation.scan_index;
     landmark.first_time_ns = observation.start_time_ns;

@@ -5,7 +5,7 @@
 
 #include "core/landmark.h"
 #include "core/observation.h"
-#include "core/rig.h"
+#include "core/observation_poses.h"
 #include "core/trajectory.h"
 
 namespace plumbline {
@@ -27,8 +27,7 @@ struct MapState {
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
 // the order of time, or near it.
-void CountObservation(const Rig& rig,
-                      const Observation& observation,
+void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state);
 

@@ -40,7 +40,7 @@ class Follower {
         options_(options),
         num_threads_(num_threads),
         scan_period_s_(scan_period_s),
-        candidates_(rig, planar, options) {}
+        candidates_(planar, options) {}
 
   bool started() const { return window_ != nullptr; }
   MapState& state() { return *state_; }
@@ -158,7 +158,7 @@ bool Follower::Start(const Scan& scan) {
   for (Observation& observation : observations) {
     state_->observations.push_back(std::move(observation));
   }
-  poses_.emplace(state_->trajectory);
+  poses_.emplace(rig_, state_->trajectory);
   // One scan must do for a start: its segments become planes at once, the first wall first.
   const auto offer = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -181,7 +181,7 @@ bool Follower::Start(const Scan& scan) {
 void Follower::Accept(int observation_index, bool tracked) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
-  CountObservation(rig_, observation, poses_->Of(observation), state_.get());
+  CountObservation(observation, poses_->Of(observation), state_.get());
   window_->Add(observation_index);
   if (!tracked) tracker_->Add(observation_index);
 }
@@ -276,7 +276,7 @@ void Follower::Follow(const Scan& scan) {
               tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
               state_.get());
   }
-  poses_.emplace(state_->trajectory);
+  poses_.emplace(rig_, state_->trajectory);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {

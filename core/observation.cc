@@ -289,66 +289,6 @@ Observation MakeObservationOn(const PlaneTrace& trace,
   return observation;
 }
 
-PlaneTrace::PlaneTrace(const std::array<int64_t, 3>& times_ns,
-                       const std::array<Rigid3d, 3>& world_from_scanner,
-                       const Eigen::Vector3d& normal_world,
-                       double distance)
-    : middle_ns_(times_ns[1]),
-      half_span_ns_(std::max(1.0, static_cast<double>(times_ns[2] - times_ns[1]))) {
-  std::array<Eigen::Vector3d, 3> nodes;
-  for (size_t k = 0; k < 3; ++k) {
-    const Eigen::Vector3d normal = world_from_scanner[k].rotation.conjugate() * normal_world;
-    nodes[k] << normal.head<2>(),
-        distance - normal_world.dot(world_from_scanner[k].translation);
-  }
-  Interpolate(nodes);
-}
-
-void PlaneTrace::Interpolate(const std::array<Eigen::Vector3d, 3>& nodes) {
-  constant_ = nodes[1];
-  linear_ = 0.5 * (nodes[2] - nodes[0]);
-  quadratic_ = 0.5 * (nodes[0] + nodes[2]) - nodes[1];
-}
-
-PlaneTrace PlaneTrace::WithUnitNormal() const {
-  std::array<Eigen::Vector3d, 3> nodes;
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d at = AtShare(k - 1.0);
-    nodes[static_cast<size_t>(k)] = at / at.head<2>().norm();
-  }
-  PlaneTrace unit = *this;
-  unit.Interpolate(nodes);
-  return unit;
-}
-
-ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
-                                   PoseSampler* poses)
-    : times_ns(node_times_ns) {
-  for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses->WorldFromBody(times_ns[k]);
-}
-
-ObservationPoses::ObservationPoses(const Trajectory& trajectory,
-                                   const Observation& observation)
-    : times_ns(observation.measurement.node_times_ns()) {
-  PoseSampler poses(trajectory);
-  for (size_t k = 0; k < 3; ++k) world_from_body[k] = poses.WorldFromBody(times_ns[k]);
-}
-
-const ObservationPoses& SharedPoses::Of(const Observation& observation) {
-  const std::array<int64_t, 3> times_ns = observation.measurement.node_times_ns();
-  for (const ObservationPoses& poses : kept_) {
-    // The one between them follows.
-    if (poses.times_ns[0] == times_ns[0] && poses.times_ns[2] == times_ns[2]) return poses;
-  }
-  const ObservationPoses poses(times_ns, &sampler_);
-  if (kept_.size() < kNumKept) {
-    kept_.push_back(poses);
-    return kept_.back();
-  }
-  next_ = (next_ + 1) % kNumKept;
-  return kept_[next_] = poses;
-}
-
 SegmentWeights WeightsOn(const Observation& observation,
                          const Eigen::Quaterniond& world_from_scanner,
                          const Eigen::Vector3d& normal_world) {
@@ -357,65 +297,6 @@ SegmentWeights WeightsOn(const Observation& observation,
   const double along = 1.0 - across;
   const double scale = 1.0 / std::sqrt(along + observation.out_of_plane_ratio * across);
   return {scale, scale * std::sqrt(std::max(0.0, along))};
-}
-
-LineDeviation DeviationFromPlane(const Observation& observation,
-                                 const Rigid3d& body_from_scanner,
-                                 const ObservationPoses& poses,
-                                 const Landmark& landmark) {
-  const Eigen::Vector3d normal = landmark.Normal();
-  const double distance = landmark.Distance();
-  const auto rows = observation.measurement.rows();
-  const Eigen::Matrix3d to_segment = observation.measurement.frame().Matrix().transpose();
-  Eigen::Matrix<double, 9, 1> g;
-  for (int k = 0; k < 3; ++k) {
-    const Rigid3d world_from_scanner =
-        poses.world_from_body[static_cast<size_t>(k)] * body_from_scanner;
-    const Eigen::Vector3d normal_scanner = world_from_scanner.rotation.conjugate() * normal;
-    g.segment<3>(3 * k) =
-        to_segment * Eigen::Vector3d(normal_scanner.x(),
-                                     normal_scanner.y(),
-                                     normal.dot(world_from_scanner.translation) - distance);
-  }
-  // A line that deviates by an offset and a slope, both at the centroid, adds them to g, the
-  // same at every node.
-  Eigen::Matrix<double, 9, 2> shift;
-  for (int k = 0; k < 3; ++k) {
-    shift.middleRows<3>(3 * k) << 0.0, 1.0,  //
-        0.0, 0.0,                            //
-        1.0, 0.0;
-  }
-  const Rigid3d world_from_scanner = poses.middle() * body_from_scanner;
-  const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
-  // At most nine rows: nothing is allocated, and products are unrolled.
-  const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> root =
-      rows.leftCols<9>().cast<double>();
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals =
-      weights.scale * root.lazyProduct(g) + weights.offset * rows.col(9).cast<double>();
-  const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 9, 2> design =
-      weights.scale * root.lazyProduct(shift);
-  const Eigen::Matrix2d information = design.transpose().lazyProduct(design);
-
-  LineDeviation deviation;
-  deviation.covariance = information.inverse();
-  deviation.value = deviation.covariance * design.transpose().lazyProduct(residuals);
-  deviation.chi2 = residuals.squaredNorm() +
-                   weights.offset * weights.offset * observation.measurement.constant();
-  deviation.remaining_chi2 =
-      std::max(0.0, deviation.chi2 - deviation.value.dot(information * deviation.value));
-  deviation.num_residuals = static_cast<int>(residuals.size());
-
-  const Eigen::Vector3d centroid_world =
-      world_from_scanner *
-      Eigen::Vector3d(observation.centroid().x(), observation.centroid().y(), 0.0);
-  const Eigen::Vector3d tangent_world =
-      world_from_scanner.rotation *
-      Eigen::Vector3d(observation.tangent().x(), observation.tangent().y(), 0.0);
-  const Eigen::Vector3d arm = centroid_world - poses.middle().translation;
-  deviation.by_pose.row(0) << arm.cross(normal).transpose(), normal.transpose();
-  deviation.by_pose.row(1) << tangent_world.cross(normal).transpose(), 0.0, 0.0, 0.0;
-  deviation.by_plane = landmark.DeviationJacobian(centroid_world, tangent_world);
-  return deviation;
 }
 
 }  // namespace plumbline

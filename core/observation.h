@@ -5,12 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/landmark.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
 #include "core/scan_motion.h"
 #include "core/segmentation.h"
-#include "core/trajectory.h"
 #include "factors/compact_array.h"
 #include "factors/stored_measurement.h"
 
@@ -63,44 +61,6 @@ Observation MakeObservation(const ScanLine& scan_line,
                             const Segment& segment,
                             bool keep_points);
 
-// Trace of a plane in the moving scan plane, normal(t) . p = distance(t), by the quadratic
-// through three instants. Scanner frame; the normal's length is the sine of the angle between
-// plane and scan plane.
-class PlaneTrace {
- public:
-  PlaneTrace(const std::array<int64_t, 3>& times_ns,
-             const std::array<Rigid3d, 3>& world_from_scanner,
-             const Eigen::Vector3d& normal_world,
-             double distance);
-
-  // ( normal, distance )
-  Eigen::Vector3d At(int64_t time_ns) const {
-    return AtShare(static_cast<double>(time_ns - middle_ns_) / half_span_ns_);
-  }
-  // In half spans from the middle instant: -1 at the first, 1 at the last.
-  Eigen::Vector3d AtShare(double tau) const {
-    return constant_ + tau * (linear_ + tau * quadratic_);
-  }
-  // Of one component, by rising powers of the share.
-  std::array<double, 3> Polynomial(int row) const {
-    return {constant_[row], linear_[row], quadratic_[row]};
-  }
-  int64_t middle_ns() const { return middle_ns_; }
-  double half_span_ns() const { return half_span_ns_; }
-  // The same lines with normals of unit length at the three instants; between them it differs
-  // from one by less than the motion's third derivative makes.
-  PlaneTrace WithUnitNormal() const;
-
- private:
-  void Interpolate(const std::array<Eigen::Vector3d, 3>& nodes);
-
-  int64_t middle_ns_;
-  double half_span_ns_;
-  Eigen::Vector3d constant_;
-  Eigen::Vector3d linear_;
-  Eigen::Vector3d quadratic_;
-};
-
 // The same, with the beams taken to the trace of a plane that is known better than the line of
 // the segment: lever arms and weights then carry none of the segment's own noise, whose
 // products with itself would turn the plane.
@@ -110,41 +70,6 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Segment& segment,
                               bool keep_points);
 
-// The rig's poses at the three interpolation nodes of an observation.
-struct ObservationPoses {
-  std::array<int64_t, 3> times_ns;
-  std::array<Rigid3d, 3> world_from_body;
-
-  ObservationPoses(const Trajectory& trajectory, const Observation& observation);
-  ObservationPoses(const std::array<int64_t, 3>& times_ns, PoseSampler* poses);
-  const Rigid3d& middle() const { return world_from_body[1]; }
-  std::array<Rigid3d, 3> WorldFromScanner(const Rigid3d& body_from_scanner) const {
-    return {world_from_body[0] * body_from_scanner,
-            world_from_body[1] * body_from_scanner,
-            world_from_body[2] * body_from_scanner};
-  }
-  ScanMotion MotionOf(const Rigid3d& body_from_scanner) const {
-    return {times_ns, WorldFromScanner(body_from_scanner)};
-  }
-};
-
-// ObservationPoses of observations of the same few scan lines, each computed once. The
-// trajectory stays as it is meanwhile.
-class SharedPoses {
- public:
-  explicit SharedPoses(const Trajectory& trajectory) : sampler_(trajectory) {}
-
-  // Valid until the next call.
-  const ObservationPoses& Of(const Observation& observation);
-
- private:
-  static constexpr size_t kNumKept = 4;  // scan lines; a scan's are asked for in any order
-
-  PoseSampler sampler_;
-  std::vector<ObservationPoses> kept_;
-  size_t next_ = 0;
-};
-
 // Factors from the whitening in the scan plane to that of point-to-plane distances. With c the
 // length of the plane normal's part in the scan plane, a distance's standard deviation is c
 // times the one in the scan plane (the beam meets the plane at a slant), plus what the beams'
@@ -152,22 +77,5 @@ class SharedPoses {
 SegmentWeights WeightsOn(const Observation& observation,
                          const Eigen::Quaterniond& world_from_scanner,
                          const Eigen::Vector3d& normal_world);
-
-// How far an observed line deviates from a plane: signed distance at the centroid (m) and its
-// change along the tangent (rad), estimated from the compressed beams, with their covariance.
-struct LineDeviation {
-  Eigen::Vector2d value = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  Eigen::Matrix<double, 2, 6> by_pose;  // world-frame rotation, position at the middle node
-  Eigen::Matrix2d by_plane;             // landmark parameters
-  double chi2 = 0.0;                    // of all the whitened residuals, deviation included
-  double remaining_chi2 = 0.0;          // without the deviation
-  int num_residuals = 0;
-};
-
-LineDeviation DeviationFromPlane(const Observation& observation,
-                                 const Rigid3d& body_from_scanner,
-                                 const ObservationPoses& poses,
-                                 const Landmark& landmark);
 
 }  // namespace plumbline

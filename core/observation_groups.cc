@@ -22,11 +22,13 @@ ObservationGroup MakeGroup(const Rig& rig,
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   ids.shrink_to_fit();  // few planes, many observations
   std::vector<SegmentGroup::Plane> planes;
+  std::vector<Eigen::Vector3d> normals;
   for (const int id : ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
     planes.push_back({landmark.model, landmark.sign});
+    normals.push_back(landmark.Normal());
   }
-  SharedPoses poses(trajectory);
+  SharedPoses poses(rig, trajectory);
   std::vector<SegmentGroup::Segment> segments;
   segments.reserve(members.size());
   int num_control_points = kSplineOrder;
@@ -42,7 +44,9 @@ ObservationGroup MakeGroup(const Rig& rig,
     segment.scanner = observation->scanner_index;
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
-    segment.weights = ObservationWeights(rig, poses.Of(*observation), landmarks, *observation);
+    segment.weights = WeightsOn(*observation,
+                                poses.Of(*observation).world_from_scanner.rotation,
+                                normals[static_cast<size_t>(segment.plane)]);
     segments.push_back(segment);
   }
   return {
@@ -54,15 +58,11 @@ ObservationGroup MakeGroup(const Rig& rig,
 
 }  // namespace
 
-SegmentWeights ObservationWeights(const Rig& rig,
-                                  const ObservationPoses& poses,
+SegmentWeights ObservationWeights(const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation) {
   const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
-  const auto scanner = static_cast<size_t>(observation.scanner_index);
-  return WeightsOn(observation,
-                   poses.middle().rotation * rig.scanners[scanner].body_from_scanner.rotation,
-                   landmark.Normal());
+  return WeightsOn(observation, poses.world_from_scanner.rotation, landmark.Normal());
 }
 
 namespace {

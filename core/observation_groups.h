@@ -8,6 +8,7 @@
 
 #include "core/landmark.h"
 #include "core/observation.h"
+#include "core/observation_poses.h"
 #include "core/rig.h"
 #include "core/trajectory.h"
 #include "factors/linearised_group.h"
@@ -73,8 +74,7 @@ class ObservationGroupCache {
 };
 
 // WeightsOn an observation's landmark.
-SegmentWeights ObservationWeights(const Rig& rig,
-                                  const ObservationPoses& poses,
+SegmentWeights ObservationWeights(const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation);
 

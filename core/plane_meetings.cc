@@ -24,7 +24,7 @@ bool IsBehind(const LandmarkCandidate& other,
   for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
     for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
       const Eigen::Vector3d corner = extent.ToWorld({u, v});
-      if (own.normal.dot(corner) - own.distance > -kMinDepth) return false;
+      if (own.SignedDistance(corner) > -kMinDepth) return false;
     }
   }
   const Eigen::Vector3d beyond = meeting + kReach * (meeting - from).normalized();
@@ -36,11 +36,11 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
                                  const LandmarkCandidate& other,
                                  const FreeEnd& end) {
   const ScanLine& scan_line = own.scan_line;
-  const Trace other_trace(own.world_from_scanner, other);
+  const Trace other_trace(own.placement, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
   if (!at) return std::nullopt;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
-    return own.world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+    return own.placement * p.homogeneous();
   };
   const Eigen::Vector3d at_world = to_world(*at);
   if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
@@ -65,7 +65,7 @@ std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
   std::vector<PlaneMeeting> meetings;
   for (const LandmarkCandidate& other : others) {
     if (other.landmark == own.plane.landmark ||
-        std::abs(other.normal.dot(p_world) - other.distance) > kMaxDistance) {
+        std::abs(other.SignedDistance(p_world)) > kMaxDistance) {
       continue;
     }
     const auto meeting = Meet(own, other, end);

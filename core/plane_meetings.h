@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/association.h"
-#include "core/rigid3.h"
+#include "core/landmark.h"
 #include "core/scan_line.h"
+#include "core/scan_motion.h"
 #include "core/scan_trace.h"
 
 namespace plumbline {
@@ -23,7 +23,7 @@ struct FreeEnd {
 // The trace of a segment's plane on its scan line.
 struct PlaneOnScanLine {
   const ScanLine& scan_line;
-  const Rigid3d& world_from_scanner;  // at the end's instant
+  const ScanPlacement& placement;  // at the end's instant
   const LandmarkCandidate& plane;
   const Trace& trace;
 };

@@ -5,9 +5,9 @@
 #include <limits>
 #include <optional>
 
-#include "core/association.h"
-#include "core/rigid3.h"
+#include "core/landmark.h"
 #include "core/scan_line.h"
+#include "core/scan_motion.h"
 
 namespace plumbline {
 
@@ -17,11 +17,10 @@ struct Trace {
   Eigen::Vector2d normal;
   double distance;
 
-  Trace(const Rigid3d& world_from_scanner, const LandmarkCandidate& plane) {
-    const Eigen::Vector3d normal_scanner =
-        world_from_scanner.rotation.conjugate() * plane.normal;
-    normal = normal_scanner.head<2>();
-    distance = plane.distance - plane.normal.dot(world_from_scanner.translation);
+  Trace(const ScanPlacement& placement, const LandmarkCandidate& plane) {
+    const Eigen::Vector3d g = placement.transpose() * plane.normal;
+    normal = g.head<2>();
+    distance = plane.distance - g.z();
   }
 
   // Infinite where the beam does not meet the plane.
@@ -43,7 +42,7 @@ inline std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
 
 // Whether a beam meets the plane where segments have been seen of it.
 inline bool IsOnPatch(const ScanLine& scan_line,
-                      const Rigid3d& world_from_scanner,
+                      const ScanPlacement& placement,
                       const Trace& trace,
                       const LandmarkCandidate& plane,
                       int beam) {
@@ -52,8 +51,7 @@ inline bool IsOnPatch(const ScanLine& scan_line,
   const double range = trace.RangeAlong(direction);
   if (!std::isfinite(range)) return false;
   return plane.landmark->extent.IsWithin(
-      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0),
-      kMargin);
+      placement * Eigen::Vector3d(range * direction.x(), range * direction.y(), 1.0), kMargin);
 }
 
 }  // namespace plumbline

@@ -30,7 +30,7 @@ SegmentCutter::SegmentCutter(const Rig& rig,
       openings_(openings),
       counted_(counted),
       sampler_(trajectory),
-      poses_(trajectory) {}
+      poses_(rig, trajectory) {}
 
 const LandmarkCandidate* SegmentCutter::Find(int landmark_id) const {
   for (const LandmarkCandidate& candidate : candidates_) {
@@ -79,14 +79,13 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   if (own == nullptr) return {end.beam};
   const bool at_last = end.step > 0;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
-  const Rigid3d world_from_scanner =
-      sampler_.WorldFromBody(at_last ? observation.end_time_ns : observation.start_time_ns) *
-      scanner.body_from_scanner;
+  const ScanPlacement placement =
+      poses_.Of(observation)
+          .motion.At(at_last ? observation.end_time_ns : observation.start_time_ns);
   const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
-  const Eigen::Vector3d p_world = world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-  const Trace trace(world_from_scanner, *own);
-  const std::vector<PlaneMeeting> meetings =
-      FindMeetings({scan_line, world_from_scanner, *own, trace}, p_world, candidates_, end);
+  const Trace trace(placement, *own);
+  const std::vector<PlaneMeeting> meetings = FindMeetings(
+      {scan_line, placement, *own, trace}, placement * p.homogeneous(), candidates_, end);
   const double far_m = kFarSigmas * scanner.range_noise_m;
   int last = 0;  // counted outwards, as the meetings
   int free = 0;  // innermost meeting outside
@@ -120,15 +119,9 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   if (counted_ != nullptr && is_counted) {
     int on_plane = result.beam;
     while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
-    CountOpenings({scan_line,
-                   scanner,
-                   world_from_scanner,
-                   trace,
-                   *own->landmark,
-                   on_plane,
-                   end.step,
-                   end.middle},
-                  counted_);
+    CountOpenings(
+        {scan_line, scanner, placement, trace, *own->landmark, on_plane, end.step, end.middle},
+        counted_);
   }
   return result;
 }
@@ -264,10 +257,7 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
     observation->landmark_id = -1;
     return;
   }
-  const PlaneTrace trace(observation->measurement.node_times_ns(),
-                         poses_.Of(*observation).WorldFromScanner(scanner.body_from_scanner),
-                         own->normal,
-                         own->distance);
+  const PlaneTrace trace = poses_.Of(*observation).motion.TraceOf(own->normal, own->distance);
   Observation recut =
       MakeObservationOn(trace, scan_line, scanner, segment, !observation->points.empty());
   recut.scan_index = observation->scan_index;
@@ -276,12 +266,9 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
   recut.taken_to = observation->landmark_id;
   recut.revision = observation->revision + 1;
   // With other beams it may lie on its plane no more. (A single beam has no line to test.)
-  if (recut.num_points > 1 && FindLandmark(recut,
-                                           scanner.body_from_scanner,
-                                           poses_.Of(recut),
-                                           pose_covariance,
-                                           {*own},
-                                           options_.association) < 0) {
+  if (recut.num_points > 1 &&
+      FindLandmark(recut, poses_.Of(recut), pose_covariance, {*own}, options_.association) <
+          0) {
     recut.landmark_id = -1;
   }
   *observation = std::move(recut);

@@ -99,10 +99,11 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
   for (const float range : scan_line.ranges) {
     if (scanner.IsValidRange(range)) farthest = std::max(farthest, static_cast<double>(range));
   }
-  const Rigid3d world_from_scanner =
-      cutter_.poses()->Of(observation).middle() * scanner.body_from_scanner;
-  cutter_.SetCandidates(CandidatesWithinReach(
-      within_gap_, world_from_scanner.translation, farthest, options_.association));
+  cutter_.SetCandidates(
+      CandidatesWithinReach(within_gap_,
+                            cutter_.poses()->Of(observation).world_from_scanner.translation,
+                            farthest,
+                            options_.association));
 }
 
 // Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
@@ -114,33 +115,29 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
                           int own_landmark) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const int first = end.beam + end.step;
-  const Rigid3d world_from_scanner =
-      cutter_.sampler()->WorldFromBody(BeamInstant(scan_line, first, rig_)) *
-      scanner.body_from_scanner;
-  if (plane.normal.dot(world_from_scanner.translation) <= plane.distance) return end.beam;
-  const Trace trace(world_from_scanner, plane);
+  const ScanPlacement placement =
+      PlacementOf(cutter_.sampler()->WorldFromBody(BeamInstant(scan_line, first, rig_)) *
+                  scanner.body_from_scanner);
+  if (plane.SignedDistance(placement.col(2)) <= 0.0) return end.beam;
+  const Trace trace(placement, plane);
   const Eigen::Vector2d direction = scan_line.BeamDirection(first);
   const double range = trace.RangeAlong(direction);
   if (!scanner.IsValidRange(range)) return end.beam;
-  const Eigen::Vector3d p_world =
-      world_from_scanner * Eigen::Vector3d(range * direction.x(), range * direction.y(), 0.0);
+  const Eigen::Vector3d p_world = placement * (range * direction).homogeneous();
   int to = end.limit - end.step;
   bool is_bounded = false;  // by another plane
-  for (const PlaneMeeting& meeting :
-       FindMeetings({scan_line, world_from_scanner, plane, trace},
-                    p_world,
-                    cutter_.candidates(),
-                    end)) {
+  for (const PlaneMeeting& meeting : FindMeetings(
+           {scan_line, placement, plane, trace}, p_world, cutter_.candidates(), end)) {
     if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
     to = end.beam + end.step * meeting.last;
     is_bounded = true;
   }
   int last = cutter_.Extend(scan_line, trace, end, to);
-  while (last != end.beam && !IsOnPatch(scan_line, world_from_scanner, trace, plane, last)) {
+  while (last != end.beam && !IsOnPatch(scan_line, placement, trace, plane, last)) {
     last -= end.step;
   }
   const int num_points = end.step * (last - end.beam);
-  if (num_points < 1 || !IsOnPatch(scan_line, world_from_scanner, trace, plane, first)) {
+  if (num_points < 1 || !IsOnPatch(scan_line, placement, trace, plane, first)) {
     return end.beam;
   }
   Observation run;
@@ -259,7 +256,7 @@ void RecutScan(const Rig& rig,
       rig,
       observations,
       first_observation,
-      cutter.poses()->Of(front).middle().translation,
+      cutter.poses()->Of(front).world_from_body.translation,
       pose_covariance,
       options.association));
   size_t last = first_observation;

@@ -341,7 +341,7 @@ Tracker::Association Tracker::ChooseUnder(
              candidates);
   std::vector<Pairing> pairings;
   int num_paired = 0;
-  SharedPoses poses(state_->trajectory);
+  SharedPoses poses(rig_, state_->trajectory);
   for (const int index : observations) {
     const Observation& observation = at(index);
     const double share = end_ns > begin_ns
@@ -350,13 +350,12 @@ Tracker::Association Tracker::ChooseUnder(
                              : 0.0;
     const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
     const size_t num_before = pairings.size();
-    for (const PossibleLandmark& possible : PossibleLandmarks(
-             observation,
-             rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner,
-             poses.Of(observation),
-             PoseCovariance(covariance, share),
-             near,
-             options_.association)) {
+    for (const PossibleLandmark& possible :
+         PossibleLandmarks(observation,
+                           poses.Of(observation),
+                           PoseCovariance(covariance, share),
+                           near,
+                           options_.association)) {
       pairings.push_back({index,
                           possible.id,
                           possible.deviation.value,
@@ -438,20 +437,17 @@ bool Tracker::Associate(int first_observation,
       OfScan(first_observation,
              covariance_at(first_observation) + covariance_at(last_observation),
              candidates);
-  SharedPoses shared(state_->trajectory);
+  SharedPoses shared(rig_, state_->trajectory);
   int64_t middle_ns = 0;
   Matrix6d covariance;  // of the pose then
   for (int index = first_observation; index <= last_observation; ++index) {
     Observation& observation = state_->observations[static_cast<size_t>(index)];
-    const Rigid3d& body_from_scanner =
-        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
     const ObservationPoses& poses = shared.Of(observation);
     if (poses.times_ns[1] != middle_ns) {
       middle_ns = poses.times_ns[1];
       covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
     }
-    const int id = FindLandmark(
-        observation, body_from_scanner, poses, covariance, near, options_.association);
+    const int id = FindLandmark(observation, poses, covariance, near, options_.association);
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

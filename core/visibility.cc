@@ -23,8 +23,8 @@ std::optional<PatchExtent::Cell> CrossedCell(const LandmarkCandidate& plane,
                                              const Eigen::Vector3d& start_world,
                                              const Eigen::Vector3d& end_world,
                                              double margin_m) {
-  const double start = plane.normal.dot(start_world) - plane.distance;
-  const double end = plane.normal.dot(end_world) - plane.distance;
+  const double start = plane.SignedDistance(start_world);
+  const double end = plane.SignedDistance(end_world);
   if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) {
     return std::nullopt;
   }

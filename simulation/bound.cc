@@ -308,7 +308,8 @@ class BoundComputer {
       world_from_scanner[k] =
           state_->trajectory.WorldFromBody(times_ns[k]) * scanner.body_from_scanner;
     }
-    return PlaneTrace(times_ns, world_from_scanner, landmark.Normal(), landmark.Distance());
+    return ScanMotion(times_ns, world_from_scanner)
+        .TraceOf(landmark.Normal(), landmark.Distance());
   }
 
   void Add(const ScanLine& scan_line, std::vector<BeamRun> runs) {
@@ -338,8 +339,9 @@ class BoundComputer {
       }
       state_->observations.push_back(std::move(observation));
       const Observation& added = state_->observations.back();
-      CountObservation(
-          experiment_.rig, added, ObservationPoses(state_->trajectory, added), state_.get());
+      CountObservation(added,
+                       ObservationPoses(state_->trajectory, scanner.body_from_scanner, added),
+                       state_.get());
     }
   }
 

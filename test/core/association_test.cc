@@ -68,14 +68,14 @@ class AssociationTest : public testing::Test {
   int Find(const Matrix6d& pose_covariance = Matrix6d::Zero()) const {
     std::vector<LandmarkCandidate> candidates;
     for (const Landmark& landmark : landmarks_) {
-      candidates.push_back({&landmark, landmark.Normal(), landmark.Distance()});
+      candidates.emplace_back(landmark);
     }
-    return FindLandmark(observation_,
-                        scanner_.body_from_scanner,
-                        ObservationPoses(trajectory_, observation_),
-                        pose_covariance,
-                        candidates,
-                        options_);
+    return FindLandmark(
+        observation_,
+        ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
+        pose_covariance,
+        candidates,
+        options_);
   }
 
   // Standard deviations of offset and direction of the observed line.
@@ -147,12 +147,12 @@ TEST_F(AssociationTest, GateIsThatOfTheSignificance) {
 }
 
 TEST_F(AssociationTest, DirectionCountsToo) {
-  const double sigma_direction =
-      std::sqrt(DeviationFromPlane(observation_,
-                                   scanner_.body_from_scanner,
-                                   ObservationPoses(trajectory_, observation_),
-                                   MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0}))
-                    .covariance(1, 1));
+  const Landmark wall = MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0});
+  const LineDeviation deviation = DeviationFromPlane(
+      observation_,
+      ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
+      LandmarkCandidate(wall));
+  const double sigma_direction = std::sqrt(deviation.covariance(1, 1));
   EXPECT_NEAR(sigma_direction, SigmaOffset() * std::sqrt(12.0) / 2.0, 0.2 * sigma_direction);
   AddWall(0.0, 4.1 * sigma_direction, -1.0, 1.0);
   EXPECT_EQ(Find(), 0);

@@ -107,10 +107,11 @@ class CandidatePlanesTest : public testing::Test {
         for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
           Observation observation = MakeObservation(line, scanner, segment, false);
           observation.scan_index = scan_;
-          candidates_.Offer(observation,
-                            num_offered_++,
-                            ObservationPoses(trajectory, observation),
-                            Matrix6d::Zero());
+          candidates_.Offer(
+              observation,
+              num_offered_++,
+              ObservationPoses(trajectory, scanner.body_from_scanner, observation),
+              Matrix6d::Zero());
         }
       }
       ++scan_;
@@ -129,7 +130,7 @@ class CandidatePlanesTest : public testing::Test {
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
-  CandidatePlanes candidates_{rig_, false, options_};
+  CandidatePlanes candidates_{false, options_};
   double noise_share_ = 1.0;  // of the scanners' range noise
   std::mt19937_64 random_{3};
   int scan_ = 0;

@@ -30,11 +30,12 @@ class HiddenBeamsTest : public ::testing::Test {
     line_.time_increment_s = 1e-5;
     line_.ranges.assign(100, 1.0f);
     sampler_.emplace(trajectory_);
-    poses_.emplace(NodesOfSpan(kStart, line_.BeamTime(99)), &*sampler_);
+    poses_.emplace(
+        NodesOfSpan(kStart, line_.BeamTime(99)), scanner_.body_from_scanner, &*sampler_);
   }
 
   static LandmarkCandidate Candidate(const Landmark& landmark) {
-    return {&landmark, landmark.Normal(), landmark.Distance()};
+    return LandmarkCandidate(landmark);
   }
   // A wall through the point, seen 0.5 m to both sides of it.
   static Landmark Wall(const Eigen::Vector3d& normal, const Eigen::Vector3d& p) {

@@ -35,12 +35,13 @@ class PlaneMeetingsTest : public ::testing::Test {
     return Wall(1, {-1.0, 0.0, 0.0}, {1.0, from_y, 0.0}, {1.0, to_y, 0.0});
   }
   static LandmarkCandidate Candidate(const Landmark& landmark) {
-    return {&landmark, landmark.Normal(), landmark.Distance()};
+    return LandmarkCandidate(landmark);
   }
   std::vector<PlaneMeeting> Find(const Landmark& ahead, const Landmark& across) const {
     const LandmarkCandidate own = Candidate(ahead);
-    const Trace trace(Rigid3d(), own);
-    return FindMeetings({line_, Rigid3d(), own, trace},
+    const ScanPlacement placement = PlacementOf(Rigid3d());
+    const Trace trace(placement, own);
+    return FindMeetings({line_, placement, own, trace},
                         {0.93, 2.0, 0.0},
                         {own, Candidate(across)},
                         {65, -1, -1, 92, -1});
