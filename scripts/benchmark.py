@@ -70,8 +70,9 @@ class Case:
     threads: int = 1
 
 
-def make_cases(longest_min):
-    """All cases; those of the large building up to this many minutes."""
+def make_cases(longest_min, dense=False):
+    """All cases; those of the large building up to this many minutes, dense: the longest with
+    1080 beams too."""
     cases = [Case(f"{experiment}, {beams} beams", "jobs", Recording(experiment, beams))
              for experiment in ("corridor", "office") for beams in RIGS]
     for beams in RIGS:
@@ -83,9 +84,11 @@ def make_cases(longest_min):
                        Recording(experiment, 270), threads=threads) for threads in (1, 2)]
     speed = yaml.safe_load(job_runner.read_text(
         CONFIGS / "experiments" / "large_building.yaml"))["speed_m_s"]
-    cases += [Case(f"large building, {minutes} min", "long",
-                   Recording("large_building", 270, 60.0 * minutes * speed))
-              for minutes in LONG_DURATIONS_MIN if minutes <= longest_min]
+    durations = [minutes for minutes in LONG_DURATIONS_MIN if minutes <= longest_min]
+    walks = [(minutes, 270) for minutes in durations] + [(durations[-1], 1080)] * dense
+    cases += [Case(f"large building, {minutes} min, {beams} beams", "long",
+                   Recording("large_building", beams, 60.0 * minutes * speed))
+              for minutes, beams in walks]
     return cases
 
 
@@ -98,6 +101,9 @@ def parse_arguments():
                         const=LONG_DURATIONS_MIN[-1],
                         help="also the large building, recordings of up to so many minutes "
                         f"(default {LONG_DURATIONS_MIN[-1]})")
+    parser.add_argument("--dense", action="store_true",
+                        help="the longest of these with 1080 beams, too: an hour takes 30 GB of "
+                        "disk for its points")
     parser.add_argument("--group", action="append", choices=("jobs", "factors", "threads", "long"),
                         help="only these cases; may be repeated")
     parser.add_argument("--core", type=int, default=min(os.sched_getaffinity(0)), metavar="N",
@@ -218,8 +224,9 @@ def measure(case, recording, arguments, work):
                    "peak_memory_mb": usage.ru_maxrss / 1024.0, "num_cores": len(cores)}
         for key in ("duration_s", "stages", "points", "segments", "planes"):
             figures[key] = summary.get(key)
-        figures["digests"] = {name: digest(result / name) for name in COMPARED_FILES
-                              if (result / name).exists()}
+        if case.group == "threads":
+            figures["digests"] = {name: digest(result / name) for name in COMPARED_FILES
+                                  if (result / name).exists()}
         return figures
 
 
@@ -348,7 +355,8 @@ def main():
     versions = job_runner.check_binaries(arguments.binaries,
                                          ("plumbline_simulate", "plumbline_map"))
     document = job_runner.read_text(arguments.document)
-    cases = [case for case in make_cases(arguments.long) if case.group in arguments.groups]
+    cases = [case for case in make_cases(arguments.long, arguments.dense)
+             if case.group in arguments.groups]
     setup = {**describe_machine(arguments.binaries), "programs": versions,
              "core": arguments.core, "repeat": arguments.repeat}
     with job_runner.WorkDirectory(arguments.output) as work:

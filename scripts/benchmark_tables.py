@@ -107,13 +107,14 @@ def threads_table(cases):
 
 
 def long_table(cases):
-    lines = header(["recording / min", "planes", "segments",
+    lines = header(["recording / min", "beams", "planes", "segments",
                     *[f"{stage} / s" for stage in STAGES], "whole run / s", "times real time",
                     "memory / MB", "MB per minute"])
     for case in cases:
         median = case["median"]
         minutes = median["duration_s"] / 60.0
-        lines.append(row([f"{minutes:.0f}", median["planes"], f"{median['segments']:,}",
+        lines.append(row([f"{minutes:.0f}", case["recording"]["beams"], median["planes"],
+                          f"{median['segments']:,}",
                           *stage_cells(median), *tail_cells(median),
                           f"{median['peak_memory_mb'] / minutes:.0f}"]))
     return lines

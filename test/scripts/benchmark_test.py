@@ -73,8 +73,11 @@ class BenchmarkTest(ScriptTest):
                    if case["group"] == "long"]
         self.assertEqual(lengths, [300.0, 600.0, 1200.0, 3600.0])
         self.check_done(self.measure("--group", "long", "--long", "10", "--repeat", "1"))
-        self.assertEqual([row[0] for row in self.table("long")], ["0", "0"])
+        self.assertEqual([row[:2] for row in self.table("long")], [["0", "270"]] * 2)
         self.assertEqual(len(self.results()["cases"]), 2)
+        self.check_done(self.measure("--group", "long", "--long", "5", "--dense",
+                                     "--repeat", "1"))
+        self.assertEqual([row[1] for row in self.table("long")], ["270", "1080"])
 
     def test_recordings_are_kept_for_the_next_time(self):
         self.check_done(self.measure("--group", "threads", "--repeat", "1"))
