@@ -30,7 +30,8 @@ bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
 // it.
 template <typename Visit>
 void ForEachCell(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
-  std::optional<PatchExtent::Cell> previous;
+  PatchExtent::Cell previous = CellOf(a);
+  visit(previous);
   AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
     const PatchExtent::Cell cell = CellOf(p);
     if (cell != previous) visit(cell);
@@ -70,13 +71,16 @@ void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector
   const Eigen::Vector2d a = Project(a_world);
   const Eigen::Vector2d b = Project(b_world);
   ForEachCell(a, b, [&](const Cell& cell) { cells_.Add(cell, 1); });
-  for (const Eigen::Vector2d& p : {a, b}) {
-    min_ = min_.cwiseMin(p);
-    max_ = max_.cwiseMax(p);
-    hull_points_.push_back(p);
-  }
+  AddCorner(a);
+  AddCorner(b);
   constexpr size_t kReduceAt = 512;
   if (hull_points_.size() > kReduceAt) hull_points_ = HullOf(std::move(hull_points_));
+}
+
+void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
+  min_ = min_.cwiseMin(p);
+  max_ = max_.cwiseMax(p);
+  if (!is_upright()) hull_points_.push_back(p);
 }
 
 bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
@@ -172,17 +176,16 @@ void PatchExtent::Merge(const PatchExtent& other) {
     cells_.Add(CellFrom(other, cell), count);
     return false;
   });
-  for (const Eigen::Vector2d& uv : other.hull_points_) {
-    const Eigen::Vector2d p = Project(other.ToWorld(uv));
-    min_ = min_.cwiseMin(p);
-    max_ = max_.cwiseMax(p);
-    hull_points_.push_back(p);
-  }
+  for (const Eigen::Vector2d& uv : other.Outline()) AddCorner(Project(other.ToWorld(uv)));
 }
 
 double PatchExtent::area_m2() const { return cells_.num_occupied() * kCellSize * kCellSize; }
 
-std::vector<Eigen::Vector2d> PatchExtent::ConvexHull() const { return HullOf(hull_points_); }
+std::vector<Eigen::Vector2d> PatchExtent::Outline() const {
+  if (empty()) return {};
+  if (!is_upright()) return HullOf(hull_points_);
+  return {min_, {max_.x(), min_.y()}, max_, {min_.x(), max_.y()}};
+}
 
 Eigen::Vector3d Landmark::Normal() const {
   switch (model) {

@@ -76,10 +76,13 @@ class PatchExtent {
   const Eigen::Vector3d& anchor() const { return anchor_; }
   const Eigen::Vector3d& u_axis() const { return u_axis_; }
   const Eigen::Vector3d& v_axis() const { return v_axis_; }
-  // Convex hull of the end points seen, in (u, v), counter-clockwise.
-  std::vector<Eigen::Vector2d> ConvexHull() const;
+  // A polygon in (u, v) around all that has been seen, counter-clockwise: of an upright patch
+  // the bounding rectangle, of others the convex hull of the end points.
+  std::vector<Eigen::Vector2d> Outline() const;
 
  private:
+  bool is_upright() const { return v_axis_.z() > 0.5; }
+  void AddCorner(const Eigen::Vector2d& p);
   Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
     const Eigen::Vector3d from_anchor = p_world - anchor_;
     return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
@@ -91,7 +94,8 @@ class PatchExtent {
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
   CellGrid cells_;
-  std::vector<Eigen::Vector2d> hull_points_;  // reduced to their hull now and then
+  // Not of upright patches; reduced to their hull now and then.
+  std::vector<Eigen::Vector2d> hull_points_;
   Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e300);
 };

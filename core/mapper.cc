@@ -448,20 +448,9 @@ std::vector<PlanePatch> PlanePatches(const MapState& state) {
       const Eigen::Vector3d p = extent.ToWorld(uv);
       return p - patch.SignedDistance(p) * patch.normal;
     };
-    const Eigen::Vector2d low = extent.min_corner();
-    const Eigen::Vector2d high = extent.max_corner();
-    patch.centre = on_plane(0.5 * (low + high));
-    if (landmark.model == PlaneModel::kVertical) {
-      for (const Eigen::Vector2d& corner : {low,
-                                            Eigen::Vector2d(high.x(), low.y()),
-                                            high,
-                                            Eigen::Vector2d(low.x(), high.y())}) {
-        patch.outline.push_back(on_plane(corner));
-      }
-    } else {
-      for (const Eigen::Vector2d& corner : extent.ConvexHull()) {
-        patch.outline.push_back(on_plane(corner));
-      }
+    patch.centre = on_plane(0.5 * (extent.min_corner() + extent.max_corner()));
+    for (const Eigen::Vector2d& corner : extent.Outline()) {
+      patch.outline.push_back(on_plane(corner));
     }
     const Eigen::Matrix2d by_plane =
         landmark.DeviationJacobian(patch.centre, landmark.extent.u_axis());

@@ -4,7 +4,6 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -85,8 +84,7 @@ std::string PcdHeader(int64_t num_points) {
 }  // namespace
 
 PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::string& pcd_path)
-    : ply_(ply_path), pcd_(pcd_path) {
-  buffer_.reserve(kBufferBytes + kPointBytes);
+    : ply_(ply_path), pcd_(pcd_path), buffer_(kBufferBytes) {
   WriteHeaders();
 }
 
@@ -125,17 +123,16 @@ void PointCloudWriter::WriteHeaders() {
 }
 
 void PointCloudWriter::Flush() {
-  ply_.Write(buffer_.data(), buffer_.size());
-  pcd_.Write(buffer_.data(), buffer_.size());
-  buffer_.clear();
+  ply_.Write(buffer_.data(), num_buffered_);
+  pcd_.Write(buffer_.data(), num_buffered_);
+  num_buffered_ = 0;
 }
 
 void PointCloudWriter::Add(const MapPoint& point) {
   CHECK(!finished_) << "Add() after Finish()";
   CHECK_GE(point.scanner, 0);
   CHECK_LE(point.scanner, std::numeric_limits<uint8_t>::max());
-  std::array<char, kPointBytes> bytes;
-  char* at = bytes.data();
+  char* at = buffer_.data() + num_buffered_;
   at = Put(point.p_world.x(), at);
   at = Put(point.p_world.y(), at);
   at = Put(point.p_world.z(), at);
@@ -143,9 +140,9 @@ void PointCloudWriter::Add(const MapPoint& point) {
   at = Put(static_cast<uint8_t>(point.scanner), at);
   at = Put(static_cast<int32_t>(point.plane_id), at);
   Put(point.residual_m, at);
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  num_buffered_ += kPointBytes;
   ++num_points_;
-  if (buffer_.size() >= kBufferBytes) Flush();
+  if (num_buffered_ == kBufferBytes) Flush();
 }
 
 void PointCloudWriter::Finish() {

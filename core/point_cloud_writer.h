@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -49,7 +50,8 @@ class PointCloudWriter {
 
   File ply_;
   File pcd_;
-  std::vector<char> buffer_;  // packed points not yet in the files
+  std::vector<char> buffer_;  // the first num_buffered_: packed points not yet in the files
+  size_t num_buffered_ = 0;
   int64_t num_points_ = 0;
   bool finished_ = false;
 };

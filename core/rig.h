@@ -46,10 +46,10 @@ Rig ReadRig(const std::string& path);
 // Writes a rig file that ReadRig understands.
 void WriteRig(const Rig& rig, const std::string& path);
 
-// True when every scan plane is horizontal in the body frame to within tolerance_rad.
 // Whether only the planar motion is estimated: by the rig file, or because all scan planes are
 // horizontal and see no heights.
 bool IsPlanar(const Rig& rig);
+// True when every scan plane is horizontal in the body frame to within tolerance_rad.
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
 }  // namespace plumbline

@@ -43,8 +43,10 @@ class BeamSweep {
 
   const Eigen::Vector2d& direction() const { return direction_; }
   void Next() {
-    direction_ = {cosine_ * direction_.x() - sine_ * direction_.y(),
-                  sine_ * direction_.x() + cosine_ * direction_.y()};
+    // As one vector: numbers written one by one and then read together are what a processor
+    // has to wait for.
+    const Eigen::Vector2d across(-direction_.y(), direction_.x());
+    direction_ = cosine_ * direction_ + sine_ * across;
   }
 
  private:

@@ -7,12 +7,6 @@
 
 namespace plumbline {
 
-int64_t BeamInstant(const ScanLine& scan_line, int beam, const Rig& rig) {
-  const auto scanner = static_cast<size_t>(scan_line.scanner_index);
-  return scan_line.BeamTime(beam) +
-         NanosecondsFromSeconds(rig.scanners[scanner].time_offset_s);
-}
-
 ScanReader::ScanReader(const Rig& rig, RecordingReader* recording)
     : rig_(rig), recording_(recording) {
   Fetch();

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/recording.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
+#include "core/time.h"
 
 namespace plumbline {
 
@@ -35,6 +38,10 @@ class ScanReader {
 };
 
 // Instant of a beam with the scanner's time offset.
-int64_t BeamInstant(const ScanLine& scan_line, int beam, const Rig& rig);
+inline int64_t BeamInstant(const ScanLine& scan_line, int beam, const Rig& rig) {
+  const auto scanner = static_cast<size_t>(scan_line.scanner_index);
+  return scan_line.BeamTime(beam) +
+         NanosecondsFromSeconds(rig.scanners[scanner].time_offset_s);
+}
 
 }  // namespace plumbline

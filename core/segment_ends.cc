@@ -95,9 +95,9 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
     candidates_scan_ = observation.scan_index;
   }
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  double farthest = 0.0;
+  float farthest = 0.0f;
   for (const float range : scan_line.ranges) {
-    if (scanner.IsValidRange(range)) farthest = std::max(farthest, static_cast<double>(range));
+    if (range > farthest && scanner.IsValidRange(range)) farthest = range;
   }
   cutter_.SetCandidates(
       CandidatesWithinReach(within_gap_,

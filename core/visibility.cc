@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/association.h"
 #include "core/duplicates.h"
@@ -18,18 +17,19 @@ constexpr double kPassedShare = 0.5;   // of a landmark's cells
 // are surfaces too, though many beams find their gaps.
 constexpr int kPassagesPerSegment = 10;
 
-// Where a beam crosses a landmark's patch, well away from the plane at both of its ends.
-std::optional<PatchExtent::Cell> CrossedCell(const LandmarkCandidate& plane,
-                                             const Eigen::Vector3d& start_world,
-                                             const Eigen::Vector3d& end_world,
-                                             double margin_m) {
+// Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
+// ends.
+void CountPassage(const LandmarkCandidate& plane,
+                  const Eigen::Vector3d& start_world,
+                  const Eigen::Vector3d& end_world,
+                  double margin_m,
+                  CellGrid* passages) {
   const double start = plane.SignedDistance(start_world);
   const double end = plane.SignedDistance(end_world);
-  if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) {
-    return std::nullopt;
-  }
+  if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) return;
   const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
-  return plane.landmark->extent.MiddleCell(at, kMiddleShare);
+  const auto cell = plane.landmark->extent.MiddleCell(at, kMiddleShare);
+  if (cell) passages->Add(*cell, 1);
 }
 
 // Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
@@ -38,7 +38,9 @@ Eigen::AlignedBox2d PlanBox(const LandmarkCandidate& plane) {
   const PatchExtent& extent = plane.landmark->extent;
   Eigen::AlignedBox2d box;
   if (extent.empty()) return box;
-  const Eigen::Vector2d rim = Eigen::Vector2d::Constant(kRim);
+  // Of the width only the middle counts.
+  const double width = extent.max_corner().x() - extent.min_corner().x();
+  const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
   const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);
   // Along their own normal the patch's axes may have been left behind by the plane.
   const Eigen::Vector3d across = extent.u_axis().cross(extent.v_axis());
@@ -86,8 +88,11 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
       grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
         const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
         if (plane.landmark->id == observation.landmark_id) return;
-        const auto cell = CrossedCell(plane, start_world, end_world, margin_m);
-        if (cell) passages[static_cast<size_t>(plane.landmark->id)].Add(*cell, 1);
+        CountPassage(plane,
+                     start_world,
+                     end_world,
+                     margin_m,
+                     &passages[static_cast<size_t>(plane.landmark->id)]);
       });
     }
   }

@@ -13,6 +13,11 @@ PatchExtent WallExtent() {
       Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
 }
 
+PatchExtent FloorExtent() {
+  return PatchExtent(
+      Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+}
+
 PatchExtent ExtentOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   PatchExtent extent = WallExtent();
   extent.AddSegment(a, b);
@@ -161,30 +166,38 @@ double TwiceArea(const std::vector<Eigen::Vector2d>& polygon) {
 }
 
 TEST(PatchExtentTest, HullIsConvexAndCounterClockwise) {
-  PatchExtent extent = WallExtent();
-  extent.AddSegment({0, 0, 0}, {4, 0, 0});
-  extent.AddSegment({4, 0, 3}, {0, 0, 3});
-  extent.AddSegment({1, 0, 1}, {2, 0, 2});
-  extent.AddSegment({2, 0, 0}, {2, 0, 3});
-  const std::vector<Eigen::Vector2d> hull = extent.ConvexHull();
+  PatchExtent extent = FloorExtent();
+  EXPECT_TRUE(extent.Outline().empty());
+  extent.AddSegment({0, 0, 0}, {4, 1, 0});
+  extent.AddSegment({4, 3, 0}, {0, 2, 0});
+  extent.AddSegment({1, 1, 0}, {2, 2, 0});
+  extent.AddSegment({2, 0.5, 0}, {2, 2.5, 0});
+  const std::vector<Eigen::Vector2d> hull = extent.Outline();
   EXPECT_EQ(hull.size(), 4u);
-  EXPECT_DOUBLE_EQ(TwiceArea(hull), 24.0);
+  EXPECT_DOUBLE_EQ(TwiceArea(hull), 16.0);
+}
+
+TEST(PatchExtentTest, OutlineOfAWallIsItsRectangle) {
+  PatchExtent extent = WallExtent();
+  EXPECT_TRUE(extent.Outline().empty());
+  extent.AddSegment({0, 0, 1}, {4, 0, 3});
+  EXPECT_EQ(extent.Outline(), (std::vector<Eigen::Vector2d>{{0, 1}, {4, 1}, {4, 3}, {0, 3}}));
 }
 
 // Also when the points have been reduced to their hull on the way.
 TEST(PatchExtentTest, HullHoldsAllPoints) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-3.0, 3.0);
-  PatchExtent extent = WallExtent();
+  PatchExtent extent = FloorExtent();
   std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < 5000; ++i) {
-    const Eigen::Vector3d a(uniform(random), 0.0, uniform(random));
-    const Eigen::Vector3d b(uniform(random), 0.0, uniform(random));
+    const Eigen::Vector3d a(uniform(random), uniform(random), 0.0);
+    const Eigen::Vector3d b(uniform(random), uniform(random), 0.0);
     extent.AddSegment(a, b);
-    points.emplace_back(a.x(), a.z());
-    points.emplace_back(b.x(), b.z());
+    points.emplace_back(a.x(), a.y());
+    points.emplace_back(b.x(), b.y());
   }
-  const std::vector<Eigen::Vector2d> hull = extent.ConvexHull();
+  const std::vector<Eigen::Vector2d> hull = extent.Outline();
   ASSERT_GE(hull.size(), 4u);
   for (size_t i = 0; i < hull.size(); ++i) {
     const Eigen::Vector2d along = hull[(i + 1) % hull.size()] - hull[i];
