@@ -386,33 +386,52 @@ NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
   return equations;
 }
 
+std::vector<EstimationProblem::Run> EstimationProblem::RunsOf(
+    const GroupTerm& term, const BlockLayout& layout, const BlockPositions& positions) const {
+  const SegmentGroup& group = term.group->group();
+  const auto num_poses = static_cast<size_t>(group.num_control_points());
+  std::vector<Run> runs;
+  const auto add = [&](size_t block, int row, int num_rows) {
+    const size_t at = positions.at(term.blocks[block]);
+    const int begin = layout.offsets[at];
+    const int end = layout.offsets[at + 1];
+    // Where only the yaw is estimated, it is the last of a rotation's rows.
+    row += num_rows - (end - begin);
+    for (int column = begin; column < end; ++column, ++row) {
+      if (!layout.is_free[static_cast<size_t>(column)]) continue;
+      if (runs.empty() || runs.back().row + runs.back().size != row ||
+          runs.back().column + runs.back().size != column) {
+        runs.push_back({row, column, 0});
+      }
+      ++runs.back().size;
+    }
+  };
+  for (size_t i = 0; i < num_poses; ++i) {
+    add(i, 6 * static_cast<int>(i), 3);
+    add(num_poses + i, 6 * static_cast<int>(i) + 3, 3);
+  }
+  const std::vector<int>& offsets = group.plane_offsets();
+  for (size_t i = 0; i + 1 < offsets.size(); ++i) {
+    add(2 * num_poses + i, offsets[i], offsets[i + 1] - offsets[i]);
+  }
+  return runs;
+}
+
 void EstimationProblem::AddGroup(const GroupTerm& term,
                                  const BlockLayout& layout,
                                  const BlockPositions& positions,
                                  NormalEquations* equations) const {
-  constexpr int kRotationSize = 3;
-  const auto num_rotations = static_cast<size_t>(term.group->group().num_control_points());
-  std::vector<int> columns;  // of the group's rows; -1: held
-  for (size_t i = 0; i < term.blocks.size(); ++i) {
-    const size_t at = positions.at(term.blocks[i]);
-    const int begin = layout.offsets[at];
-    const int end = layout.offsets[at + 1];
-    // Where only the yaw is estimated, it is the last of a rotation's rows.
-    if (i < num_rotations) columns.insert(columns.end(), kRotationSize - (end - begin), -1);
-    for (int column = begin; column < end; ++column) {
-      columns.push_back(layout.is_free[static_cast<size_t>(column)] ? column : -1);
-    }
-  }
+  const std::vector<Run> runs = RunsOf(term, layout, positions);
   const LinearisedGroup::Model model = term.group->ModelAt(term.blocks.data());
   equations->cost += model.cost;
-  for (size_t j = 0; j < columns.size(); ++j) {
-    if (columns[j] < 0) continue;
-    const auto of_group = static_cast<Eigen::Index>(j);
-    equations->gradient[columns[j]] += model.gradient[of_group];
-    for (size_t i = j; i < columns.size(); ++i) {
-      if (columns[i] < 0) continue;
-      const auto [low, high] = std::minmax(columns[i], columns[j]);
-      equations->hessian(high, low) += model.hessian(static_cast<Eigen::Index>(i), of_group);
+  for (size_t j = 0; j < runs.size(); ++j) {
+    const Run& by_column = runs[j];
+    equations->gradient.segment(by_column.column, by_column.size) +=
+        model.gradient.segment(by_column.row, by_column.size);
+    for (size_t i = j; i < runs.size(); ++i) {
+      const Run& by_row = runs[i];
+      equations->hessian.block(by_row.column, by_column.column, by_row.size, by_column.size) +=
+          model.hessian.block(by_row.row, by_column.row, by_row.size, by_column.size);
     }
   }
 }

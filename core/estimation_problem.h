@@ -143,6 +143,12 @@ class EstimationProblem {
     std::shared_ptr<LinearisedGroup> group;
     std::vector<double*> blocks;
   };
+  // Rows of a group that are consecutive columns of a layout, too.
+  struct Run {
+    int row;
+    int column;
+    int size;
+  };
   // What the blocks hold, by the position in a layout.
   using Values = std::vector<std::array<double, 4>>;
   using BlockPositions = std::unordered_map<const double*, size_t>;
@@ -158,6 +164,10 @@ class EstimationProblem {
                            const BlockLayout& layout,
                            const ResidualVisitor& visit) const;
   NormalEquations Linearise(const BlockLayout& layout) const;
+  // A group's rows that are not held, ascending in the layout as in the group.
+  std::vector<Run> RunsOf(const GroupTerm& term,
+                          const BlockLayout& layout,
+                          const BlockPositions& positions) const;
   // Adds its cost, gradient and the lower triangle of its Hessian.
   void AddGroup(const GroupTerm& term,
                 const BlockLayout& layout,

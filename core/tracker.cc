@@ -53,7 +53,7 @@ constexpr MotionRegime kMotionRegimes[] = {
 
 struct Tracker::System {
   double cost = 0.0;
-  Eigen::MatrixXd hessian;
+  Eigen::MatrixXd hessian;  // lower triangle
   Eigen::VectorXd gradient;
 };
 
@@ -72,8 +72,10 @@ std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
 
 Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   const std::vector<int> rows = FreeRows(information.rows());
-  const std::optional<Eigen::MatrixXd> inverse = SymmetricInverse(information(rows, rows));
+  std::optional<Eigen::MatrixXd> inverse =
+      planar_ ? SymmetricInverse(information(rows, rows)) : SymmetricInverse(information);
   if (!inverse) throw Error("the poses are not determined by the scans: singular estimate");
+  if (!planar_) return std::move(*inverse);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
   covariance(rows, rows) = *inverse;
   return covariance;
@@ -108,7 +110,8 @@ Tracker::System Tracker::Linearise(const std::vector<MotionTerm>& terms,
           Quaternion(now.rotation.data()) * Quaternion(mean.rotation.data()).conjugate()),
           Vector(now.position.data()) - Vector(mean.position.data());
     }
-    const Eigen::VectorXd gradient = gaussian_.information * moved;
+    const Eigen::VectorXd gradient =
+        gaussian_.information.selfadjointView<Eigen::Lower>() * moved;
     system.hessian.topLeftCorner(num_known, num_known) = gaussian_.information;
     system.gradient.head(num_known) = gradient;
     system.cost = 0.5 * moved.dot(gradient);
@@ -137,26 +140,13 @@ void Tracker::AddGroup(const ObservationGroup& group, System* system) const {
   SegmentGroup::Quadratic quadratic;
   group.group.LinearisePoses(parameters.data(), &quadratic);
   system->cost += quadratic.cost;
-  // Of the control points before first() and of the planes nothing is asked.
-  std::vector<int> from;
-  std::vector<int> to;
-  for (int row = 0; row < kPoseSize * count; ++row) {
-    const int j = row / 3 % count;
-    const bool is_rotation = row < 3 * count;
-    const int target = kPoseSize * (group.first_control_point + j - first()) + row % 3 +
-                       (is_rotation ? 0 : 3);
-    if (target < 0) continue;
-    from.push_back(row);
-    to.push_back(target);
-  }
-  for (size_t a = 0; a < from.size(); ++a) {
-    system->gradient[to[a]] += quadratic.gradient[from[a]];
-    for (size_t b = 0; b <= a; ++b) {
-      const double value = quadratic.hessian(from[a], from[b]);
-      system->hessian(to[a], to[b]) += value;
-      if (a != b) system->hessian(to[b], to[a]) += value;
-    }
-  }
+  // Of the control points before first() nothing is asked.
+  const int num_before = std::max(0, first() - group.first_control_point);
+  const Eigen::Index size = kPoseSize * (count - num_before);
+  if (size <= 0) return;
+  const Eigen::Index at = kPoseSize * (group.first_control_point + num_before - first());
+  system->gradient.segment(at, size) += quadratic.gradient.tail(size);
+  system->hessian.block(at, at, size, size) += quadratic.hessian.bottomRightCorner(size, size);
 }
 
 std::vector<ControlPoint> Tracker::ControlPoints() const {

@@ -21,7 +21,7 @@ namespace plumbline {
 struct PoseGaussian {
   int first = 0;
   std::vector<ControlPoint> mean;
-  Eigen::MatrixXd information;
+  Eigen::MatrixXd information;  // its lower triangle counts
 
   int end() const { return first + static_cast<int>(mean.size()); }
 };

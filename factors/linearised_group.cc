@@ -31,6 +31,13 @@ int LinearisedGroup::BlockSize(int block) const {
       group_.planes()[static_cast<size_t>(block - 2 * num_control_points)].model);
 }
 
+int LinearisedGroup::FirstRow(int block) const {
+  const int num_control_points = group_.num_control_points();
+  if (block < num_control_points) return 6 * block;
+  if (block < 2 * num_control_points) return 6 * (block - num_control_points) + 3;
+  return group_.plane_offsets()[static_cast<size_t>(block - 2 * num_control_points)];
+}
+
 bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* step) const {
   if (at_.empty()) return false;
   using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
@@ -38,14 +45,13 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
   const int num_control_points = group_.num_control_points();
   const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
   const double* at = at_.data();
-  Eigen::Index row = 0;
   for (int i = 0; i < num_blocks; ++i) {
     const int size = BlockSize(i);
+    const int row = FirstRow(i);
     if (i < num_control_points) {
       const Eigen::Vector3d turn = Log(Quaternion(parameters[i]) * Quaternion(at).conjugate());
       if (turn.squaredNorm() > validity_.turn_rad * validity_.turn_rad) return false;
       step->segment<3>(row) = turn;
-      row += 3;
     } else {
       for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
       // A plane's distance may move freely: the residuals are linear in it.
@@ -55,7 +61,6 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
       for (int k = 0; k < num_limited; ++k) {
         if (std::abs((*step)[row + k]) > limit) return false;
       }
-      row += size;
     }
     at += size;
   }
@@ -136,22 +141,18 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
   if (jacobians == nullptr) return;
   const int num_control_points = group_.num_control_points();
   const int num_blocks = 2 * num_control_points + static_cast<int>(group_.planes().size());
-  Eigen::Index column = 0;
   for (int i = 0; i < num_blocks; ++i) {
+    if (jacobians[i] == nullptr) continue;
     const int size = BlockSize(i);
-    const bool is_rotation = i < num_control_points;
-    const int tangent_size = is_rotation ? 3 : size;
-    if (jacobians[i] != nullptr) {
-      Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals, size);
-      jacobian.bottomRows(num_residuals - rank).setZero();
-      if (is_rotation) {
-        jacobian.topRows(rank) =
-            root.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
-      } else {
-        jacobian.topRows(rank) = root.middleCols(column, size);
-      }
+    const int column = FirstRow(i);
+    Eigen::Map<RowMajorMatrix> jacobian(jacobians[i], num_residuals, size);
+    jacobian.bottomRows(num_residuals - rank).setZero();
+    if (i < num_control_points) {
+      jacobian.topRows(rank) =
+          root.middleCols<3>(column).lazyProduct(RotationMinusJacobian(parameters[i]));
+    } else {
+      jacobian.topRows(rank) = root.middleCols(column, size);
     }
-    column += tangent_size;
   }
 }
 

@@ -55,6 +55,8 @@ class LinearisedGroup {
 
  private:
   int BlockSize(int block) const;
+  // First of the group's rows that belong to a block.
+  int FirstRow(int block) const;
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
   void Linearise(double const* const* parameters);

@@ -48,60 +48,50 @@ std::array<double, num_powers> SumByPower(const double* tau, size_t end, const V
   return sums;
 }
 
-// Cholesky's elimination, largest remaining pivot first: matrix = root^T root.
+// Cholesky's elimination, largest remaining pivot first: matrix = root^T root. Ends where the
+// rows that are left can not matter: the entries of the vector that they multiply are at most
+// one.
 struct Root {
-  Matrix9d rows = Matrix9d::Zero();
-  Vector9d offset = Vector9d::Zero();  // root^T offset = gradient
-  int rank = 0;
+  // [ root | offset ], root^T offset = gradient
+  Eigen::Matrix<double, 9, 10, Eigen::RowMajor> rows;
+  int num_rows = 0;
 };
 
-Root Eliminate(Matrix9d matrix, Vector9d gradient, int size) {
+// Columns: of the matrix with the gradient's entry below. An even number of rows, so that all
+// of a column goes through vector instructions.
+using MatrixAndGradient = Eigen::Matrix<double, 10, 9>;
+
+Root Eliminate(MatrixAndGradient matrix) {
   // Of a column less than this share is left: it is a combination of the others.
   constexpr double kTolerance = 1e-14;
+  constexpr double kBound = 3.0;  // of the vector's norm
   Root root;
   const Vector9d full = matrix.diagonal();
-  std::array<bool, 9> done{};
-  for (; root.rank < size; ++root.rank) {
+  for (; root.num_rows < 9; ++root.num_rows) {
     int pivot = -1;
-    for (int k = 0; k < size; ++k) {
-      if (done[static_cast<size_t>(k)] || !(matrix(k, k) > kTolerance * full[k])) continue;
+    double rest2 = 0.0;  // sum of squares of the rows that are left
+    for (int k = 0; k < 9; ++k) {
+      if (!(matrix(k, k) > kTolerance * full[k])) continue;
+      rest2 += matrix(k, k);
       if (pivot < 0 || matrix(k, k) > matrix(pivot, pivot)) pivot = k;
     }
-    if (pivot < 0) break;
-    done[static_cast<size_t>(pivot)] = true;
-    const double scale = 1.0 / std::sqrt(matrix(pivot, pivot));
-    Vector9d row = scale * matrix.col(pivot);
-    for (int k = 0; k < 9; ++k) {
-      if (k != pivot && done[static_cast<size_t>(k)]) row[k] = 0.0;
-    }
-    const double offset = scale * gradient[pivot];
-    matrix.noalias() -= row * row.transpose();
-    gradient -= offset * row;
-    root.rows.row(root.rank) = row.transpose();
-    root.offset[root.rank] = offset;
+    if (pivot < 0 || (root.num_rows > 0 && kBound * std::sqrt(rest2) <= kMaxLoss)) break;
+    const Eigen::Matrix<double, 10, 1> row =
+        matrix.col(pivot) / std::sqrt(matrix(pivot, pivot));
+    root.rows.row(root.num_rows) = row.transpose();
+    for (int k = 0; k < 9; ++k) matrix.col(k) -= row[k] * row;
+    matrix.row(pivot).setZero();
+    matrix.col(pivot).setZero();
   }
   return root;
 }
 
-// Number of leading rows that may matter: the entries of the vector that they multiply are at
-// most one.
-int NumSignificantRows(const Root& root) {
-  constexpr double kBound = 3.0;  // of the vector's norm
-  int rows = root.rank;
-  double rest2 = 0.0;
-  while (rows > 1) {
-    rest2 += root.rows.row(rows - 1).squaredNorm();
-    if (kBound * std::sqrt(rest2) > kMaxLoss) break;
-    --rows;
-  }
-  return rows;
-}
-
 // With g(tau) = h_0 + tau h_1 + tau^2 h_2 about the segment's own middle and half span, in
-// nanoseconds: h_j = sum_k at(j, k) g_k, g_k at the nodes.
+// nanoseconds: h_j = sum_k at(j, k) g_k, g_k at the nodes; h_0 = g_0 where these coincide.
 Eigen::Matrix3d PolynomialOf(const std::array<int64_t, 3>& nodes_ns,
                              int64_t middle_ns,
                              double half_span_ns) {
+  if (nodes_ns[0] == nodes_ns[2]) return Eigen::Vector3d::UnitX().asDiagonal();
   Eigen::Matrix3d powers;
   for (int k = 0; k < 3; ++k) {
     const double tau =
@@ -269,33 +259,24 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   const double rate = kMaxRotationRate * half_span_s;
   const double speed = kMaxSpeed * half_span_s;
   const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
-  Vector9d scale;
-  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend;
-  const Root root =
-      Eliminate(scale.asDiagonal() * Matrix() * scale.asDiagonal(),
-                scale.cwiseProduct(Eigen::Map<const Vector9d>(with_offset_.data())),
-                3 * measurement.num_nodes);
-  const int num_rows = NumSignificantRows(root);
-  const Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, 9, 9> rows =
-      root.rows.topRows(num_rows) * scale.cwiseInverse().asDiagonal();
-  measurement.rows.setZero(num_rows, 10);
-  measurement.rows.col(9) = root.offset.head(num_rows);
-  measurement.constant = std::max(0.0, offset2_ - measurement.offset().squaredNorm());
-
-  const Eigen::Matrix3d frame = Frame();
-  if (measurement.num_nodes == 1) {
-    measurement.rows.leftCols<3>() = rows.leftCols<3>() * frame;
-    return measurement;
-  }
+  Eigen::Matrix<double, 10, 1> scale;
+  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend, 1.0;
+  MatrixAndGradient matrix;
+  matrix << Matrix(), Eigen::Map<const Vector9d>(with_offset_.data()).transpose();
+  const Root root = Eliminate(scale.asDiagonal() * matrix * scale.head<9>().asDiagonal());
   const int64_t own_middle_ns = NodesOfSpan(start_ns_, end_ns_)[1];
-  const Eigen::Matrix3d polynomial = PolynomialOf(nodes_ns, own_middle_ns, own_half_span_ns);
-  for (int j = 0; j < 3; ++j) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3> by_power =
-        rows.middleCols<3>(3 * j) * frame;
-    for (int k = 0; k < 3; ++k) {
-      measurement.rows.middleCols<3>(3 * k) += polynomial(j, k) * by_power;
-    }
+  const Eigen::Matrix3d to_nodes =
+      PolynomialOf(nodes_ns, own_middle_ns, own_half_span_ns).transpose();
+  const Eigen::Matrix3d frame = Frame();
+  // In a row of nine: (a, b, 1) by power of tau, or (x, y, 1) by node.
+  using Nine = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Nine unscale = Eigen::Map<const Nine>(scale.data()).cwiseInverse();
+  measurement.rows = root.rows.topRows(root.num_rows);
+  for (int i = 0; i < root.num_rows; ++i) {
+    Eigen::Map<Nine> row(measurement.rows.row(i).data());
+    row = to_nodes * row.cwiseProduct(unscale) * frame;
   }
+  measurement.constant = std::max(0.0, offset2_ - measurement.offset().squaredNorm());
   return measurement;
 }
 

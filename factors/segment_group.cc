@@ -204,128 +204,116 @@ void FillUpperBlocks(LineSystem* line) {
 class Spread {
  public:
   // first: of the control points that each node uses.
-  Spread(const std::array<int, kNumNodes>& first, const NodePoses& poses, int num_nodes)
-      : first_(first), poses_(poses), num_nodes_(num_nodes) {}
+  Spread(const std::array<int, kNumNodes>& first, const NodePoses& poses, int num_nodes) {
+    const auto [begin, last] = std::minmax_element(first.begin(), first.begin() + num_nodes);
+    begin_ = *begin;
+    end_ = *last + kSplineOrder;
+    for (int control_point = begin_; control_point < end_; ++control_point) {
+      NodesByControlPoint& nodes = nodes_[static_cast<size_t>(control_point)];
+      for (size_t k = 0; k < kNumNodes; ++k) {
+        const int j = control_point - first[k];
+        const bool is_used = static_cast<int>(k) < num_nodes && j >= 0 && j < kSplineOrder;
+        const SplinePoseJacobian& spline = poses.splines[k];
+        nodes.weights[k] = is_used ? spline.position_weights[static_cast<size_t>(j)] : 0.0;
+        if (is_used) {
+          nodes.rotations[k] = spline.rotation_wrt_control[static_cast<size_t>(j)];
+        } else {
+          nodes.rotations[k].setZero();
+        }
+      }
+    }
+  }
 
   void Add(const LineSystem& line,
            const std::vector<int>& plane_offsets,
-           int num_control_points,
            SegmentGroup::Quadratic* quadratic) const {
-    const int positions = 3 * num_control_points;
-    for (int k = 0; k < num_nodes_; ++k) {
-      AddGradient(k, line, positions, quadratic);
-    }
-    const auto [begin, last] =
-        std::minmax_element(first_.begin(), first_.begin() + num_nodes_);
-    for (int column = *begin; column < *last + kSplineOrder; ++column) {
-      const OfControlPoint by_column = MultiplyBy(column, line);
-      for (int row = *begin; row < *last + kSplineOrder; ++row) {
-        AddPair(row, column, by_column, positions, quadratic);
+    for (int column = begin_; column < end_; ++column) {
+      const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(column)];
+      const int at = kPoseSize * column;
+      quadratic->gradient.segment<kPoseSize>(at) += Gather(nodes, line.gradient);
+      const Product product = Multiply(line.poses, nodes);
+      for (int row = begin_; row < end_; ++row) {
+        AddPair(row, column, product, &quadratic->hessian);
       }
-    }
-    for (size_t i = 0; i < line.sees_plane.size(); ++i) {
-      if (!line.sees_plane[i]) continue;
-      for (int row = plane_offsets[i]; row < plane_offsets[i + 1]; ++row) {
-        AddCross(line.cross.col(row - plane_offsets[0]), row, positions, quadratic);
+      for (size_t i = 0; i < line.sees_plane.size(); ++i) {
+        if (!line.sees_plane[i]) continue;
+        for (int row = plane_offsets[i]; row < plane_offsets[i + 1]; ++row) {
+          quadratic->hessian.block<1, kPoseSize>(row, at) +=
+              Gather(nodes, line.cross.col(row - plane_offsets[0])).transpose();
+        }
       }
     }
   }
 
  private:
-  const Eigen::Matrix3d& Rotation(int node, int j) const {
-    return poses_.splines[static_cast<size_t>(node)]
-        .rotation_wrt_control[static_cast<size_t>(j)];
-  }
-  double Weight(int node, int j) const {
-    return poses_.splines[static_cast<size_t>(node)].position_weights[static_cast<size_t>(j)];
-  }
-  int First(int node) const { return first_[static_cast<size_t>(node)]; }
-  bool Uses(int node, int control_point) const {
-    return control_point >= First(node) && control_point < First(node) + kSplineOrder;
-  }
+  using PoseVector = Eigen::Matrix<double, kPoseSize, 1>;
+
+  // The nodes' poses differentiated by one control point; zero where a node does not use it.
+  struct NodesByControlPoint {
+    std::array<Eigen::Matrix3d, kNumNodes> rotations;
+    std::array<double, kNumNodes> weights;  // of the position
+  };
 
   // Columns of a control point, rows of the nodes' poses: those of the rotation, and those of
   // the position for the nodes' positions.
-  struct OfControlPoint {
+  struct Product {
     std::array<Eigen::Matrix<double, kPoseSize, 3>, kNumNodes> rotation;
     std::array<Eigen::Matrix3d, kNumNodes> position;
   };
 
-  OfControlPoint MultiplyBy(int control_point, const LineSystem& line) const {
-    OfControlPoint product;
-    for (int k = 0; k < num_nodes_; ++k) {
-      auto& rotation = product.rotation[static_cast<size_t>(k)];
-      auto& position = product.position[static_cast<size_t>(k)];
-      rotation.setZero();
-      position.setZero();
-      for (int l = 0; l < num_nodes_; ++l) {
-        if (!Uses(l, control_point)) continue;
-        const int j = control_point - First(l);
-        rotation += line.poses.block<kPoseSize, 3>(kPoseSize * k, kPoseSize * l)
-                        .lazyProduct(Rotation(l, j));
-        position +=
-            Weight(l, j) * line.poses.block<3, 3>(kPoseSize * k + 3, kPoseSize * l + 3);
+  // What a form in the nodes' poses is in a control point.
+  template <typename Vector>
+  static PoseVector Gather(const NodesByControlPoint& nodes, const Vector& by_nodes) {
+    PoseVector sum = PoseVector::Zero();
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const auto at = kPoseSize * static_cast<int>(k);
+      sum.head<3>() += nodes.rotations[k].transpose() * by_nodes.template segment<3>(at);
+      sum.tail<3>() += nodes.weights[k] * by_nodes.template segment<3>(at + 3);
+    }
+    return sum;
+  }
+
+  static Product Multiply(const LineMatrix& poses, const NodesByControlPoint& nodes) {
+    Product product;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const auto row = kPoseSize * static_cast<int>(k);
+      product.rotation[k].setZero();
+      product.position[k].setZero();
+      for (size_t l = 0; l < kNumNodes; ++l) {
+        const auto column = kPoseSize * static_cast<int>(l);
+        product.rotation[k] +=
+            poses.block<kPoseSize, 3>(row, column).lazyProduct(nodes.rotations[l]);
+        product.position[k] += nodes.weights[l] * poses.block<3, 3>(row + 3, column + 3);
       }
     }
     return product;
   }
 
-  void AddGradient(int k,
-                   const LineSystem& line,
-                   int positions,
-                   SegmentGroup::Quadratic* quadratic) const {
-    for (int j = 0; j < kSplineOrder; ++j) {
-      const int at = 3 * (First(k) + j);
-      quadratic->gradient.segment<3>(at) +=
-          Rotation(k, j).transpose() * line.gradient.segment<3>(kPoseSize * k);
-      quadratic->gradient.segment<3>(positions + at) +=
-          Weight(k, j) * line.gradient.segment<3>(kPoseSize * k + 3);
-    }
-  }
-
   // The blocks of two control points that lie in the lower triangle.
-  void AddPair(int row,
-               int column,
-               const OfControlPoint& by_column,
-               int positions,
-               SegmentGroup::Quadratic* quadratic) const {
-    Eigen::Matrix3d rotations = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d both = Eigen::Matrix3d::Zero();
-    for (int k = 0; k < num_nodes_; ++k) {
-      if (!Uses(k, row)) continue;
-      const int i = row - First(k);
-      const auto& rotation = by_column.rotation[static_cast<size_t>(k)];
-      mixed += Weight(k, i) * rotation.bottomRows<3>();
-      if (row < column) continue;
-      rotations += Rotation(k, i).transpose().lazyProduct(rotation.topRows<3>());
-      both += Weight(k, i) * by_column.position[static_cast<size_t>(k)];
+  void AddPair(int row, int column, const Product& product, Eigen::MatrixXd* hessian) const {
+    const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(row)];
+    const int row_at = kPoseSize * row;
+    const int column_at = kPoseSize * column;
+    Eigen::Matrix3d mixed = nodes.weights[0] * product.rotation[0].bottomRows<3>();
+    for (size_t k = 1; k < kNumNodes; ++k) {
+      mixed += nodes.weights[k] * product.rotation[k].bottomRows<3>();
     }
-    Eigen::MatrixXd& hessian = quadratic->hessian;
-    hessian.block<3, 3>(positions + 3 * row, 3 * column) += mixed;
-    if (row < column) return;
-    hessian.block<3, 3>(3 * row, 3 * column) += rotations;
-    hessian.block<3, 3>(positions + 3 * row, positions + 3 * column) += both;
-  }
-
-  void AddCross(const LineVector& cross,
-                int row,
-                int positions,
-                SegmentGroup::Quadratic* quadratic) const {
-    for (int k = 0; k < num_nodes_; ++k) {
-      for (int j = 0; j < kSplineOrder; ++j) {
-        const int at = 3 * (First(k) + j);
-        quadratic->hessian.block<1, 3>(row, at) +=
-            cross.segment<3>(kPoseSize * k).transpose() * Rotation(k, j);
-        quadratic->hessian.block<1, 3>(row, positions + at) +=
-            Weight(k, j) * cross.segment<3>(kPoseSize * k + 3).transpose();
-      }
+    if (row < column) {
+      hessian->block<3, 3>(column_at, row_at + 3) += mixed.transpose();
+      return;
+    }
+    hessian->block<3, 3>(row_at + 3, column_at) += mixed;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      hessian->block<3, 3>(row_at, column_at) +=
+          nodes.rotations[k].transpose().lazyProduct(product.rotation[k].topRows<3>());
+      hessian->block<3, 3>(row_at + 3, column_at + 3) +=
+          nodes.weights[k] * product.position[k];
     }
   }
 
-  const std::array<int, kNumNodes> first_;
-  const NodePoses& poses_;
-  int num_nodes_;
+  int begin_;
+  int end_;
+  std::array<NodesByControlPoint, kMaxControlPoints> nodes_;
 };
 
 bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
@@ -448,8 +436,7 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       });
     }
     FillUpperBlocks(&line);
-    Spread(first, poses, scan_line.num_nodes)
-        .Add(line, plane_offsets_, num_control_points_, quadratic);
+    Spread(first, poses, scan_line.num_nodes).Add(line, plane_offsets_, quadratic);
   }
 }
 

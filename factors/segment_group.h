@@ -36,7 +36,8 @@ class SegmentGroup {
   };
 
   // Quadratic model at some parameters: cost(delta) = cost + gradient.delta + delta^T hessian
-  // delta / 2. Rows: [ rotation tangents (3 each) | positions (3 each) | plane parameters ].
+  // delta / 2. Rows: rotation tangent (3) and position (3) of one control point after the
+  // other, then the planes' parameters.
   struct Quadratic {
     double cost = 0.0;
     bool has_outliers = false;  // segments beyond Huber's width

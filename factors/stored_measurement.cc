@@ -6,6 +6,8 @@ namespace plumbline {
 namespace {
 
 using DoubleRows = Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10>;
+// What a row says of the three nodes.
+using NodeRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 }  // namespace
 
@@ -30,8 +32,9 @@ StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
   CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
   const Eigen::Matrix3d to_own = frame.Matrix().inverse().transpose();
   DoubleRows rows = measurement.rows;
-  for (int k = 0; k < 3; ++k) {
-    rows.middleCols<3>(3 * k) = measurement.rows.middleCols<3>(3 * k) * to_own;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    Eigen::Map<NodeRows> of_nodes(rows.row(i).data());
+    of_nodes = of_nodes * to_own;
   }
   const Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rounded =
       rows.cast<float>();
@@ -46,9 +49,9 @@ SegmentMeasurement StoredMeasurement::Unpack() const {
   measurement.num_points = num_points_;
   const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();
   measurement.rows = rows().cast<double>();
-  for (int k = 0; k < 3; ++k) {
-    const DoubleRows own = measurement.rows;
-    measurement.rows.middleCols<3>(3 * k) = own.middleCols<3>(3 * k) * to_scanner;
+  for (Eigen::Index i = 0; i < measurement.rows.rows(); ++i) {
+    Eigen::Map<NodeRows> of_nodes(measurement.rows.row(i).data());
+    of_nodes = of_nodes * to_scanner;
   }
   return measurement;
 }
