@@ -10,6 +10,7 @@
 #include "core/duplicates.h"
 #include "core/estimation_problem.h"
 #include "core/map_covariance.h"
+#include "core/motion_noise.h"
 #include "core/observation_groups.h"
 #include "core/segment_ends.h"
 #include "core/stopwatch.h"
@@ -34,13 +35,21 @@ constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
 constexpr int64_t kMaxRunsShare = 3;
+// Steps to the noise of the motion (ReestimateMotionNoise). The third moves it by less
+// than a hundredth, but where there is no motion at all: that stays too large, which is the
+// safe side.
+constexpr int kNoiseSteps = 3;
 // Groups of two take more memory, of six hardly less; see also kTileControlPoints.
 constexpr int kIntervalsPerGroup = 4;
 
 class Batch {
  public:
   Batch(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
-      : rig_(rig), planar_(planar), options_(options), state_(state) {}
+      : rig_(rig),
+        planar_(planar),
+        options_(options),
+        state_(state),
+        motion_noise_(MotionNoise::Of(options.trajectory)) {}
 
   // See RecutSegments; last: the openings are not counted once more.
   int Recut(RecordingReader* recording, bool last) {
@@ -53,15 +62,29 @@ class Batch {
   // For the final estimation.
   void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
 
+  // The noise of the motion that the last estimation is to assume. The options' own is wide
+  // enough for any rig that they are meant for: most are calmer, and their poses are known
+  // better.
+  void EstimateMotionNoise() {
+    const MotionNoise unit = {1.0, 1.0, 1.0};
+    EstimationProblem accelerations(rig_, planar_, &state_->trajectory, &state_->landmarks);
+    AddMotionPriors(unit, &accelerations);
+    for (int step = 0; step < kNoiseSteps; ++step) {
+      const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
+      Solve(kRoundTolerance, kRoundIterations, problem.get());
+      motion_noise_ = ReestimateMotionNoise(
+          motion_noise_, MapCovariance::Of(problem.get()), accelerations);
+    }
+  }
+  const MotionNoise& motion_noise() const { return motion_noise_; }
+
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
     auto problem = std::make_unique<EstimationProblem>(
         rig_, planar_, &state_->trajectory, &state_->landmarks);
     problem->AddStartVelocityPrior(options_.trajectory);
     problem->AddOrigin(state_->origin_time_ns);
-    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
-      problem->AddMotionPrior(i, options_.trajectory);
-    }
+    AddMotionPriors(motion_noise_, problem.get());
     std::vector<const Observation*> associated;
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
@@ -277,6 +300,12 @@ class Batch {
   }
 
  private:
+  void AddMotionPriors(const MotionNoise& noise, EstimationProblem* problem) const {
+    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
+      problem->AddMotionPrior(i, noise);
+    }
+  }
+
   // Leaves the observations of these landmarks without one; returns how many.
   int Release(const std::vector<bool>& landmarks) {
     int num_released = 0;
@@ -308,6 +337,7 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  MotionNoise motion_noise_;
   OpeningMap openings_;
   ObservationGroupCache groups_{LinearisedGroup::kCoarse, kIntervalsPerGroup};
 };
@@ -351,6 +381,7 @@ BatchReport EstimateBatch(const Rig& rig,
       VLOG(1) << "ends of " << num_recut << " segments moved, " << num_slants
               << " segments taken from slants";
     }
+    if (last && options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
     if (last) batch.Refine();
     const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
                                             last ? 0.0 : kHuberWidth);
@@ -358,6 +389,7 @@ BatchReport EstimateBatch(const Rig& rig,
         last ? batch.Solve(kFinalTolerance, kMaxIterations, problem.get())
              : batch.Solve(kRoundTolerance, kRoundIterations, problem.get());
     if (!last) continue;
+    report.motion_noise = batch.motion_noise();
     report.variance_factor = batch.VarianceFactor(summary, options.batch.factor);
     const Stopwatch::Running running(&report.covariance_watch);
     report.covariance = batch.SetCovariances(problem.get());

@@ -6,6 +6,7 @@
 #include "core/map_covariance.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
+#include "core/motion_noise.h"
 #include "core/recording.h"
 #include "core/rig.h"
 #include "core/stopwatch.h"
@@ -15,6 +16,7 @@ namespace plumbline {
 struct BatchReport {
   int rounds = 0;
   int changed_associations = 0;  // in the last round before the final estimation
+  MotionNoise motion_noise;      // that the final estimate assumes
   double variance_factor = 0.0;  // weighted sum of squares / redundancy
   MapCovariance covariance;      // of the final estimate
   Stopwatch covariance_watch;    // the time it took, part of the batch's
@@ -23,9 +25,10 @@ struct BatchReport {
 // The final estimation: all segments, control points and planes together, no marginalised
 // history. Estimates and associates anew until the associations stand, merges planes that turn
 // out to be one, drops those that too few scans support, cuts the segments anew where the
-// planes meet (a pass over the recording), and ends as plain weighted least squares over the
-// segments that agree with their planes. Leaves each landmark's covariance (absolute, in the
-// model frame), extent and counts as they follow from the final associations.
+// planes meet (a pass over the recording), where asked to estimates how steadily the rig
+// moves, and ends as plain weighted least squares over the segments that agree with their
+// planes. Leaves each landmark's covariance (absolute, in the model frame), extent and counts
+// as they follow from the final associations.
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,

@@ -58,6 +58,7 @@ void Visit(Options& o, Visitor& v) {
     s.Choice("factor", o.batch.factor, {"segment", "point"});
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
     s.Flag("recut_segments", o.batch.recut_segments);
+    s.Flag("estimate_motion_noise", o.batch.estimate_motion_noise);
   });
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }

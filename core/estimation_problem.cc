@@ -188,13 +188,12 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
   }
 }
 
-void EstimationProblem::AddMotionPrior(int first, const TrajectoryOptions& options) {
+void EstimationProblem::AddMotionPrior(int first, const MotionNoise& noise) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(first, 3);
-  AddFactor(CreateRotationAccelerationFactor(
-                options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0, interval_s),
+  AddFactor(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
             {blocks[0], blocks[1], blocks[2]});
-  AddFactor(CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s),
+  AddFactor(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
             {blocks[3], blocks[4], blocks[5]});
 }
 

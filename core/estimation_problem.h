@@ -16,6 +16,7 @@
 
 #include "core/landmark.h"
 #include "core/mapper_options.h"
+#include "core/motion_noise.h"
 #include "core/observation.h"
 #include "core/observation_groups.h"
 #include "core/rig.h"
@@ -101,7 +102,10 @@ class EstimationProblem {
   // The same as one residual block for each beam, plain least squares.
   void AddPoints(const Observation& observation);
   // Second differences of control points first, first+1, first+2.
-  void AddMotionPrior(int first, const TrajectoryOptions& options);
+  void AddMotionPrior(int first, const MotionNoise& noise);
+  void AddMotionPrior(int first, const TrajectoryOptions& options) {
+    AddMotionPrior(first, MotionNoise::Of(options));
+  }
   // First differences of the first two control points: unknown velocity at the start.
   void AddStartVelocityPrior(const TrajectoryOptions& options);
   // Gauge: the position at this instant is the origin.

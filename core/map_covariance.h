@@ -34,6 +34,13 @@ class MapCovariance {
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
 
+  // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
+  // problem's layout; of two neighbouring tiles at most, as everything one residual depends
+  // on.
+  Eigen::MatrixXd ControlPoints(int first, int size) const {
+    return inverse_.BandBlock(first, size);
+  }
+
   // The smallest eigenvalues, ascending.
   const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
 

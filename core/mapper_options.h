@@ -60,6 +60,9 @@ struct BatchOptions {
       FactorKind::kSegment;    // kPoint: one residual per beam, slow; for comparison
   int max_rounds = 6;          // of estimation and renewed association
   bool recut_segments = true;  // cut segments anew where the estimated planes meet
+  // Whether the last estimation's prior on the motion is as wide as the recording says, not as
+  // the trajectory's options give it: poses become more accurate, the batch takes longer.
+  bool estimate_motion_noise = false;
 };
 
 struct MapperOptions {

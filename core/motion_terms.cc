@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/map_state.h"
+#include "core/motion_noise.h"
 #include "factors/manifolds.h"
 #include "factors/motion_factor.h"
 #include "factors/position_factor.h"
@@ -70,14 +71,10 @@ std::vector<MotionTerm> MakeMotionTerms(const TrajectoryOptions& options,
     }
     terms.push_back(std::move(term));
   };
-  const double angular_acceleration =
-      options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
+  const MotionNoise noise = MotionNoise::Of(options);
   for (int i = std::max(first, known - 2); i + 2 < trajectory->num_control_points(); ++i) {
-    add(CreateRotationAccelerationFactor(angular_acceleration, interval_s), true, i, 3);
-    add(CreatePositionAccelerationFactor(options.acceleration_stddev_m_s2, interval_s),
-        false,
-        i,
-        3);
+    add(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s), true, i, 3);
+    add(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s), false, i, 3);
   }
   if (!origin_time_ns) return terms;
   add(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,

@@ -189,6 +189,9 @@ std::string FormatSummary(const Summary& summary) {
   json["largest_correlations"] = list(summary.largest_correlations);
   json["weakest_directions"] = list(summary.weakest_directions);
   json["motion"] = summary.motion;
+  nlohmann::ordered_json motion_noise = nlohmann::ordered_json::object();
+  for (const auto& [name, stddev] : summary.motion_noise) motion_noise[name] = stddev;
+  json["motion_noise"] = motion_noise;
   json["reference_plane_id"] = summary.reference_plane_id;
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.

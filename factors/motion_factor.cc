@@ -20,12 +20,12 @@ Vector3<T> RotationDifference(const T* q0, const T* q1) {
 }
 
 struct PositionAccelerationFunctor {
-  double whitening;
+  Eigen::Vector3d whitening;
 
   template <typename T>
   bool operator()(const T* p0, const T* p1, const T* p2, T* residuals) const {
     for (int axis = 0; axis < 3; ++axis) {
-      residuals[axis] = whitening * (p0[axis] - 2.0 * p1[axis] + p2[axis]);
+      residuals[axis] = whitening[axis] * (p0[axis] - 2.0 * p1[axis] + p2[axis]);
     }
     return true;
   }
@@ -70,9 +70,10 @@ std::unique_ptr<ceres::CostFunction> MakeFactor(Functor functor) {
 
 }  // namespace
 
-std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(double stddev,
-                                                                      double knot_interval_s) {
-  const double whitening = 1.0 / (stddev * knot_interval_s * knot_interval_s);
+std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
+    const Eigen::Vector3d& stddev, double knot_interval_s) {
+  const Eigen::Vector3d whitening =
+      (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
   return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{whitening});
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 
 namespace ceres {
@@ -13,10 +14,10 @@ namespace plumbline {
 // control points over h^2 is the acceleration at the knot, the first difference over h about
 // the velocity. Three residuals each.
 
-// Acceleration of the position:  r = (p0 - 2 p1 + p2) / (stddev h^2),   stddev in m/s^2.
-// Blocks: [ p0 | p1 | p2 ]
-std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(double stddev,
-                                                                      double knot_interval_s);
+// Acceleration of the position:  r = (p0 - 2 p1 + p2) / (stddev h^2),   stddev in m/s^2, by
+// world axis. Blocks: [ p0 | p1 | p2 ]
+std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
+    const Eigen::Vector3d& stddev, double knot_interval_s);
 
 // Angular acceleration:  r = (Log(q1^-1 q2) - Log(q0^-1 q1)) / (stddev h^2),  stddev in
 // rad/s^2. Blocks: [ q0 | q1 | q2 ]

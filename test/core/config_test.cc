@@ -37,7 +37,7 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 2.5};
   o.window = {33, 3, false, true};
   o.loop_closure = {false, 77};
-  o.batch = {FactorKind::kPoint, 3, false};
+  o.batch = {FactorKind::kPoint, 3, false, true};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -64,6 +64,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
   EXPECT_FALSE(read.batch.recut_segments);
+  EXPECT_TRUE(read.batch.estimate_motion_noise);
   EXPECT_EQ(read.max_gap_s, 0.6);
 }
 

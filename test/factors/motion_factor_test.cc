@@ -11,13 +11,14 @@ namespace {
 constexpr double kInterval = 0.125;
 
 TEST(MotionFactor, PositionAccelerationByHand) {
-  // Control points of x = a t^2 / 2 with a = 4 m/s^2: the second difference over h^2 is a.
+  // Control points of x = a t^2 / 2 with a = 4 m/s^2, and -2 m/s^2 in z: the second difference
+  // over h^2 is a.
   TestBlocks blocks;
   for (const double t : {-kInterval, 0.0, kInterval}) {
-    blocks.AddEuclidean(Eigen::Vector3d(2.0 * t * t, 3.0 * t + 1.0, 7.0));
+    blocks.AddEuclidean(Eigen::Vector3d(2.0 * t * t, 3.0 * t + 1.0, -t * t));
   }
-  const auto factor = CreatePositionAccelerationFactor(2.0, kInterval);
-  EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 1e-12);
+  const auto factor = CreatePositionAccelerationFactor({2.0, 4.0, 5.0}, kInterval);
+  EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector3d(2.0, 0.0, -0.4)).norm(), 1e-12);
   blocks.ExpectGradientsCorrect(*factor);
 }
 
@@ -53,7 +54,8 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
     positions.AddEuclidean(j * speed);
   }
   const auto rotation_factor = CreateRotationAccelerationFactor(1.0, kInterval);
-  const auto position_factor = CreatePositionAccelerationFactor(1.0, kInterval);
+  const auto position_factor =
+      CreatePositionAccelerationFactor(Eigen::Vector3d::Ones(), kInterval);
   EXPECT_LT(rotations.Residuals(*rotation_factor).norm(), 1e-12);
   EXPECT_LT(positions.Residuals(*position_factor).norm(), 1e-12);
   rotations.ExpectGradientsCorrect(*rotation_factor);
