@@ -71,7 +71,7 @@ class Batch {
     AddMotionPriors(unit, &accelerations);
     for (int step = 0; step < kNoiseSteps; ++step) {
       const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-      Solve(kRoundTolerance, kRoundIterations, problem.get());
+      Solve(FactorKind::kSegment, kRoundTolerance, kRoundIterations, problem.get());
       motion_noise_ = ReestimateMotionNoise(
           motion_noise_, MapCovariance::Of(problem.get()), accelerations);
     }
@@ -105,22 +105,25 @@ class Batch {
     return problem;
   }
 
-  ceres::Solver::Summary Solve(double function_tolerance,
-                               int max_iterations,
-                               EstimationProblem* problem) {
+  // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
+  // the weakly determined directions, the shape of a long loop above all.
+  EstimationProblem::Solution Solve(FactorKind factor,
+                                    double function_tolerance,
+                                    int max_iterations,
+                                    EstimationProblem* problem) {
+    if (factor == FactorKind::kSegment) {
+      return problem->SolveArrow(max_iterations, function_tolerance);
+    }
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = max_iterations;
     options.function_tolerance = function_tolerance;
-    // Gauss-Newton from the start: what the window leaves is close, and damping would only
-    // slow the weakly determined directions, the shape of a long loop above all.
     options.initial_trust_region_radius = 1e12;
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
-    VLOG(1) << summary.BriefReport();
-    return summary;
+    return {summary.final_cost, summary.num_effective_parameters_reduced};
   }
 
   // Extents, times and counts from the associations as they stand.
@@ -281,7 +284,7 @@ class Batch {
     return covariance;
   }
 
-  double VarianceFactor(const ceres::Solver::Summary& summary, FactorKind factor) const {
+  double VarianceFactor(const EstimationProblem::Solution& solution, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
     SharedPoses poses(rig_, state_->trajectory);
@@ -295,8 +298,7 @@ class Batch {
     };
     for (const Observation& observation : state_->observations) add(observation);
     for (const Observation& run : state_->short_runs) add(run);
-    return (2.0 * summary.final_cost + constant) /
-           (num_points - summary.num_effective_parameters_reduced);
+    return (2.0 * solution.cost + constant) / (num_points - solution.num_unknowns);
   }
 
  private:
@@ -353,7 +355,8 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.Solve(kRoundTolerance,
+  batch.Solve(FactorKind::kSegment,
+              kRoundTolerance,
               kMaxIterations,
               batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
@@ -383,14 +386,15 @@ BatchReport EstimateBatch(const Rig& rig,
     }
     if (last && options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
     if (last) batch.Refine();
-    const auto problem = batch.BuildProblem(last ? options.batch.factor : FactorKind::kSegment,
-                                            last ? 0.0 : kHuberWidth);
-    const ceres::Solver::Summary summary =
-        last ? batch.Solve(kFinalTolerance, kMaxIterations, problem.get())
-             : batch.Solve(kRoundTolerance, kRoundIterations, problem.get());
+    const FactorKind factor = last ? options.batch.factor : FactorKind::kSegment;
+    const auto problem = batch.BuildProblem(factor, last ? 0.0 : kHuberWidth);
+    const EstimationProblem::Solution solution =
+        last ? batch.Solve(factor, kFinalTolerance, kMaxIterations, problem.get())
+             : batch.Solve(factor, kRoundTolerance, kRoundIterations, problem.get());
+    VLOG(1) << "cost " << solution.cost << ", " << solution.num_unknowns << " unknowns";
     if (!last) continue;
     report.motion_noise = batch.motion_noise();
-    report.variance_factor = batch.VarianceFactor(summary, options.batch.factor);
+    report.variance_factor = batch.VarianceFactor(solution, factor);
     const Stopwatch::Running running(&report.covariance_watch);
     report.covariance = batch.SetCovariances(problem.get());
     break;

@@ -33,6 +33,20 @@ Elimination EliminateRows(const std::vector<int>& leaving,
   return std::move(*elimination);
 }
 
+// Moves these rows and columns, ascending, to the front, in place.
+void MoveToFront(const std::vector<int>& kept, Eigen::MatrixXd* matrix) {
+  const auto size = static_cast<int>(kept.size());
+  int first = 0;  // of those that move
+  while (first < size && kept[static_cast<size_t>(first)] == first) ++first;
+  for (int column = 0; column < size; ++column) {
+    const int from_column = kept[static_cast<size_t>(column)];
+    const double* from = matrix->col(from_column).data();
+    double* to = matrix->col(column).data();
+    if (from_column != column) std::copy_n(from, first, to);
+    for (int row = first; row < size; ++row) to[row] = from[kept[static_cast<size_t>(row)]];
+  }
+}
+
 }  // namespace
 
 bool DormantPlanes::DependsOn(const BlockId& block) const {
@@ -67,6 +81,13 @@ Eigen::MatrixXd DormantPlanes::ByHistory(const History& history,
   return by_history(Eigen::all, rows);
 }
 
+void DormantPlanes::Reserve(Eigen::Index size) {
+  if (covariance_.rows() >= size) return;
+  Eigen::MatrixXd larger(2 * size, 2 * size);
+  larger.topLeftCorner(mean_.size(), mean_.size()) = Covariance();
+  covariance_ = std::move(larger);
+}
+
 Eigen::VectorXd DormantPlanes::Compose(const Elimination& elimination,
                                        Eigen::Index num_taken,
                                        const Eigen::MatrixXd& by_leaving,
@@ -79,14 +100,13 @@ Eigen::VectorXd DormantPlanes::Compose(const Elimination& elimination,
   const Eigen::MatrixXd spread = by_leaving * covariance;
   const Eigen::Index num_before = mean_.size();
   const Eigen::Index size = num_before + num_taken;
-  Eigen::MatrixXd joint(size, size);
-  joint.topLeftCorner(num_before, num_before) = covariance_;
+  Reserve(size);
+  auto joint = covariance_.topLeftCorner(size, size);
   joint.topLeftCorner(num_before, num_before).noalias() += spread * by_leaving.transpose();
   joint.bottomLeftCorner(num_taken, num_before) = spread.leftCols(num_taken).transpose();
   joint.topRightCorner(num_before, num_taken) = spread.leftCols(num_taken);
   joint.bottomRightCorner(num_taken, num_taken) =
       covariance.topLeftCorner(num_taken, num_taken);
-  covariance_ = std::move(joint);
   gain_.resize(size, by_staying.cols());
   gain_.topRows(num_before) = by_staying + by_leaving * gain;
   gain_.bottomRows(num_taken) = gain.topRows(num_taken);
@@ -151,7 +171,7 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   const auto size = static_cast<Eigen::Index>(rows.size());
   const Eigen::Index num_given = gain_.cols();
   // As measurements of the planes: r = y - mean - gain x, with the inverse covariance.
-  const std::optional<Eigen::MatrixXd> weight = SymmetricInverse(covariance_(rows, rows));
+  const std::optional<Eigen::MatrixXd> weight = SymmetricInverse(Covariance()(rows, rows));
   if (!weight) throw Error(kNotDetermined);
   NormalEquations part;
   part.blocks = given_;
@@ -194,14 +214,14 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   for (const BlockId& block : history->equations.blocks) history->at.push_back(at.at(block));
 
   // The others, given these too.
-  const Eigen::MatrixXd regression = covariance_(Eigen::all, rows) * *weight;
+  const Eigen::MatrixXd regression = Covariance()(Eigen::all, rows) * *weight;
   mean_ += regression * residual;
   Eigen::MatrixXd gain(mean_.size(), num_given + size);
   gain.leftCols(num_given) = gain_;
   gain.leftCols(num_given).noalias() -= regression * gain_(rows, Eigen::all);
   gain.rightCols(size) = regression;
-  const Eigen::MatrixXd cross = covariance_(rows, Eigen::all);
-  covariance_.noalias() -= regression * cross;
+  const Eigen::MatrixXd cross = Covariance()(rows, Eigen::all);
+  covariance_.topLeftCorner(mean_.size(), mean_.size()).noalias() -= regression * cross;
   gain_ = std::move(gain);
   given_ = std::move(part.blocks);
   given_offsets_ = std::move(part.offsets);
@@ -224,7 +244,7 @@ void DormantPlanes::RemovePlanes(const std::set<int>& landmark_ids) {
   planes_ = std::move(planes);
   mean_ = mean_(rows).eval();
   gain_ = gain_(rows, Eigen::all).eval();
-  covariance_ = covariance_(rows, rows).eval();
+  MoveToFront(rows, &covariance_);
 }
 
 void DormantPlanes::Rebase(const History& history, const Eigen::VectorXd& moved) {

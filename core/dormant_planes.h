@@ -75,6 +75,12 @@ class DormantPlanes {
                           const Eigen::MatrixXd& by_leaving,
                           const Eigen::MatrixXd& by_staying);
   std::vector<int> RowsOfPlanes(const std::set<int>& landmark_ids) const;
+  // covariance_, where it holds something.
+  Eigen::Block<const Eigen::MatrixXd> Covariance() const {
+    return covariance_.topLeftCorner(mean_.size(), mean_.size());
+  }
+  // Sees to it that covariance_ has room for so many rows.
+  void Reserve(Eigen::Index size);
   // Keeps only these planes' rows.
   void RemovePlanes(const std::set<int>& landmark_ids);
 
@@ -84,6 +90,8 @@ class DormantPlanes {
   std::vector<int> given_offsets_ = {0};
   Eigen::VectorXd mean_;
   Eigen::MatrixXd gain_;
+  // Its first mean_.size() rows and columns; the rest is room for more planes. Planes come and
+  // go all the time: a matrix of hundreds of them is not to be copied for each.
   Eigen::MatrixXd covariance_;
 };
 

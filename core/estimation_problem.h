@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/arrow_matrix.h"
 #include "core/landmark.h"
 #include "core/mapper_options.h"
 #include "core/motion_noise.h"
@@ -68,6 +69,15 @@ struct NormalEquations {
   double cost = 0.0;  // where a problem has been linearised
 
   int size() const { return offsets.back(); }
+};
+
+// The same of a whole recording's problem, in the batch's shape. Directions that are held have
+// a unit diagonal and no gradient.
+struct ArrowEquations {
+  ArrowMatrix hessian;
+  Eigen::VectorXd diagonal;  // of the hessian
+  Eigen::VectorXd gradient;
+  double cost = 0.0;
 };
 
 // A problem's blocks and their columns, in the blocks' full tangent spaces as in
@@ -125,7 +135,18 @@ class EstimationProblem {
   // at the solution.
   NormalEquations SolveNormalEquations(int max_iterations, double function_tolerance);
 
+  // By Gauss-Newton as well, on the equations in the batch's shape, which its covariances come
+  // from too; a step that would raise the cost is halved. Ends after an iteration that lowers
+  // it by no more than this share, or that no group had to be linearised anew for: the problem
+  // was linear. Throws Error when the unknowns are not determined.
+  struct Solution {
+    double cost;
+    int num_unknowns;
+  };
+  Solution SolveArrow(int max_iterations, double function_tolerance);
+
   // Normal equations of all the residuals.
+  ArrowEquations LineariseArrow(const BlockLayout& layout) const;
   NormalEquations Linearise() const { return Linearise(Layout()); }
   BlockLayout Layout() const;
   // (columns, ascending; dense Jacobian on them; residuals) of a residual block.

@@ -10,9 +10,6 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumWeakDirections = 3;
-// A residual's control points lie in two adjacent tiles of so many: a group of the batch has
-// nine at most and begins at every fourth.
-constexpr int kTileControlPoints = 8;
 
 // Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
 // their vectors.
@@ -77,30 +74,13 @@ MapCovariance MapCovariance::Of(EstimationProblem* problem) {
       result.offsets_.push_back(layout.offsets[i + 1] - num_band);
     }
   }
-  const int tile_size = kTileControlPoints * (result.planar_ ? 4 : 6);
-  ArrowMatrix matrix(num_band, tile_size, layout.size() - num_band);
-  // Directions that are held get a unit diagonal and are taken out again at the end.
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(layout.size());
-  std::vector<int> held;
-  for (int i = 0; i < layout.size(); ++i) {
-    if (layout.is_free[static_cast<size_t>(i)]) continue;
-    matrix.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
-    diagonal[i] = 1.0;
-    held.push_back(i);
-  }
-  Eigen::MatrixXd product;
-  problem->ForEachResidualBlock(layout,
-                                [&](const std::vector<int>& columns,
-                                    const Eigen::MatrixXd& jacobian,
-                                    const Eigen::VectorXd&) {
-                                  product.noalias() = jacobian.transpose() * jacobian;
-                                  matrix.AddBlock(columns, product);
-                                  diagonal(columns) += product.diagonal();
-                                });
-  ArrowFactor factor(std::move(matrix));
-  result.weak_directions_ = FindWeakDirections(factor, diagonal, layout);
+  ArrowEquations equations = problem->LineariseArrow(layout);
+  ArrowFactor factor(std::move(equations.hessian));
+  result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   result.inverse_ = factor.TakeInverse();
-  for (const int variable : held) result.inverse_.Clear(variable);
+  for (int i = 0; i < layout.size(); ++i) {
+    if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
+  }
   return result;
 }
 

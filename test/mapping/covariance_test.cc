@@ -68,6 +68,12 @@ class CovarianceTest : public MappingTest {
     }
   }
 
+  static double LargestDifference(const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0.0;
+    for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    return largest;
+  }
+
   Rig rig_;
   MapperOptions options_;
   std::unique_ptr<MapResult> result_;
@@ -91,16 +97,17 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
     const std::vector<double> by_ceres = Values();
     MoveAway(mapped);
     const NormalEquations equations = problem_->SolveNormalEquations(50, 1e-14);
-    const std::vector<double> found = Values();
-    double largest = 0.0;
-    for (size_t i = 0; i < found.size(); ++i) {
-      largest = std::max(largest, std::abs(found[i] - by_ceres[i]));
-    }
-    EXPECT_LT(largest, 1e-7);
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
     EXPECT_LT((equations.hessian - problem_->Linearise().hessian).norm(),
               1e-6 * equations.hessian.norm());
     MoveAway(mapped);
     EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
+    const EstimationProblem::Solution solution = problem_->SolveArrow(50, 1e-14);
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
+    EXPECT_NEAR(solution.cost, equations.cost, 1e-9 * equations.cost);
+    const BlockLayout layout = problem_->Layout();
+    EXPECT_EQ(solution.num_unknowns,
+              std::count(layout.is_free.begin(), layout.is_free.end(), true));
   }
 }
 

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <utility>
+
+#include "core/arrow_factor.h"
+#include "core/estimation_problem.h"
+
+namespace plumbline {
+namespace {
+
+// A residual's control points lie in two adjacent tiles of so many: a group of the batch has
+// nine at most and begins at every fourth.
+constexpr int kTileControlPoints = 8;
+
+// Where the layout's landmarks begin.
+int NumInBand(const BlockLayout& layout) {
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    if (layout.blocks[i].kind == BlockId::Kind::kLandmark) return layout.offsets[i];
+  }
+  return layout.size();
+}
+
+// Nothing but the unit diagonal of what is held.
+ArrowEquations EmptyEquations(const BlockLayout& layout, bool planar) {
+  const int num_band = NumInBand(layout);
+  ArrowEquations equations{
+      ArrowMatrix(num_band, kTileControlPoints * (planar ? 4 : 6), layout.size() - num_band),
+      Eigen::VectorXd::Zero(layout.size()),
+      Eigen::VectorXd::Zero(layout.size())};
+  for (int i = 0; i < layout.size(); ++i) {
+    if (layout.is_free[static_cast<size_t>(i)]) continue;
+    equations.hessian.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
+    equations.diagonal[i] = 1.0;
+  }
+  return equations;
+}
+
+}  // namespace
+
+ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) const {
+  ArrowEquations equations = EmptyEquations(layout, planar_);
+  const auto add = [&](const std::vector<int>& columns,
+                       const Eigen::MatrixXd& hessian,
+                       const Eigen::VectorXd& gradient) {
+    equations.hessian.AddBlock(columns, hessian);
+    equations.diagonal(columns) += hessian.diagonal();
+    equations.gradient(columns) += gradient;
+  };
+  Eigen::MatrixXd product;
+  VisitResidualBlocks(factors_,
+                      layout,
+                      [&](const std::vector<int>& columns,
+                          const Eigen::MatrixXd& jacobian,
+                          const Eigen::VectorXd& residuals) {
+                        equations.cost += 0.5 * residuals.squaredNorm();
+                        product.noalias() = jacobian.transpose() * jacobian;
+                        add(columns, product, jacobian.transpose() * residuals);
+                      });
+  const BlockPositions positions = PositionsIn(layout);
+  std::vector<int> rows;
+  std::vector<int> columns;
+  for (const GroupTerm& term : groups_) {
+    const LinearisedGroup::Model model = term.group->ModelAt(term.blocks.data());
+    equations.cost += model.cost;
+    rows.clear();
+    columns.clear();
+    for (const Run& run : RunsOf(term, layout, positions)) {
+      for (int i = 0; i < run.size; ++i) {
+        rows.push_back(run.row + i);
+        columns.push_back(run.column + i);
+      }
+    }
+    if (static_cast<Eigen::Index>(rows.size()) == model.gradient.size()) {
+      add(columns, model.hessian, model.gradient);
+    } else {
+      add(columns, model.hessian(rows, rows), model.gradient(rows));
+    }
+  }
+  return equations;
+}
+
+EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
+                                                          double function_tolerance) {
+  constexpr int kMaxHalvings = 4;
+  constexpr double kRounding = 1e-12;  // of a cost
+  const BlockLayout layout = Layout();
+  std::vector<int> free;
+  for (int column = 0; column < layout.size(); ++column) {
+    if (layout.is_free[static_cast<size_t>(column)]) free.push_back(column);
+  }
+  ArrowEquations now = LineariseArrow(layout);
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    const int num_linearisations = NumLinearisations();
+    const double cost = now.cost;
+    const Values values = ValuesOf(layout);
+    Eigen::VectorXd step = -ArrowFactor(std::move(now.hessian)).Solve(now.gradient);
+    const auto is_higher = [&] { return !(now.cost <= (1.0 + kRounding) * cost); };
+    for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
+      Move(layout, step(free));
+      now = LineariseArrow(layout);
+      if (!is_higher()) break;
+      SetValues(layout, values);
+    }
+    if (is_higher()) {
+      now.cost = cost;
+      break;
+    }
+    if (cost - now.cost <= function_tolerance * cost ||
+        NumLinearisations() == num_linearisations) {
+      break;  // or the problem was linear
+    }
+  }
+  return {now.cost, static_cast<int>(free.size())};
+}
+
+}  // namespace plumbline
