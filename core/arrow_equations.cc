@@ -45,16 +45,7 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
     equations.diagonal(columns) += hessian.diagonal();
     equations.gradient(columns) += gradient;
   };
-  Eigen::MatrixXd product;
-  VisitResidualBlocks(factors_,
-                      layout,
-                      [&](const std::vector<int>& columns,
-                          const Eigen::MatrixXd& jacobian,
-                          const Eigen::VectorXd& residuals) {
-                        equations.cost += 0.5 * residuals.squaredNorm();
-                        product.noalias() = jacobian.transpose() * jacobian;
-                        add(columns, product, jacobian.transpose() * residuals);
-                      });
+  equations.cost = VisitProducts(layout, add);
   const BlockPositions positions = PositionsIn(layout);
   std::vector<int> rows;
   std::vector<int> columns;
@@ -83,10 +74,7 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
   constexpr int kMaxHalvings = 4;
   constexpr double kRounding = 1e-12;  // of a cost
   const BlockLayout layout = Layout();
-  std::vector<int> free;
-  for (int column = 0; column < layout.size(); ++column) {
-    if (layout.is_free[static_cast<size_t>(column)]) free.push_back(column);
-  }
+  const std::vector<int> free = layout.FreeColumns();
   ArrowEquations now = LineariseArrow(layout);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const int num_linearisations = NumLinearisations();

@@ -88,6 +88,7 @@ struct BlockLayout {
   std::vector<bool> is_free;  // of each column: not held by a manifold
 
   int size() const { return offsets.back(); }
+  std::vector<int> FreeColumns() const;
 };
 
 // A Ceres problem over a rig's trajectory and the landmarks: gives every block its manifold,
@@ -188,6 +189,10 @@ class EstimationProblem {
   void VisitResidualBlocks(const std::vector<ceres::ResidualBlockId>& residual_blocks,
                            const BlockLayout& layout,
                            const ResidualVisitor& visit) const;
+  // Visits (columns, ascending; J^T J; J^T r) of the residual blocks that are no groups;
+  // returns their cost.
+  using ProductVisitor = ResidualVisitor;
+  double VisitProducts(const BlockLayout& layout, const ProductVisitor& visit) const;
   NormalEquations Linearise(const BlockLayout& layout) const;
   // A group's rows that are not held, ascending in the layout as in the group.
   std::vector<Run> RunsOf(const GroupTerm& term,

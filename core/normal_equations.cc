@@ -11,12 +11,17 @@
 
 namespace plumbline {
 
-NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
-  NormalEquations equations;
-  equations.blocks = layout.blocks;
-  equations.offsets = layout.offsets;
-  equations.hessian.setZero(equations.size(), equations.size());
-  equations.gradient.setZero(equations.size());
+std::vector<int> BlockLayout::FreeColumns() const {
+  std::vector<int> free;
+  for (int column = 0; column < size(); ++column) {
+    if (is_free[static_cast<size_t>(column)]) free.push_back(column);
+  }
+  return free;
+}
+
+double EstimationProblem::VisitProducts(const BlockLayout& layout,
+                                        const ProductVisitor& visit) const {
+  double cost = 0.0;
   Eigen::MatrixXd product;
   Eigen::VectorXd gradient;
   VisitResidualBlocks(factors_,
@@ -24,18 +29,34 @@ NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
                       [&](const std::vector<int>& columns,
                           const Eigen::MatrixXd& jacobian,
                           const Eigen::VectorXd& residuals) {
-                        equations.cost += 0.5 * residuals.squaredNorm();
+                        cost += 0.5 * residuals.squaredNorm();
                         product.noalias() = jacobian.transpose() * jacobian;
                         gradient.noalias() = jacobian.transpose() * residuals;
-                        for (size_t j = 0; j < columns.size(); ++j) {
-                          const auto at = static_cast<Eigen::Index>(j);
-                          equations.gradient[columns[j]] += gradient[at];
-                          double* const column = equations.hessian.col(columns[j]).data();
-                          for (size_t i = j; i < columns.size(); ++i) {
-                            column[columns[i]] += product(static_cast<Eigen::Index>(i), at);
-                          }
-                        }
+                        visit(columns, product, gradient);
                       });
+  return cost;
+}
+
+NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
+  NormalEquations equations;
+  equations.blocks = layout.blocks;
+  equations.offsets = layout.offsets;
+  equations.hessian.setZero(equations.size(), equations.size());
+  equations.gradient.setZero(equations.size());
+  equations.cost =
+      VisitProducts(layout,
+                    [&](const std::vector<int>& columns,
+                        const Eigen::MatrixXd& product,
+                        const Eigen::VectorXd& gradient) {
+                      for (size_t j = 0; j < columns.size(); ++j) {
+                        const auto at = static_cast<Eigen::Index>(j);
+                        equations.gradient[columns[j]] += gradient[at];
+                        double* const column = equations.hessian.col(columns[j]).data();
+                        for (size_t i = j; i < columns.size(); ++i) {
+                          column[columns[i]] += product(static_cast<Eigen::Index>(i), at);
+                        }
+                      }
+                    });
   const BlockPositions positions = PositionsIn(layout);
   for (const GroupTerm& term : groups_) AddGroup(term, layout, positions, &equations);
   equations.hessian.triangularView<Eigen::StrictlyUpper>() = equations.hessian.transpose();
@@ -125,10 +146,7 @@ void EstimationProblem::Move(const BlockLayout& layout, const Eigen::VectorXd& s
 NormalEquations EstimationProblem::SolveNormalEquations(int max_iterations,
                                                         double function_tolerance) {
   const BlockLayout layout = Layout();
-  std::vector<int> free;
-  for (int column = 0; column < layout.size(); ++column) {
-    if (layout.is_free[static_cast<size_t>(column)]) free.push_back(column);
-  }
+  const std::vector<int> free = layout.FreeColumns();
   NormalEquations now = Linearise(layout);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const int num_linearisations = NumLinearisations();
