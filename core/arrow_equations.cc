@@ -1,6 +1,5 @@
 #include <utility>
 
-#include "core/arrow_factor.h"
 #include "core/estimation_problem.h"
 
 namespace plumbline {
@@ -69,7 +68,8 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
 }
 
 EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
-                                                          double function_tolerance) {
+                                                          double function_tolerance,
+                                                          const FactorVisitor& visit) {
   constexpr int kMaxHalvings = 4;
   constexpr double kRounding = 1e-12;  // of a cost
   const BlockLayout layout = Layout();
@@ -79,7 +79,12 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
     const int num_linearisations = NumLinearisations();
     const double cost = now.cost;
     const Values values = ValuesOf(layout);
-    Eigen::VectorXd step = -ArrowFactor(std::move(now.hessian)).Solve(now.gradient);
+    Eigen::VectorXd step;
+    {
+      const ArrowFactor factor(std::move(now.hessian));
+      visit(factor);
+      step = -factor.Solve(now.gradient);
+    }
     const auto is_higher = [&] { return !(now.cost <= (1.0 + kRounding) * cost); };
     for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
       Move(layout, step(free));
@@ -87,8 +92,8 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
       if (!is_higher()) break;
       SetValues(layout, values);
     }
-    if (is_higher()) {
-      now.cost = cost;
+    if (is_higher()) {  // the values are those before the step again
+      now = LineariseArrow(layout);
       break;
     }
     if (cost - now.cost <= function_tolerance * cost ||
@@ -96,7 +101,8 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
       break;  // or the problem was linear
     }
   }
-  return {now.cost, static_cast<int>(free.size())};
+  const double cost = now.cost;
+  return {std::move(now), cost, static_cast<int>(free.size())};
 }
 
 }  // namespace plumbline

@@ -41,6 +41,7 @@ class ArrowFactor {
   // Throws Error when the matrix is not positive definite.
   explicit ArrowFactor(ArrowMatrix matrix);
 
+  int size() const { return num_band_ + static_cast<int>(corner_scale_.size()); }
   // The solution for each column of the right side.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_side) const;
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/association.h"
@@ -66,14 +68,12 @@ class Batch {
   // enough for any rig that they are meant for: most are calmer, and their poses are known
   // better.
   void EstimateMotionNoise() {
-    const MotionNoise unit = {1.0, 1.0, 1.0};
-    EstimationProblem accelerations(rig_, planar_, &state_->trajectory, &state_->landmarks);
-    AddMotionPriors(unit, &accelerations);
     for (int step = 0; step < kNoiseSteps; ++step) {
       const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-      Solve(FactorKind::kSegment, kRoundTolerance, kRoundIterations, problem.get());
+      EstimationProblem::Solution solution =
+          Solve(FactorKind::kSegment, kRoundTolerance, kRoundIterations, problem.get());
       motion_noise_ = ReestimateMotionNoise(
-          motion_noise_, MapCovariance::Of(problem.get()), accelerations);
+          motion_noise_, *problem, ArrowFactor(std::move(solution.equations.hessian)));
     }
   }
   const MotionNoise& motion_noise() const { return motion_noise_; }
@@ -84,7 +84,9 @@ class Batch {
         rig_, planar_, &state_->trajectory, &state_->landmarks);
     problem->AddStartVelocityPrior(options_.trajectory);
     problem->AddOrigin(state_->origin_time_ns);
-    AddMotionPriors(motion_noise_, problem.get());
+    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
+      problem->AddMotionPrior(i, motion_noise_);
+    }
     std::vector<const Observation*> associated;
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
@@ -107,12 +109,14 @@ class Batch {
 
   // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
   // the weakly determined directions, the shape of a long loop above all.
-  EstimationProblem::Solution Solve(FactorKind factor,
-                                    double function_tolerance,
-                                    int max_iterations,
-                                    EstimationProblem* problem) {
+  EstimationProblem::Solution Solve(
+      FactorKind factor,
+      double function_tolerance,
+      int max_iterations,
+      EstimationProblem* problem,
+      const EstimationProblem::FactorVisitor& visit = [](const ArrowFactor&) {}) {
     if (factor == FactorKind::kSegment) {
-      return problem->SolveArrow(max_iterations, function_tolerance);
+      return problem->SolveArrow(max_iterations, function_tolerance, visit);
     }
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
@@ -123,7 +127,9 @@ class Batch {
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
-    return {summary.final_cost, summary.num_effective_parameters_reduced};
+    return {problem->LineariseArrow(problem->Layout()),
+            summary.final_cost,
+            summary.num_effective_parameters_reduced};
   }
 
   // Extents, times and counts from the associations as they stand.
@@ -270,8 +276,12 @@ class Batch {
     return num_released;
   }
 
-  MapCovariance SetCovariances(EstimationProblem* problem) {
-    MapCovariance covariance = MapCovariance::Of(problem);
+  // Of the estimate that these equations are of, for a motion of the noise found.
+  MapCovariance SetCovariances(const EstimationProblem& problem,
+                               const MotionNoise& found,
+                               ArrowEquations equations) {
+    CorrectForMotion(motion_noise_, found, problem, &equations);
+    MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
     const std::vector<int>& offsets = covariance.offsets();
     for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
       const int size = offsets[i + 1] - offsets[i];
@@ -302,12 +312,6 @@ class Batch {
   }
 
  private:
-  void AddMotionPriors(const MotionNoise& noise, EstimationProblem* problem) const {
-    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
-      problem->AddMotionPrior(i, noise);
-    }
-  }
-
   // Leaves the observations of these landmarks without one; returns how many.
   int Release(const std::vector<bool>& landmarks) {
     int num_released = 0;
@@ -388,15 +392,22 @@ BatchReport EstimateBatch(const Rig& rig,
     if (last) batch.Refine();
     const FactorKind factor = last ? options.batch.factor : FactorKind::kSegment;
     const auto problem = batch.BuildProblem(factor, last ? 0.0 : kHuberWidth);
-    const EstimationProblem::Solution solution =
-        last ? batch.Solve(factor, kFinalTolerance, kMaxIterations, problem.get())
-             : batch.Solve(factor, kRoundTolerance, kRoundIterations, problem.get());
-    VLOG(1) << "cost " << solution.cost << ", " << solution.num_unknowns << " unknowns";
-    if (!last) continue;
+    if (!last) {
+      batch.Solve(factor, kRoundTolerance, kRoundIterations, problem.get());
+      continue;
+    }
     report.motion_noise = batch.motion_noise();
+    std::optional<MotionNoise> found;  // before the first step: little changes after it
+    EstimationProblem::Solution solution = batch.Solve(
+        factor, kFinalTolerance, kMaxIterations, problem.get(), [&](const ArrowFactor& at) {
+          if (!found) found = ReestimateMotionNoise(report.motion_noise, *problem, at);
+        });
+    VLOG(1) << "cost " << solution.cost << ", " << solution.num_unknowns << " unknowns";
+    report.motion_found = found.value_or(report.motion_noise);
     report.variance_factor = batch.VarianceFactor(solution, factor);
     const Stopwatch::Running running(&report.covariance_watch);
-    report.covariance = batch.SetCovariances(problem.get());
+    report.covariance =
+        batch.SetCovariances(*problem, report.motion_found, std::move(solution.equations));
     break;
   }
   batch.RebuildLandmarks();

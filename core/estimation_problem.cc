@@ -140,9 +140,10 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
   return blocks;
 }
 
-void EstimationProblem::AddFactor(std::unique_ptr<ceres::CostFunction> factor,
-                                  const std::vector<double*>& blocks) {
+ceres::ResidualBlockId EstimationProblem::AddFactor(
+    std::unique_ptr<ceres::CostFunction> factor, const std::vector<double*>& blocks) {
   factors_.push_back(problem_.AddResidualBlock(factor.release(), nullptr, blocks));
+  return factors_.back();
 }
 
 void EstimationProblem::AddPoints(const Observation& observation) {
@@ -191,10 +192,12 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
 void EstimationProblem::AddMotionPrior(int first, const MotionNoise& noise) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(first, 3);
-  AddFactor(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
-            {blocks[0], blocks[1], blocks[2]});
-  AddFactor(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
-            {blocks[3], blocks[4], blocks[5]});
+  rotation_priors_.push_back(
+      AddFactor(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
+                {blocks[0], blocks[1], blocks[2]}));
+  position_priors_.push_back(
+      AddFactor(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
+                {blocks[3], blocks[4], blocks[5]}));
 }
 
 void EstimationProblem::AddStartVelocityPrior(const TrajectoryOptions& options) {
@@ -300,6 +303,12 @@ void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
   std::vector<ceres::ResidualBlockId> residual_blocks;
   problem_.GetResidualBlocks(&residual_blocks);
   VisitResidualBlocks(residual_blocks, layout, visit);
+}
+
+void EstimationProblem::ForEachMotionPrior(bool of_rotations,
+                                           const BlockLayout& layout,
+                                           const ResidualVisitor& visit) const {
+  VisitResidualBlocks(of_rotations ? rotation_priors_ : position_priors_, layout, visit);
 }
 
 void EstimationProblem::VisitResidualBlocks(

@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/arrow_factor.h"
 #include "core/arrow_matrix.h"
 #include "core/landmark.h"
 #include "core/mapper_options.h"
@@ -141,10 +142,16 @@ class EstimationProblem {
   // it by no more than this share, or that no group had to be linearised anew for: the problem
   // was linear. Throws Error when the unknowns are not determined.
   struct Solution {
+    ArrowEquations equations;  // at the solution
     double cost;
     int num_unknowns;
   };
-  Solution SolveArrow(int max_iterations, double function_tolerance);
+  // visit: called with each step's factor, the problem's values still those before the step.
+  using FactorVisitor = std::function<void(const ArrowFactor&)>;
+  Solution SolveArrow(
+      int max_iterations,
+      double function_tolerance,
+      const FactorVisitor& visit = [](const ArrowFactor&) {});
 
   // Normal equations of all the residuals.
   ArrowEquations LineariseArrow(const BlockLayout& layout) const;
@@ -156,6 +163,10 @@ class EstimationProblem {
   // Visits the residual blocks at the problem's current values, one at a time: all of them
   // together would take more memory than anything else.
   void ForEachResidualBlock(const BlockLayout& layout, const ResidualVisitor& visit) const;
+  // The same for the motion priors alone: of the rotations, or of the positions.
+  void ForEachMotionPrior(bool of_rotations,
+                          const BlockLayout& layout,
+                          const ResidualVisitor& visit) const;
   bool planar() const { return planar_; }
   ceres::Problem* ceres_problem() { return &problem_; }
   int TangentSize(const BlockId& block) const;
@@ -183,8 +194,8 @@ class EstimationProblem {
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);
   // A residual block that is no group of segments.
-  void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
-                 const std::vector<double*>& blocks);
+  ceres::ResidualBlockId AddFactor(std::unique_ptr<ceres::CostFunction> factor,
+                                   const std::vector<double*>& blocks);
   BlockPositions PositionsIn(const BlockLayout& layout) const;
   void VisitResidualBlocks(const std::vector<ceres::ResidualBlockId>& residual_blocks,
                            const BlockLayout& layout,
@@ -224,6 +235,8 @@ class EstimationProblem {
   std::map<BlockId, double*> blocks_;
   std::vector<GroupTerm> groups_;
   std::vector<ceres::ResidualBlockId> factors_;  // all residual blocks that are no groups
+  std::vector<ceres::ResidualBlockId> rotation_priors_;  // on the motion, of the factors
+  std::vector<ceres::ResidualBlockId> position_priors_;
   ceres::Problem problem_;
 };
 

@@ -60,10 +60,14 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
 
 }  // namespace
 
-MapCovariance MapCovariance::Of(EstimationProblem* problem) {
-  const BlockLayout layout = problem->Layout();
+MapCovariance MapCovariance::Of(const EstimationProblem& problem) {
+  return Of(problem, problem.LineariseArrow(problem.Layout()));
+}
+
+MapCovariance MapCovariance::Of(const EstimationProblem& problem, ArrowEquations equations) {
+  const BlockLayout layout = problem.Layout();
   MapCovariance result;
-  result.planar_ = problem->planar();
+  result.planar_ = problem.planar();
   int num_band = 0;
   result.offsets_.push_back(0);
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
@@ -74,7 +78,6 @@ MapCovariance MapCovariance::Of(EstimationProblem* problem) {
       result.offsets_.push_back(layout.offsets[i + 1] - num_band);
     }
   }
-  ArrowEquations equations = problem->LineariseArrow(layout);
   ArrowFactor factor(std::move(equations.hessian));
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   result.inverse_ = factor.TakeInverse();

@@ -23,8 +23,10 @@ struct WeakDirection {
 class MapCovariance {
  public:
   MapCovariance() = default;
-  // Throws Error when the problem does not determine its unknowns.
-  static MapCovariance Of(EstimationProblem* problem);
+  // The inverse of the problem's normal equations: those at its current values, or others of
+  // the same unknowns. Throws Error when they do not determine the unknowns.
+  static MapCovariance Of(const EstimationProblem& problem);
+  static MapCovariance Of(const EstimationProblem& problem, ArrowEquations equations);
 
   const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
   // First row of each landmark's parameters; the last element is the size.

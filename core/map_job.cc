@@ -217,11 +217,11 @@ void WriteWindow(const MapResult& result, ResultWriter* writer) {
   writer->WriteWindow(poses, covariances, result.window_planes);
 }
 
-std::vector<std::pair<std::string, double>> NamedStddevs(const MapResult& result) {
-  const MotionNoise& noise = result.batch.motion_noise;
+std::vector<std::pair<std::string, double>> NamedStddevs(const MotionNoise& noise,
+                                                         bool planar) {
   std::vector<std::pair<std::string, double>> named;
   named.emplace_back("horizontal_m_s2", noise.horizontal_m_s2);
-  if (!result.planar) named.emplace_back("vertical_m_s2", noise.vertical_m_s2);
+  if (!planar) named.emplace_back("vertical_m_s2", noise.vertical_m_s2);
   named.emplace_back("angular_deg_s2", noise.angular_rad_s2 * 180.0 / M_PI);
   return named;
 }
@@ -304,7 +304,8 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
   Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
-  summary.motion_noise = NamedStddevs(result);
+  summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
+  summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
   std::vector<std::string> warnings = recording.warnings();
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());

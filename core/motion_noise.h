@@ -6,8 +6,9 @@
 
 namespace plumbline {
 
+class ArrowFactor;
 class EstimationProblem;
-class MapCovariance;
+struct ArrowEquations;
 
 // Standard deviations of the accelerations at the spline's knots, white noise: what the prior
 // on the motion assumes (factors/motion_factor.h). Height has its own, since what carries the
@@ -33,11 +34,26 @@ struct MotionNoise {
 // (MacKay 1992, Bayesian Interpolation, section 4). gamma is how many of the
 // accelerations the scans determine. Where it stands still, it is the fixed point of EM too,
 // sigma^2 = mean(a_i^2 + v_i), which takes several times the steps. A kind that the scans do
-// not determine keeps what is assumed.
-// accelerations: a problem of nothing but the estimate's motion priors of unit noise.
-// covariance: of the estimate.
+// not determine keeps what is assumed. The sum of the variances is known from a few random
+// combinations of the accelerations (Hutchinson 1990), always the same ones, to a few per
+// cent.
+// problem: the estimate's, with motion priors for the noise assumed. factor: of its normal
+// matrix.
 MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
-                                  const MapCovariance& covariance,
-                                  const EstimationProblem& accelerations);
+                                  const EstimationProblem& problem,
+                                  const ArrowFactor& factor);
+
+// Adds to the normal matrix of an estimate, and its diagonal, what makes the matrix' inverse
+// the covariance of the estimate's errors where the motion has other noise than its prior
+// assumes. With H the matrix, P the prior's share in it, and a motion of rho times the
+// variance assumed, that covariance is
+//   H^-1 (H - P + rho P) H^-1 = H^-1 - H^-1 D H^-1,   D = (1 - rho) P
+// (White 1982, for a misspecified likelihood), to first order the inverse of H + D. Of a rig
+// rougher than assumed D is (1 / rho - 1) P, the same to first order, so that the information
+// left never becomes negative.
+void CorrectForMotion(const MotionNoise& assumed,
+                      const MotionNoise& found,
+                      const EstimationProblem& problem,
+                      ArrowEquations* equations);
 
 }  // namespace plumbline

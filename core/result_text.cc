@@ -189,9 +189,13 @@ std::string FormatSummary(const Summary& summary) {
   json["largest_correlations"] = list(summary.largest_correlations);
   json["weakest_directions"] = list(summary.weakest_directions);
   json["motion"] = summary.motion;
-  nlohmann::ordered_json motion_noise = nlohmann::ordered_json::object();
-  for (const auto& [name, stddev] : summary.motion_noise) motion_noise[name] = stddev;
-  json["motion_noise"] = motion_noise;
+  const auto object = [](const std::vector<std::pair<std::string, double>>& figures) {
+    nlohmann::ordered_json named = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : figures) named[name] = value;
+    return named;
+  };
+  json["motion_noise"] = object(summary.motion_noise);
+  json["motion_found"] = object(summary.motion_found);
   json["reference_plane_id"] = summary.reference_plane_id;
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.

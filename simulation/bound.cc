@@ -97,7 +97,7 @@ class BoundComputer {
     });
     if (seed_) Estimate();
     const auto problem = MakeProblem();
-    const MapCovariance covariance = MapCovariance::Of(problem.get());
+    const MapCovariance covariance = MapCovariance::Of(*problem);
     for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
       const int offset = covariance.offsets()[i];
       const int size = covariance.offsets()[i + 1] - offset;

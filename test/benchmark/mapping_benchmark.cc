@@ -184,7 +184,7 @@ void Covariance(benchmark::State& state, const std::string& walk_name) {
   const MappedWalk& walk = WalkByName(walk_name);
   MapState map = walk.result().state;
   const auto problem = walk.BatchProblem(FactorKind::kSegment, &map);
-  for (auto _ : state) benchmark::DoNotOptimize(MapCovariance::Of(problem.get()));
+  for (auto _ : state) benchmark::DoNotOptimize(MapCovariance::Of(*problem));
 }
 BENCHMARK_CAPTURE(Covariance, corridor, "corridor")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Covariance, office, "office")->Unit(benchmark::kMillisecond);

@@ -4,13 +4,17 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/config.h"
 #include "core/estimation_problem.h"
 #include "core/map_covariance.h"
 #include "core/mapper.h"
+#include "core/motion_noise.h"
 #include "core/recording.h"
 #include "factors/spline.h"
 #include "test/mapping/scenario.h"
@@ -21,11 +25,11 @@ namespace {
 // The final problem of a mapped scenario, at its solution.
 class CovarianceTest : public MappingTest {
  protected:
-  void MapScenario(const std::vector<ScenarioScanner>& scanners) {
+  void MapScenario(const std::vector<ScenarioScanner>& scanners, double length_m = 1.5) {
     Scenario scenario;
     scenario.building = PillarRoom();
     scenario.scanners = scanners;
-    scenario.path = PillarWalk(1.5, 1.0);
+    scenario.path = PillarWalk(length_m, 1.0);
     WriteRecording(Simulate(scenario));
     rig_ = ReadRig(Path("rig.yaml"));
     RecordingReader recording(Path("recording.bag"), rig_);
@@ -44,6 +48,40 @@ class CovarianceTest : public MappingTest {
       if (observation.landmark_id >= 0) associated.push_back(&observation);
     }
     problem_->AddSegments(associated, 0.0);
+  }
+
+  // The inverse of the free unknowns' part; zero elsewhere.
+  static Eigen::MatrixXd InverseOf(const NormalEquations& equations) {
+    std::vector<int> rows;
+    for (int i = 0; i < equations.size(); ++i) {
+      if (equations.hessian(i, i) > 0.0) rows.push_back(i);
+    }
+    const Eigen::MatrixXd free = equations.hessian(rows, rows).inverse();
+    Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+    inverse(rows, rows) = free;
+    return inverse;
+  }
+  // The position's covariance from that of all unknowns: it is linear in the control points,
+  // p = sum b_j p_j.
+  Eigen::Matrix3d PositionAt(int64_t time_ns,
+                             const NormalEquations& equations,
+                             const Eigen::MatrixXd& covariance) const {
+    const Trajectory::Location at = result_->state.trajectory.Locate(time_ns);
+    const std::array<double, 4> basis = SplineBasis(at.u);
+    const auto row_of = [&](int control_point) {
+      for (size_t b = 0; b < equations.blocks.size(); ++b) {
+        if (equations.blocks[b] == PositionBlock(control_point)) return equations.offsets[b];
+      }
+      return -1;
+    };
+    Eigen::Matrix3d position = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        position += basis[static_cast<size_t>(i)] * basis[static_cast<size_t>(j)] *
+                    covariance.block<3, 3>(row_of(at.first + i), row_of(at.first + j));
+      }
+    }
+    return position;
   }
 
   // What the blocks hold, one after the other.
@@ -113,7 +151,7 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
 
 TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   MapScenario(TiltedRig());
-  const MapCovariance covariance = MapCovariance::Of(problem_.get());
+  const MapCovariance covariance = MapCovariance::Of(*problem_);
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   ceres::Covariance oracle(options);
@@ -151,33 +189,11 @@ TEST_F(CovarianceTest, PosesAgreeWithTheDenseInverse) {
   for (const auto& scanners : {TiltedRig(), horizontal}) {
     MapScenario(scanners);
     const NormalEquations equations = problem_->Linearise();
-    std::vector<int> rows;
-    for (int i = 0; i < equations.size(); ++i) {
-      if (equations.hessian(i, i) > 0.0) rows.push_back(i);
-    }
-    const Eigen::MatrixXd free = equations.hessian(rows, rows).inverse();
-    Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(equations.size(), equations.size());
-    inverse(rows, rows) = free;
-    const MapCovariance covariance = MapCovariance::Of(problem_.get());
+    const MapCovariance covariance = MapCovariance::Of(*problem_);
     const Trajectory& trajectory = result_->state.trajectory;
     const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
     const Matrix6d found = covariance.PoseAt(trajectory, time_ns);
-    // The position's part is linear in the control points: p = sum b_j p_j.
-    const Trajectory::Location at = trajectory.Locate(time_ns);
-    const std::array<double, 4> basis = SplineBasis(at.u);
-    Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
-    const auto row_of = [&](int control_point) {
-      for (size_t b = 0; b < equations.blocks.size(); ++b) {
-        if (equations.blocks[b] == PositionBlock(control_point)) return equations.offsets[b];
-      }
-      return -1;
-    };
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) {
-        expected += basis[static_cast<size_t>(i)] * basis[static_cast<size_t>(j)] *
-                    inverse.block<3, 3>(row_of(at.first + i), row_of(at.first + j));
-      }
-    }
+    const Eigen::Matrix3d expected = PositionAt(time_ns, equations, InverseOf(equations));
     EXPECT_LT((found.bottomRightCorner<3, 3>() - expected).norm(), 1e-4 * expected.norm());
     EXPECT_EQ(result_->planar, found(0, 0) == 0.0);
     EXPECT_GT(found(2, 2), 0.0);
@@ -196,11 +212,72 @@ TEST_F(CovarianceTest, FindsTheSmallestEigenvalue) {
   scaled = scale.asDiagonal() * scaled * scale.asDiagonal();
   const Eigen::VectorXd expected =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
-  const MapCovariance covariance = MapCovariance::Of(problem_.get());
+  const MapCovariance covariance = MapCovariance::Of(*problem_);
   const std::vector<WeakDirection>& weak = covariance.weak_directions();
   ASSERT_EQ(weak.size(), 3u);
   EXPECT_NEAR(weak[0].eigenvalue / expected[0], 1.0, 1e-3);
   EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
+}
+
+// A motion of rho times the variance assumed gives errors with the covariance C - C D C.
+TEST_F(CovarianceTest, IsForTheMotionFound) {
+  MapScenario(TiltedRig());
+  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
+  const NormalEquations equations = problem_->Linearise();
+  const Eigen::MatrixXd covariance = InverseOf(equations);
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+  for (const bool of_rotations : {true, false}) {
+    problem_->ForEachMotionPrior(of_rotations,
+                                 problem_->Layout(),
+                                 [&](const std::vector<int>& columns,
+                                     const Eigen::MatrixXd& jacobian,
+                                     const Eigen::VectorXd&) {
+                                   prior(columns, columns) += jacobian.transpose() * jacobian;
+                                 });
+  }
+  const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
+  const double given = PositionAt(time_ns, equations, covariance)(2, 2);
+  for (const double rho : {0.99, 1.01, 0.01}) {
+    const double ratio = std::sqrt(rho);
+    const MotionNoise found = {ratio * assumed.horizontal_m_s2,
+                               ratio * assumed.vertical_m_s2,
+                               ratio * assumed.angular_rad_s2};
+    ArrowEquations corrected = problem_->LineariseArrow(problem_->Layout());
+    CorrectForMotion(assumed, found, *problem_, &corrected);
+    const double stated = MapCovariance::Of(*problem_, std::move(corrected))
+                              .PoseAt(result_->state.trajectory, time_ns)(5, 5);
+    const Eigen::MatrixXd exact = covariance - (1.0 - rho) * covariance * prior * covariance;
+    const double expected = PositionAt(time_ns, equations, exact)(2, 2);
+    if (rho > 0.9) {  // to first order
+      EXPECT_NEAR((stated - given) / (expected - given), 1.0, 0.02) << rho;
+    } else {
+      EXPECT_LT(stated, 0.99 * given);
+      EXPECT_GT(stated, expected) << "on the safe side";
+    }
+  }
+}
+
+TEST_F(CovarianceTest, AFewCombinationsTellTheNoiseOfTheMotion) {
+  MapScenario(TiltedRig(), 6.0);
+  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
+  const MotionNoise found = ReestimateMotionNoise(
+      assumed, *problem_, ArrowFactor(problem_->LineariseArrow(problem_->Layout()).hessian));
+  const Eigen::MatrixXd covariance = InverseOf(problem_->Linearise());
+  double squares = 0.0, determined = 0.0;  // of the height
+  problem_->ForEachMotionPrior(false,
+                               problem_->Layout(),
+                               [&](const std::vector<int>& columns,
+                                   const Eigen::MatrixXd& jacobian,
+                                   const Eigen::VectorXd& residuals) {
+                                 const Eigen::RowVectorXd row = jacobian.row(2);
+                                 squares += residuals[2] * residuals[2];
+                                 determined +=
+                                     1.0 - row.dot(row * covariance(columns, columns));
+                               });
+  ASSERT_GT(determined, 12.0);
+  EXPECT_NEAR(found.vertical_m_s2 / assumed.vertical_m_s2 / std::sqrt(squares / determined),
+              1.0,
+              0.15);
 }
 
 }  // namespace
