@@ -9,17 +9,9 @@ namespace {
 // nine at most and begins at every fourth.
 constexpr int kTileControlPoints = 8;
 
-// Where the layout's landmarks begin.
-int NumInBand(const BlockLayout& layout) {
-  for (size_t i = 0; i < layout.blocks.size(); ++i) {
-    if (layout.blocks[i].kind == BlockId::Kind::kLandmark) return layout.offsets[i];
-  }
-  return layout.size();
-}
-
 // Nothing but the unit diagonal of what is held.
 ArrowEquations EmptyEquations(const BlockLayout& layout, bool planar) {
-  const int num_band = NumInBand(layout);
+  const int num_band = layout.NumControlPointColumns();
   ArrowEquations equations{
       ArrowMatrix(num_band, kTileControlPoints * (planar ? 4 : 6), layout.size() - num_band),
       Eigen::VectorXd::Zero(layout.size()),
@@ -101,8 +93,7 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
       break;  // or the problem was linear
     }
   }
-  const double cost = now.cost;
-  return {std::move(now), cost, static_cast<int>(free.size())};
+  return {std::move(now), static_cast<int>(free.size())};
 }
 
 }  // namespace plumbline

@@ -53,19 +53,60 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
   return candidates;
 }
 
+namespace {
+
+// What lies within reach of a point, told by a sphere first.
+class Reach {
+ public:
+  Reach(const Eigen::Vector3d& p_world, double farthest_m, const AssociationOptions& options)
+      : p_world_(p_world),
+        // A gap counts in whole cells in both directions: its diagonal is the longest.
+        reach_m_(farthest_m + 1.5 * options.max_gap_m + kReachMargin) {}
+
+  bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const {
+    const double sphere_m = reach_m_ + radius_m + kRounding;
+    return (p_world_ - centre).squaredNorm() <= sphere_m * sphere_m &&
+           extent.IsWithinReach(p_world_, reach_m_);
+  }
+
+ private:
+  Eigen::Vector3d p_world_;
+  double reach_m_;
+};
+
+// How far from the body what the observations of a scan lie on may be.
+double FarthestOfScan(const Rig& rig,
+                      const std::deque<Observation>& observations,
+                      size_t first,
+                      const Matrix6d& pose_covariance,
+                      const AssociationOptions& options) {
+  double farthest = 0.0;
+  for (size_t i = first; i < observations.size(); ++i) {
+    const Observation& observation = observations[i];
+    if (observation.scan_index != observations[first].scan_index) break;
+    const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
+                                 .body_from_scanner.translation.norm();
+    farthest = std::max(
+        farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
+  }
+  // So far off its plane an observation may be for the pose alone.
+  const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
+                               MaxVariance(pose_covariance, farthest * farthest));
+  return farthest + off;
+}
+
+}  // namespace
+
 std::vector<LandmarkCandidate> CandidatesWithinReach(
     const std::vector<LandmarkCandidate>& candidates,
     const Eigen::Vector3d& p_world,
     double farthest_m,
     const AssociationOptions& options) {
-  // A gap counts in whole cells in both directions: its diagonal is the longest.
-  const double reach_m = farthest_m + 1.5 * options.max_gap_m + kReachMargin;
+  const Reach reach(p_world, farthest_m, options);
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {
-    const double sphere_m = reach_m + candidate.radius_m + kRounding;
-    if ((p_world - candidate.centre_world).squaredNorm() > sphere_m * sphere_m) continue;
-    if (candidate.landmark->extent.IsWithinReach(p_world, reach_m)) {
+    if (reach.Takes(candidate.landmark->extent, candidate.centre_world, candidate.radius_m)) {
       within.push_back(candidate);
     }
   }
@@ -80,19 +121,32 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     const Eigen::Vector3d& body_world,
     const Matrix6d& pose_covariance,
     const AssociationOptions& options) {
-  double farthest = 0.0;
-  for (size_t i = first; i < observations.size(); ++i) {
-    const Observation& observation = observations[i];
-    if (observation.scan_index != observations[first].scan_index) break;
-    const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
-                                 .body_from_scanner.translation.norm();
-    farthest = std::max(
-        farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
+  return CandidatesWithinReach(
+      candidates,
+      body_world,
+      FarthestOfScan(rig, observations, first, pose_covariance, options),
+      options);
+}
+
+std::vector<LandmarkCandidate> CandidatesOfScan(const LandmarksWithinGap& landmarks,
+                                                const Rig& rig,
+                                                const std::deque<Observation>& observations,
+                                                size_t first,
+                                                const Eigen::Vector3d& body_world,
+                                                const Matrix6d& pose_covariance,
+                                                const AssociationOptions& options) {
+  const Reach reach(
+      body_world, FarthestOfScan(rig, observations, first, pose_covariance, options), options);
+  std::vector<LandmarkCandidate> within;
+  for (const Landmark& landmark : landmarks.landmarks) {
+    if (landmark.num_segments == 0 ||
+        !IsWithinGap(landmark, landmarks.scan_index, landmarks.options)) {
+      continue;
+    }
+    const PatchExtent& extent = landmark.extent;
+    if (reach.Takes(extent, extent.Centre(), extent.radius_m())) within.emplace_back(landmark);
   }
-  // So far off its plane an observation may be for the pose alone.
-  const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
-                               MaxVariance(pose_covariance, farthest * farthest));
-  return CandidatesWithinReach(candidates, body_world, farthest + off, options);
+  return within;
 }
 
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {

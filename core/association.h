@@ -19,7 +19,15 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
-// The landmarks with segments that observations of this scan may belong to.
+// The landmarks with segments that observations of a scan may belong to. For a single scan,
+// which reaches a few of hundreds: no more is computed of the others than how far they are.
+struct LandmarksWithinGap {
+  const std::deque<Landmark>& landmarks;
+  int scan_index;
+  const LoopClosureOptions& options;
+};
+
+// The same as candidates: for many scans.
 std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
                                                    int scan_index,
                                                    const LoopClosureOptions& options);
@@ -43,6 +51,13 @@ std::vector<LandmarkCandidate> CandidatesOfScan(
     const Eigen::Vector3d& body_world,
     const Matrix6d& pose_covariance,
     const AssociationOptions& options);
+std::vector<LandmarkCandidate> CandidatesOfScan(const LandmarksWithinGap& landmarks,
+                                                const Rig& rig,
+                                                const std::deque<Observation>& observations,
+                                                size_t first,
+                                                const Eigen::Vector3d& body_world,
+                                                const Matrix6d& pose_covariance,
+                                                const AssociationOptions& options);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);

@@ -128,7 +128,6 @@ class Batch {
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
     return {problem->LineariseArrow(problem->Layout()),
-            summary.final_cost,
             summary.num_effective_parameters_reduced};
   }
 
@@ -308,7 +307,7 @@ class Batch {
     };
     for (const Observation& observation : state_->observations) add(observation);
     for (const Observation& run : state_->short_runs) add(run);
-    return (2.0 * solution.cost + constant) / (num_points - solution.num_unknowns);
+    return (2.0 * solution.equations.cost + constant) / (num_points - solution.num_unknowns);
   }
 
  private:
@@ -402,7 +401,8 @@ BatchReport EstimateBatch(const Rig& rig,
         factor, kFinalTolerance, kMaxIterations, problem.get(), [&](const ArrowFactor& at) {
           if (!found) found = ReestimateMotionNoise(report.motion_noise, *problem, at);
         });
-    VLOG(1) << "cost " << solution.cost << ", " << solution.num_unknowns << " unknowns";
+    VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
+            << " unknowns";
     report.motion_found = found.value_or(report.motion_noise);
     report.variance_factor = batch.VarianceFactor(solution, factor);
     const Stopwatch::Running running(&report.covariance_watch);

@@ -89,6 +89,8 @@ struct BlockLayout {
   std::vector<bool> is_free;  // of each column: not held by a manifold
 
   int size() const { return offsets.back(); }
+  // They come first, the landmarks' after them.
+  int NumControlPointColumns() const;
   std::vector<int> FreeColumns() const;
 };
 
@@ -143,7 +145,6 @@ class EstimationProblem {
   // was linear. Throws Error when the unknowns are not determined.
   struct Solution {
     ArrowEquations equations;  // at the solution
-    double cost;
     int num_unknowns;
   };
   // visit: called with each step's factor, the problem's values still those before the step.

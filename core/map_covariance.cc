@@ -68,15 +68,12 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem, ArrowEquations
   const BlockLayout layout = problem.Layout();
   MapCovariance result;
   result.planar_ = problem.planar();
-  int num_band = 0;
+  const int num_band = layout.NumControlPointColumns();
   result.offsets_.push_back(0);
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
-    if (layout.blocks[i].kind != BlockId::Kind::kLandmark) {
-      num_band = layout.offsets[i + 1];
-    } else {
-      result.landmark_ids_.push_back(layout.blocks[i].index);
-      result.offsets_.push_back(layout.offsets[i + 1] - num_band);
-    }
+    if (layout.blocks[i].kind != BlockId::Kind::kLandmark) continue;
+    result.landmark_ids_.push_back(layout.blocks[i].index);
+    result.offsets_.push_back(layout.offsets[i + 1] - num_band);
   }
   ArrowFactor factor(std::move(equations.hessian));
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);

@@ -264,8 +264,7 @@ void Follower::Follow(const Scan& scan) {
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  tracker_->Track(
-      first, last, CandidatesWithinGap(state_->landmarks, scan_index, options_.loop_closure));
+  tracker_->Track(first, last, {state_->landmarks, scan_index, options_.loop_closure});
   CheckNotLost(scan.end_ns);
   // Where an unsteady rig was, and so where planes meet, is hardly known.
   if (options_.window.recut_segments && tracker_->IsSteady(scan.end_ns)) {

@@ -11,6 +11,13 @@
 
 namespace plumbline {
 
+int BlockLayout::NumControlPointColumns() const {
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i].kind == BlockId::Kind::kLandmark) return offsets[i];
+  }
+  return size();
+}
+
 std::vector<int> BlockLayout::FreeColumns() const {
   std::vector<int> free;
   for (int column = 0; column < size(); ++column) {

@@ -250,15 +250,15 @@ void RecutScan(const Rig& rig,
   if (first_observation >= observations.size()) return;
   const Observation& front = observations[first_observation];
   SegmentCutter cutter(rig, options, state->trajectory, nullptr, nullptr);
-  cutter.SetCandidates(CandidatesOfScan(
-      CandidatesWithinGap(
-          state->landmarks, front.scan_index, BoundingGap(options.loop_closure)),
-      rig,
-      observations,
-      first_observation,
-      cutter.poses()->Of(front).world_from_body.translation,
-      pose_covariance,
-      options.association));
+  const LoopClosureOptions gap = BoundingGap(options.loop_closure);
+  cutter.SetCandidates(
+      CandidatesOfScan(LandmarksWithinGap{state->landmarks, front.scan_index, gap},
+                       rig,
+                       observations,
+                       first_observation,
+                       cutter.poses()->Of(front).world_from_body.translation,
+                       pose_covariance,
+                       options.association));
   size_t last = first_observation;
   for (size_t line = 0; line < scan.scan_lines.size(); ++line) {
     const ScanLine& scan_line = scan.scan_lines[line];

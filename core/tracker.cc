@@ -258,10 +258,9 @@ void Tracker::Loosen() {
   gaussian_.information = Covariance(covariance);
 }
 
-Tracker::Association Tracker::AssociateJointly(
-    int first_observation,
-    int last_observation,
-    const std::vector<LandmarkCandidate>& candidates) const {
+Tracker::Association Tracker::AssociateJointly(int first_observation,
+                                               int last_observation,
+                                               const LandmarksWithinGap& landmarks) const {
   std::vector<int> order;
   for (int index = first_observation; index <= last_observation; ++index) {
     order.push_back(index);
@@ -281,7 +280,7 @@ Tracker::Association Tracker::AssociateJointly(
     // for the wilder ones.
     if (best.length_m >= regime.max_length_share * total_length) break;
     Association association =
-        ChooseUnder(regime.scale * regime.scale * UnsteadyCovariance(), order, candidates);
+        ChooseUnder(regime.scale * regime.scale * UnsteadyCovariance(), order, landmarks);
     if (association.length_m < regime.min_length_share * total_length) continue;
     const double cost = association.cost - 2.0 * std::log(regime.share);
     if (cost >= best_cost) continue;
@@ -292,13 +291,12 @@ Tracker::Association Tracker::AssociateJointly(
   return best;
 }
 
-std::vector<LandmarkCandidate> Tracker::OfScan(
-    int first_observation,
-    const Matrix6d& pose_covariance,
-    const std::vector<LandmarkCandidate>& candidates) const {
+std::vector<LandmarkCandidate> Tracker::OfScan(int first_observation,
+                                               const Matrix6d& pose_covariance,
+                                               const LandmarksWithinGap& landmarks) const {
   const auto first = static_cast<size_t>(first_observation);
   const int64_t time_ns = state_->observations[first].middle_time_ns();
-  return CandidatesOfScan(candidates,
+  return CandidatesOfScan(landmarks,
                           rig_,
                           state_->observations,
                           first,
@@ -307,10 +305,9 @@ std::vector<LandmarkCandidate> Tracker::OfScan(
                           options_.association);
 }
 
-Tracker::Association Tracker::ChooseUnder(
-    const Matrix6d& unsteady,
-    const std::vector<int>& observations,
-    const std::vector<LandmarkCandidate>& candidates) const {
+Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
+                                          const std::vector<int>& observations,
+                                          const LandmarksWithinGap& landmarks) const {
   const auto at = [&](int index) -> const Observation& {
     return state_->observations[static_cast<size_t>(index)];
   };
@@ -328,7 +325,7 @@ Tracker::Association Tracker::ChooseUnder(
   const std::vector<LandmarkCandidate> near =
       OfScan(*std::min_element(observations.begin(), observations.end()),
              covariance.topLeftCorner<6, 6>() + covariance.bottomRightCorner<6, 6>(),
-             candidates);
+             landmarks);
   std::vector<Pairing> pairings;
   int num_paired = 0;
   SharedPoses poses(rig_, state_->trajectory);
@@ -369,7 +366,7 @@ Tracker::Association Tracker::ChooseUnder(
 
 void Tracker::Track(int first_observation,
                     int last_observation,
-                    const std::vector<LandmarkCandidate>& candidates) {
+                    const LandmarksWithinGap& landmarks) {
   const std::vector<MotionTerm> terms = MotionTerms();
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
@@ -384,7 +381,7 @@ void Tracker::Track(int first_observation,
     bool changed = false;
     if (round == 0) {
       const Association association =
-          AssociateJointly(first_observation, last_observation, candidates);
+          AssociateJointly(first_observation, last_observation, landmarks);
       for (const auto& [index, id] : association.chosen) {
         state_->observations[static_cast<size_t>(index)].landmark_id = id;
         changed = true;
@@ -397,7 +394,7 @@ void Tracker::Track(int first_observation,
       unsteady = association.unsteady || share < kSuddenDrop * usual_share_;
       usual_share_ += kShareGain * (share - usual_share_);
     } else {
-      changed = !unsteady && Associate(first_observation, last_observation, candidates);
+      changed = !unsteady && Associate(first_observation, last_observation, landmarks);
     }
     if (!changed && round > 0) break;
     const std::vector<ObservationGroup> groups = Groups(first_observation, last_observation);
@@ -416,7 +413,7 @@ void Tracker::Track(int first_observation,
 
 bool Tracker::Associate(int first_observation,
                         int last_observation,
-                        const std::vector<LandmarkCandidate>& candidates) {
+                        const LandmarksWithinGap& landmarks) {
   bool changed = false;
   if (first_observation > last_observation) return changed;
   const auto covariance_at = [&](int index) {
@@ -426,7 +423,7 @@ bool Tracker::Associate(int first_observation,
   const std::vector<LandmarkCandidate> near =
       OfScan(first_observation,
              covariance_at(first_observation) + covariance_at(last_observation),
-             candidates);
+             landmarks);
   SharedPoses shared(rig_, state_->trajectory);
   int64_t middle_ns = 0;
   Matrix6d covariance;  // of the pose then

@@ -33,11 +33,9 @@ class Tracker {
  public:
   Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
 
-  // Associates the observations first .. last of the newest scan with the candidates and
+  // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.
-  void Track(int first_observation,
-             int last_observation,
-             const std::vector<LandmarkCandidate>& candidates);
+  void Track(int first_observation, int last_observation, const LandmarksWithinGap& landmarks);
 
   // An observation that was given a landmark after its scan had been tracked.
   void Add(int observation_index) { recent_.push_back(observation_index); }
@@ -86,22 +84,21 @@ class Tracker {
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
   // CandidatesOfScan of the newest scan.
-  std::vector<LandmarkCandidate> OfScan(
-      int first_observation,
-      const Matrix6d& pose_covariance,
-      const std::vector<LandmarkCandidate>& candidates) const;
+  std::vector<LandmarkCandidate> OfScan(int first_observation,
+                                        const Matrix6d& pose_covariance,
+                                        const LandmarksWithinGap& landmarks) const;
   // The observations, weightiest first, with poses that differ from the prediction by the
   // control points' errors and by this covariance on top.
   Association ChooseUnder(const Matrix6d& unsteady,
                           const std::vector<int>& observations,
-                          const std::vector<LandmarkCandidate>& candidates) const;
+                          const LandmarksWithinGap& landmarks) const;
   Association AssociateJointly(int first_observation,
                                int last_observation,
-                               const std::vector<LandmarkCandidate>& candidates) const;
+                               const LandmarksWithinGap& landmarks) const;
   // Finds the observations' landmarks one by one; true when any is another one than before.
   bool Associate(int first_observation,
                  int last_observation,
-                 const std::vector<LandmarkCandidate>& candidates);
+                 const LandmarksWithinGap& landmarks);
 
   const Rig& rig_;
   bool planar_;

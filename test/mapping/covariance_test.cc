@@ -142,7 +142,7 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
     EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
     const EstimationProblem::Solution solution = problem_->SolveArrow(50, 1e-14);
     EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
-    EXPECT_NEAR(solution.cost, equations.cost, 1e-9 * equations.cost);
+    EXPECT_NEAR(solution.equations.cost, equations.cost, 1e-9 * equations.cost);
     const BlockLayout layout = problem_->Layout();
     EXPECT_EQ(solution.num_unknowns,
               std::count(layout.is_free.begin(), layout.is_free.end(), true));
