@@ -14,12 +14,8 @@ constexpr double kMinDepth = 0.05;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
 
-// Whether all that was seen of the other plane lies behind this one without touching it, and
-// this one has been seen beyond the place where they would meet.
-bool IsBehind(const LandmarkCandidate& other,
-              const LandmarkCandidate& own,
-              const Eigen::Vector3d& meeting,
-              const Eigen::Vector3d& from) {
+// Whether all that was seen of the other plane lies behind this one without touching it.
+bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
   const PatchExtent& extent = other.landmark->extent;
   for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
     for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
@@ -27,8 +23,7 @@ bool IsBehind(const LandmarkCandidate& other,
       if (own.SignedDistance(corner) > -kMinDepth) return false;
     }
   }
-  const Eigen::Vector3d beyond = meeting + kReach * (meeting - from).normalized();
-  return own.landmark->extent.IsNear(beyond, beyond, 0.0);
+  return true;
 }
 
 // Where the trace meets the other plane's patch.
@@ -50,9 +45,13 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
   const bool is_free = beyond < end.step * (end.limit - end.beam);
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
-  const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
-  const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
-  if (IsBehind(other, own.plane, at_world, from)) return std::nullopt;
+  if (IsBehind(other, own.plane)) {
+    // Unless this one ends where they would meet.
+    const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
+    const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
+    const Eigen::Vector3d beyond = at_world + kReach * (at_world - from).normalized();
+    if (own.plane.landmark->extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
+  }
   return PlaneMeeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
 }
 
@@ -60,17 +59,14 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
 
 std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
                                        const Eigen::Vector3d& p_world,
-                                       const std::vector<LandmarkCandidate>& others,
+                                       const PlaneSet& others,
                                        const FreeEnd& end) {
   std::vector<PlaneMeeting> meetings;
-  for (const LandmarkCandidate& other : others) {
-    if (other.landmark == own.plane.landmark ||
-        std::abs(other.SignedDistance(p_world)) > kMaxDistance) {
-      continue;
-    }
+  others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkCandidate& other) {
+    if (other.landmark == own.plane.landmark) return;
     const auto meeting = Meet(own, other, end);
     if (meeting) meetings.push_back(*meeting);
-  }
+  });
   std::sort(meetings.begin(),
             meetings.end(),
             [](const PlaneMeeting& a, const PlaneMeeting& b) { return a.last > b.last; });

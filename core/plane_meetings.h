@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/landmark.h"
+#include "core/plane_set.h"
 #include "core/scan_line.h"
 #include "core/scan_motion.h"
 #include "core/scan_trace.h"
@@ -41,7 +42,7 @@ struct PlaneMeeting {
 // out: what was seen of it lies behind the plane, which goes on.
 std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
                                        const Eigen::Vector3d& p_world,
-                                       const std::vector<LandmarkCandidate>& others,
+                                       const PlaneSet& others,
                                        const FreeEnd& end);
 
 }  // namespace plumbline

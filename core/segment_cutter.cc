@@ -33,7 +33,7 @@ SegmentCutter::SegmentCutter(const Rig& rig,
       poses_(rig, trajectory) {}
 
 const LandmarkCandidate* SegmentCutter::Find(int landmark_id) const {
-  for (const LandmarkCandidate& candidate : candidates_) {
+  for (const LandmarkCandidate& candidate : candidates_.planes()) {
     if (candidate.landmark->id == landmark_id) return &candidate;
   }
   return nullptr;
@@ -173,11 +173,11 @@ std::vector<int> SegmentCutter::HiddenBeamsOf(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const HiddenBeams hidden{
       scan_line, scanner, poses_.Of(observation), own, range.first, range.last};
-  std::vector<int> beams = hidden.BehindCorners(candidates_);
+  std::vector<int> beams = hidden.BehindCorners(candidates_.planes());
   const std::vector<int> others =
       openings_ != nullptr
           ? hidden.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
-          : hidden.BehindWalls(candidates_);
+          : hidden.BehindWalls(candidates_.planes());
   beams.insert(beams.end(), others.begin(), others.end());
   return beams;
 }

@@ -10,6 +10,7 @@
 #include "core/observation.h"
 #include "core/opening_map.h"
 #include "core/plane_meetings.h"
+#include "core/plane_set.h"
 #include "core/rig.h"
 #include "core/scan_line.h"
 #include "core/scan_trace.h"
@@ -48,9 +49,9 @@ class SegmentCutter {
 
   // The planes that may bound segments, their own included.
   void SetCandidates(std::vector<LandmarkCandidate> candidates) {
-    candidates_ = std::move(candidates);
+    candidates_ = PlaneSet(std::move(candidates));
   }
-  const std::vector<LandmarkCandidate>& candidates() const { return candidates_; }
+  const PlaneSet& candidates() const { return candidates_; }
   const LandmarkCandidate* Find(int landmark_id) const;
   PoseSampler* sampler() { return &sampler_; }
   SharedPoses* poses() { return &poses_; }
@@ -97,7 +98,7 @@ class SegmentCutter {
   OpeningMap* counted_;
   PoseSampler sampler_;
   SharedPoses poses_;
-  std::vector<LandmarkCandidate> candidates_;
+  PlaneSet candidates_;
 };
 
 }  // namespace plumbline

@@ -43,7 +43,7 @@ class PlaneMeetingsTest : public ::testing::Test {
     const Trace trace(placement, own);
     return FindMeetings({line_, placement, own, trace},
                         {0.93, 2.0, 0.0},
-                        {own, Candidate(across)},
+                        PlaneSet({own, Candidate(across)}),
                         {65, -1, -1, 92, -1});
   }
 
