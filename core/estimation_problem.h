@@ -191,6 +191,8 @@ class EstimationProblem {
   using Values = std::vector<std::array<double, 4>>;
   using BlockPositions = std::unordered_map<const double*, size_t>;
 
+  // Of a block that occurs; nullptr: its tangent is the block itself.
+  const ceres::Manifold* ManifoldOf(const BlockId& block) const;
   void Register(const BlockId& block);
   void SetLandmarkManifold(const Landmark& landmark);
   std::vector<double*> ControlPointBlocks(int first, int count);

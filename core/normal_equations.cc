@@ -10,6 +10,12 @@
 #include "core/estimation_problem.h"
 
 namespace plumbline {
+namespace {
+
+// Up to so many, the copies that Eigen's general product makes take longer than the product.
+constexpr Eigen::Index kFewResiduals = 3;
+
+}  // namespace
 
 int BlockLayout::NumControlPointColumns() const {
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -37,7 +43,11 @@ double EstimationProblem::VisitProducts(const BlockLayout& layout,
                           const Eigen::MatrixXd& jacobian,
                           const Eigen::VectorXd& residuals) {
                         cost += 0.5 * residuals.squaredNorm();
-                        product.noalias() = jacobian.transpose() * jacobian;
+                        if (residuals.size() <= kFewResiduals) {
+                          product = jacobian.transpose().lazyProduct(jacobian);
+                        } else {
+                          product.noalias() = jacobian.transpose() * jacobian;
+                        }
                         gradient.noalias() = jacobian.transpose() * residuals;
                         visit(columns, product, gradient);
                       });
@@ -140,13 +150,14 @@ void EstimationProblem::Move(const BlockLayout& layout, const Eigen::VectorXd& s
     double* data = Data(block);
     const int size = AmbientSize(block);
     std::array<double, 4> moved;
-    if (const ceres::Manifold* manifold = problem_.GetManifold(data)) {
+    if (const ceres::Manifold* manifold = ManifoldOf(block)) {
       manifold->Plus(data, next, moved.data());
+      next += manifold->TangentSize();
     } else {
       std::transform(data, data + size, next, moved.begin(), std::plus<>());
+      next += size;
     }
     std::copy_n(moved.begin(), size, data);
-    next += problem_.ParameterBlockTangentSize(data);
   }
 }
 
