@@ -21,7 +21,7 @@ std::vector<int> PositionsOf(const std::vector<int>& variables,
   return positions;
 }
 
-void ArrowTile::AddBorder(const std::vector<int>& variables, const Eigen::MatrixXd& block) {
+std::vector<int> ArrowTile::BorderRows(const std::vector<int>& variables) {
   if (!std::includes(seen.begin(), seen.end(), variables.begin(), variables.end())) {
     std::vector<int> all;
     std::set_union(
@@ -32,7 +32,7 @@ void ArrowTile::AddBorder(const std::vector<int>& variables, const Eigen::Matrix
     seen = std::move(all);
     border = std::move(larger);
   }
-  border(PositionsOf(variables, seen), Eigen::all) += block;
+  return PositionsOf(variables, seen);
 }
 
 ArrowMatrix::ArrowMatrix(int num_band, int tile_size, int num_border)
@@ -57,27 +57,33 @@ void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixX
   for (auto at = band_end; at != columns.end(); ++at) border.push_back(*at - num_band_);
   const auto num_in_band = static_cast<Eigen::Index>(band_end - columns.begin());
   const auto num_in_border = static_cast<Eigen::Index>(border.size());
-  corner_(border, border) += block.bottomRightCorner(num_in_border, num_in_border);
+  if (num_in_border > 0) {
+    corner_(border, border) += block.bottomRightCorner(num_in_border, num_in_border);
+  }
   for (Eigen::Index begin = 0; begin < num_in_band;) {
     const int index = columns[static_cast<size_t>(begin)] / tile_size_;
     ArrowTile& tile = tiles_[static_cast<size_t>(index)];
-    Eigen::Index end = begin;
-    while (end < num_in_band && columns[static_cast<size_t>(end)] / tile_size_ == index) ++end;
-    Eigen::MatrixXd border_block = Eigen::MatrixXd::Zero(num_in_border, tile.size());
+    const int next_first = tile.first + tile_size_;
+    CHECK_LT(*(band_end - 1), next_first + tile_size_) << "outside the band";
+    const auto end = static_cast<Eigen::Index>(
+        std::lower_bound(columns.begin() + begin, band_end, next_first) - columns.begin());
+    std::vector<int> border_rows;
+    if (num_in_border > 0) border_rows = tile.BorderRows(border);
     for (Eigen::Index j = begin; j < end; ++j) {
       const int column = columns[static_cast<size_t>(j)] - tile.first;
-      for (Eigen::Index i = j; i < num_in_band; ++i) {
-        const int row = columns[static_cast<size_t>(i)] - tile.first;
-        CHECK_LT(row, 2 * tile_size_) << "outside the band";
-        if (row < tile_size_) {
-          tile.diagonal(row, column) += block(i, j);
-        } else {
-          tile.next(row - tile_size_, column) += block(i, j);
-        }
+      double* const diagonal = tile.diagonal.col(column).data();
+      for (Eigen::Index i = j; i < end; ++i) {
+        diagonal[columns[static_cast<size_t>(i)] - tile.first] += block(i, j);
       }
-      border_block.col(column) = block.col(j).tail(num_in_border);
+      double* const next = tile.next.col(column).data();
+      for (Eigen::Index i = end; i < num_in_band; ++i) {
+        next[columns[static_cast<size_t>(i)] - next_first] += block(i, j);
+      }
+      double* const below = tile.border.col(column).data();
+      for (Eigen::Index i = 0; i < num_in_border; ++i) {
+        below[border_rows[static_cast<size_t>(i)]] += block(num_in_band + i, j);
+      }
     }
-    if (num_in_border > 0) tile.AddBorder(border, border_block);
     begin = end;
   }
 }

@@ -15,8 +15,13 @@ struct ArrowTile {
   Eigen::MatrixXd border;  // their rows, this tile's columns
 
   int size() const { return static_cast<int>(diagonal.cols()); }
-  // border(rows of these variables) += block; `variables` ascending.
-  void AddBorder(const std::vector<int>& variables, const Eigen::MatrixXd& block);
+  // The border's rows of these variables, which are made if there are none yet; `variables`
+  // ascending.
+  std::vector<int> BorderRows(const std::vector<int>& variables);
+  // border(rows of these variables) += block
+  void AddBorder(const std::vector<int>& variables, const Eigen::MatrixXd& block) {
+    border(BorderRows(variables), Eigen::all) += block;
+  }
 };
 
 // Positions of `variables` in `among`; both ascending. CHECKs that they are there.
