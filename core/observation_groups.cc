@@ -1,6 +1,7 @@
 #include "core/observation_groups.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 
@@ -32,13 +33,16 @@ ObservationGroup MakeGroup(const Rig& rig,
   std::vector<SegmentGroup::Segment> segments;
   segments.reserve(members.size());
   int num_control_points = kSplineOrder;
+  std::array<int64_t, 3> times_ns = {};  // of the nodes; most segments share the last one's
+  SegmentGroup::Segment segment;
   for (const Observation* observation : members) {
-    SegmentGroup::Segment segment;
     segment.measurement = &observation->measurement;
-    for (size_t k = 0; k < 3; ++k) {
-      const Trajectory::Location at =
-          trajectory.Locate(observation->measurement.node_times_ns()[k]);
-      segment.nodes[k] = {at.first - first, at.u};
+    if (observation->measurement.node_times_ns() != times_ns || segments.empty()) {
+      times_ns = observation->measurement.node_times_ns();
+      for (size_t k = 0; k < 3; ++k) {
+        const Trajectory::Location at = trajectory.Locate(times_ns[k]);
+        segment.nodes[k] = {at.first - first, at.u};
+      }
     }
     num_control_points = std::max(num_control_points, segment.nodes[2].first + kSplineOrder);
     segment.scanner = observation->scanner_index;
@@ -100,9 +104,16 @@ std::map<int, std::vector<const Observation*>> ByInterval(
     const std::vector<const Observation*>& observations,
     int intervals_per_group) {
   std::map<int, std::vector<const Observation*>> by_interval;
+  std::vector<const Observation*>* members = nullptr;  // of the last one's interval
+  int64_t time_ns = 0;
   for (const Observation* observation : observations) {
-    const int interval = trajectory.Locate(observation->measurement.node_times_ns()[0]).first;
-    by_interval[interval - interval % intervals_per_group].push_back(observation);
+    const int64_t now_ns = observation->measurement.node_times_ns()[0];
+    if (members == nullptr || now_ns != time_ns) {
+      time_ns = now_ns;
+      const int interval = trajectory.Locate(time_ns).first;
+      members = &by_interval[interval - interval % intervals_per_group];
+    }
+    members->push_back(observation);
   }
   return by_interval;
 }
