@@ -41,10 +41,8 @@ void OpeningMap::Count(const Landmark& landmark,
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);
   CountsOfPlane& counts = counts_[id];
-  for (const bool narrow_along_u : {true, false}) {
-    if (!HasCells(HasHeight(extent), narrow_along_u)) continue;
-    (counts[Index(narrow_along_u)].*grid).Add(CellOf(u, v, narrow_along_u), 1);
-  }
+  (counts[Index(true)].*grid).Add(CellOf(u, v, true), 1);
+  if (HasHeight(extent)) (counts[Index(false)].*grid).Add(CellOf(u, v, false), 1);
 }
 
 void OpeningMap::CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world) {
