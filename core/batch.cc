@@ -108,7 +108,8 @@ class Batch {
   }
 
   // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
-  // the weakly determined directions, the shape of a long loop above all.
+  // the weakly determined directions, the shape of a long loop above all. visit: as
+  // SolveArrow's; with single beams called once, at the solution.
   EstimationProblem::Solution Solve(
       FactorKind factor,
       double function_tolerance,
@@ -127,8 +128,10 @@ class Batch {
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
-    return {problem->LineariseArrow(problem->Layout()),
-            summary.num_effective_parameters_reduced};
+    EstimationProblem::Solution solution{problem->LineariseArrow(problem->Layout()),
+                                         summary.num_effective_parameters_reduced};
+    visit(ArrowFactor(solution.equations.hessian));
+    return solution;
   }
 
   // Extents, times and counts from the associations as they stand.
