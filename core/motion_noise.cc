@@ -1,6 +1,5 @@
 #include "core/motion_noise.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
