@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "core/arrow_factor.h"
 #include "core/estimation_problem.h"
 
 namespace plumbline {

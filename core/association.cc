@@ -53,33 +53,27 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
   return candidates;
 }
 
-namespace {
+Reach::Reach(const Eigen::Vector3d& p_world,
+             double farthest_m,
+             const AssociationOptions& options)
+    : p_world_(p_world),
+      // A gap counts in whole cells in both directions: its diagonal is the longest.
+      reach_m_(farthest_m + 1.5 * options.max_gap_m + kReachMargin) {}
 
-// What lies within reach of a point, told by a sphere first.
-class Reach {
- public:
-  Reach(const Eigen::Vector3d& p_world, double farthest_m, const AssociationOptions& options)
-      : p_world_(p_world),
-        // A gap counts in whole cells in both directions: its diagonal is the longest.
-        reach_m_(farthest_m + 1.5 * options.max_gap_m + kReachMargin) {}
+bool Reach::Takes(const PatchExtent& extent,
+                  const Eigen::Vector3d& centre,
+                  double radius_m) const {
+  const double sphere_m = reach_m_ + radius_m + kRounding;
+  return (p_world_ - centre).squaredNorm() <= sphere_m * sphere_m &&
+         extent.IsWithinReach(p_world_, reach_m_);
+}
 
-  bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const {
-    const double sphere_m = reach_m_ + radius_m + kRounding;
-    return (p_world_ - centre).squaredNorm() <= sphere_m * sphere_m &&
-           extent.IsWithinReach(p_world_, reach_m_);
-  }
-
- private:
-  Eigen::Vector3d p_world_;
-  double reach_m_;
-};
-
-// How far from the body what the observations of a scan lie on may be.
-double FarthestOfScan(const Rig& rig,
-                      const std::deque<Observation>& observations,
-                      size_t first,
-                      const Matrix6d& pose_covariance,
-                      const AssociationOptions& options) {
+Reach ReachOfScan(const Rig& rig,
+                  const std::deque<Observation>& observations,
+                  size_t first,
+                  const Eigen::Vector3d& body_world,
+                  const Matrix6d& pose_covariance,
+                  const AssociationOptions& options) {
   double farthest = 0.0;
   for (size_t i = first; i < observations.size(); ++i) {
     const Observation& observation = observations[i];
@@ -92,17 +86,11 @@ double FarthestOfScan(const Rig& rig,
   // So far off its plane an observation may be for the pose alone.
   const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
                                MaxVariance(pose_covariance, farthest * farthest));
-  return farthest + off;
+  return {body_world, farthest + off, options};
 }
 
-}  // namespace
-
-std::vector<LandmarkCandidate> CandidatesWithinReach(
-    const std::vector<LandmarkCandidate>& candidates,
-    const Eigen::Vector3d& p_world,
-    double farthest_m,
-    const AssociationOptions& options) {
-  const Reach reach(p_world, farthest_m, options);
+std::vector<LandmarkCandidate> CandidatesWithin(
+    const Reach& reach, const std::vector<LandmarkCandidate>& candidates) {
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {
@@ -113,30 +101,8 @@ std::vector<LandmarkCandidate> CandidatesWithinReach(
   return within;
 }
 
-std::vector<LandmarkCandidate> CandidatesOfScan(
-    const std::vector<LandmarkCandidate>& candidates,
-    const Rig& rig,
-    const std::deque<Observation>& observations,
-    size_t first,
-    const Eigen::Vector3d& body_world,
-    const Matrix6d& pose_covariance,
-    const AssociationOptions& options) {
-  return CandidatesWithinReach(
-      candidates,
-      body_world,
-      FarthestOfScan(rig, observations, first, pose_covariance, options),
-      options);
-}
-
-std::vector<LandmarkCandidate> CandidatesOfScan(const LandmarksWithinGap& landmarks,
-                                                const Rig& rig,
-                                                const std::deque<Observation>& observations,
-                                                size_t first,
-                                                const Eigen::Vector3d& body_world,
-                                                const Matrix6d& pose_covariance,
-                                                const AssociationOptions& options) {
-  const Reach reach(
-      body_world, FarthestOfScan(rig, observations, first, pose_covariance, options), options);
+std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
+                                                const LandmarksWithinGap& landmarks) {
   std::vector<LandmarkCandidate> within;
   for (const Landmark& landmark : landmarks.landmarks) {
     if (landmark.num_segments == 0 ||

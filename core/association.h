@@ -32,32 +32,37 @@ std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& l
                                                    int scan_index,
                                                    const LoopClosureOptions& options);
 
-// Those of the candidates that have been seen within farthest_m of a point, with a margin for
-// options.max_gap_m and the motion during a scan.
-std::vector<LandmarkCandidate> CandidatesWithinReach(
-    const std::vector<LandmarkCandidate>& candidates,
-    const Eigen::Vector3d& p_world,
-    double farthest_m,
-    const AssociationOptions& options);
+// A ball that planes have to have been seen in to matter.
+class Reach {
+ public:
+  // farthest_m: of what is looked at from the point; the ball adds a margin for
+  // options.max_gap_m and the motion during a scan.
+  Reach(const Eigen::Vector3d& p_world, double farthest_m, const AssociationOptions& options);
 
-// Those of the candidates that PossibleLandmarks may find for the observations of one scan:
-// that of observations[first] and those that follow it; body_world: where the rig was then.
+  // Whether the extent comes into the ball; centre and radius of a sphere around the extent
+  // tell most that do not.
+  bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const;
+
+ private:
+  Eigen::Vector3d p_world_;
+  double reach_m_;
+};
+
+// Takes all that PossibleLandmarks may find for the observations of one scan: that of
+// observations[first] and those that follow it; body_world: where the rig was then.
 // pose_covariance: at least that of any pose in the scan.
-std::vector<LandmarkCandidate> CandidatesOfScan(
-    const std::vector<LandmarkCandidate>& candidates,
-    const Rig& rig,
-    const std::deque<Observation>& observations,
-    size_t first,
-    const Eigen::Vector3d& body_world,
-    const Matrix6d& pose_covariance,
-    const AssociationOptions& options);
-std::vector<LandmarkCandidate> CandidatesOfScan(const LandmarksWithinGap& landmarks,
-                                                const Rig& rig,
-                                                const std::deque<Observation>& observations,
-                                                size_t first,
-                                                const Eigen::Vector3d& body_world,
-                                                const Matrix6d& pose_covariance,
-                                                const AssociationOptions& options);
+Reach ReachOfScan(const Rig& rig,
+                  const std::deque<Observation>& observations,
+                  size_t first,
+                  const Eigen::Vector3d& body_world,
+                  const Matrix6d& pose_covariance,
+                  const AssociationOptions& options);
+
+// Those that it takes.
+std::vector<LandmarkCandidate> CandidatesWithin(
+    const Reach& reach, const std::vector<LandmarkCandidate>& candidates);
+std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
+                                                const LandmarksWithinGap& landmarks);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/arrow_factor.h"
 #include "core/association.h"
 #include "core/duplicates.h"
 #include "core/estimation_problem.h"
@@ -172,13 +173,14 @@ class Batch {
               state_->landmarks, observation.scan_index, options_.loop_closure);
         }
         scan_index = observation.scan_index;
-        candidates = CandidatesOfScan(within_gap,
-                                      rig_,
-                                      state_->observations,
-                                      i,
-                                      poses.Of(observation).world_from_body.translation,
-                                      Matrix6d::Zero(),
-                                      options_.association);
+        candidates =
+            CandidatesWithin(ReachOfScan(rig_,
+                                         state_->observations,
+                                         i,
+                                         poses.Of(observation).world_from_body.translation,
+                                         Matrix6d::Zero(),
+                                         options_.association),
+                             within_gap);
       }
       if (observation.num_points == 0) continue;  // all of its beams are left out
       int id = FindLandmark(observation,

@@ -14,7 +14,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/arrow_factor.h"
 #include "core/arrow_matrix.h"
 #include "core/landmark.h"
 #include "core/mapper_options.h"
@@ -26,6 +25,8 @@
 #include "factors/linear_prior_factor.h"
 
 namespace plumbline {
+
+class ArrowFactor;
 
 // The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id;
 // every matrix of ours has its rows and columns in this order.

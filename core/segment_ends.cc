@@ -99,11 +99,10 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
   for (const float range : scan_line.ranges) {
     if (range > farthest && scanner.IsValidRange(range)) farthest = range;
   }
-  cutter_.SetCandidates(
-      CandidatesWithinReach(within_gap_,
-                            cutter_.poses()->Of(observation).world_from_scanner.translation,
-                            farthest,
-                            options_.association));
+  const Reach reach(cutter_.poses()->Of(observation).world_from_scanner.translation,
+                    farthest,
+                    options_.association);
+  cutter_.SetCandidates(CandidatesWithin(reach, within_gap_));
 }
 
 // Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
@@ -251,14 +250,14 @@ void RecutScan(const Rig& rig,
   const Observation& front = observations[first_observation];
   SegmentCutter cutter(rig, options, state->trajectory, nullptr, nullptr);
   const LoopClosureOptions gap = BoundingGap(options.loop_closure);
+  const Reach reach = ReachOfScan(rig,
+                                  observations,
+                                  first_observation,
+                                  cutter.poses()->Of(front).world_from_body.translation,
+                                  pose_covariance,
+                                  options.association);
   cutter.SetCandidates(
-      CandidatesOfScan(LandmarksWithinGap{state->landmarks, front.scan_index, gap},
-                       rig,
-                       observations,
-                       first_observation,
-                       cutter.poses()->Of(front).world_from_body.translation,
-                       pose_covariance,
-                       options.association));
+      CandidatesWithin(reach, LandmarksWithinGap{state->landmarks, front.scan_index, gap}));
   size_t last = first_observation;
   for (size_t line = 0; line < scan.scan_lines.size(); ++line) {
     const ScanLine& scan_line = scan.scan_lines[line];

@@ -296,13 +296,13 @@ std::vector<LandmarkCandidate> Tracker::OfScan(int first_observation,
                                                const LandmarksWithinGap& landmarks) const {
   const auto first = static_cast<size_t>(first_observation);
   const int64_t time_ns = state_->observations[first].middle_time_ns();
-  return CandidatesOfScan(landmarks,
-                          rig_,
-                          state_->observations,
-                          first,
-                          state_->trajectory.WorldFromBody(time_ns).translation,
-                          pose_covariance,
-                          options_.association);
+  return CandidatesWithin(ReachOfScan(rig_,
+                                      state_->observations,
+                                      first,
+                                      state_->trajectory.WorldFromBody(time_ns).translation,
+                                      pose_covariance,
+                                      options_.association),
+                          landmarks);
 }
 
 Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,

@@ -83,7 +83,7 @@ class Tracker {
   Matrix6d UnsteadyCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
-  // CandidatesOfScan of the newest scan.
+  // Those within reach of the newest scan.
   std::vector<LandmarkCandidate> OfScan(int first_observation,
                                         const Matrix6d& pose_covariance,
                                         const LandmarksWithinGap& landmarks) const;

@@ -109,17 +109,19 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   of_next_scan.last_point = {50.0F, 0.0F};
   const std::deque<Observation> observations = {observation_, of_next_scan};
   Matrix6d pose_covariance = Matrix6d::Zero();
-  const auto found = [&](size_t first) {
+  const auto ids_of = [](const std::vector<LandmarkCandidate>& candidates) {
     std::vector<int> ids;
-    for (const LandmarkCandidate& candidate : CandidatesOfScan(all,
-                                                               rig,
-                                                               observations,
-                                                               first,
-                                                               Eigen::Vector3d::Zero(),
-                                                               pose_covariance,
-                                                               options_)) {
+    for (const LandmarkCandidate& candidate : candidates)
       ids.push_back(candidate.landmark->id);
-    }
+    return ids;
+  };
+  const auto found = [&](size_t first) {
+    const Reach reach = ReachOfScan(
+        rig, observations, first, Eigen::Vector3d::Zero(), pose_covariance, options_);
+    const std::vector<int> ids = ids_of(CandidatesWithin(reach, all));
+    const LoopClosureOptions closure;
+    EXPECT_EQ(ids_of(CandidatesWithin(reach, LandmarksWithinGap{landmarks_, 0, closure})),
+              ids);
     return ids;
   };
   EXPECT_EQ(found(0), (std::vector<int>{ahead, beside}));
