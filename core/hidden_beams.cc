@@ -52,6 +52,11 @@ std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const Meeting& meeting,
   return meeting.motion.ToWorld(line.z() / cosine * direction, time_ns);
 }
 
+std::optional<Eigen::Vector3d> HiddenBeams::SafeMeetingPoint(const Meeting& meeting,
+                                                             int beam) const {
+  return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+}
+
 std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
   std::vector<int> beams;
   if (openings.none()) return beams;
@@ -71,30 +76,58 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
     }
     return beams;
   }
-  // Most segments pass none, of the others most beams: between ends that are not grazing and
-  // have none along them no beam is.
-  const auto passes_none = [&](int first, int last) {
-    const auto at = [&](int beam) {
-      return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
-    };
-    const std::optional<Eigen::Vector3d> start = at(first);
-    const std::optional<Eigen::Vector3d> end = at(last);
-    return start && end && !openings.MayBeAlong(*start, *end);
-  };
-  if (passes_none(first_beam, last_beam)) return beams;
-  for (int first = first_beam; first <= last_beam; first += kBeamsAtOnce) {
-    const int last = std::min(first + kBeamsAtOnce - 1, last_beam);
-    if (passes_none(first, last)) continue;
-    BeamSweep sweep(scan_line, first);
-    for (int beam = first; beam <= last; ++beam, sweep.Next()) {
-      const auto at = MeetingPoint(meeting, beam, sweep.direction(), kMinCosine);
-      if (at ? openings.IsAt(*at)
-             : IsNearOpening(meeting, beam, sweep.direction(), openings)) {
-        beams.push_back(beam);
-      }
-    }
-  }
+  AddOpen(meeting,
+          openings,
+          {first_beam,
+           last_beam,
+           SafeMeetingPoint(meeting, first_beam),
+           SafeMeetingPoint(meeting, last_beam)},
+          &beams);
   return beams;
+}
+
+// Most segments pass no opening, of the others most beams: between ends that are not grazing
+// and have none along them no beam is in one.
+void HiddenBeams::AddOpen(const Meeting& meeting,
+                          const PlaneOpenings& openings,
+                          const Stretch& stretch,
+                          std::vector<int>* beams) const {
+  if (stretch.start && stretch.end && !openings.MayBeAlong(*stretch.start, *stretch.end)) {
+    return;
+  }
+  if (stretch.last - stretch.first >= kBeamsAtOnce) {
+    const int middle = (stretch.first + stretch.last) / 2;
+    AddOpen(meeting,
+            openings,
+            {stretch.first, middle, stretch.start, SafeMeetingPoint(meeting, middle)},
+            beams);
+    AddOpen(meeting,
+            openings,
+            {middle + 1, stretch.last, SafeMeetingPoint(meeting, middle + 1), stretch.end},
+            beams);
+    return;
+  }
+  // The scanner's motion over so few beams is even.
+  const int64_t start_ns = BeamInstantNs(stretch.first);
+  const int64_t end_ns = BeamInstantNs(stretch.last);
+  const double share = 1.0 / std::max(1, stretch.last - stretch.first);
+  Eigen::Vector3d line = meeting.trace.At(start_ns);
+  const Eigen::Vector3d line_step = share * (meeting.trace.At(end_ns) - line);
+  ScanPlacement placement = meeting.motion.At(start_ns);
+  const ScanPlacement placement_step = share * (meeting.motion.At(end_ns) - placement);
+  BeamSweep sweep(scan_line, stretch.first);
+  for (int beam = stretch.first; beam <= stretch.last; ++beam) {
+    const Eigen::Vector2d& direction = sweep.direction();
+    const double cosine = line.head<2>().dot(direction);
+    const bool is_open =
+        std::abs(cosine) < kMinCosine
+            ? IsNearOpening(meeting, beam, direction, openings)
+            : openings.IsAt(placement * (line.z() / cosine * direction).homogeneous());
+    if (is_open) beams->push_back(beam);
+    sweep.Next();
+    line += line_step;
+    placement += placement_step;
+  }
 }
 
 bool HiddenBeams::IsNearOpening(const Meeting& meeting,

@@ -59,6 +59,15 @@ struct HiddenBeams {
     const ScanMotion& motion;
   };
 
+  // Beams in a row, and where the first and the last meet the plane; nothing where that is
+  // at grazing incidence.
+  struct Stretch {
+    int first;
+    int last;  // inclusive
+    std::optional<Eigen::Vector3d> start;
+    std::optional<Eigen::Vector3d> end;
+  };
+
   Meeting MakeMeeting() const;
   int64_t BeamInstantNs(int beam) const;
   // None where an end is too grazing to tell where it lies.
@@ -72,6 +81,12 @@ struct HiddenBeams {
                                               int beam,
                                               const Eigen::Vector2d& direction,
                                               double min_cosine) const;
+  std::optional<Eigen::Vector3d> SafeMeetingPoint(const Meeting& meeting, int beam) const;
+  // Those of the stretch that InOpenings() finds.
+  void AddOpen(const Meeting& meeting,
+               const PlaneOpenings& openings,
+               const Stretch& stretch,
+               std::vector<int>* beams) const;
   // Of a beam at grazing incidence.
   bool IsNearOpening(const Meeting& meeting,
                      int beam,

@@ -4,11 +4,8 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
-#include <cerrno>
 #include <cstring>
 #include <limits>
-
-#include "core/error.h"
 
 namespace plumbline {
 
@@ -85,46 +82,17 @@ std::string PcdHeader(int64_t num_points) {
 
 PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::string& pcd_path)
     : ply_(ply_path), pcd_(pcd_path), buffer_(kBufferBytes) {
-  WriteHeaders();
+  // The numbers are filled in at the end.
+  ply_.Append(PlyHeader(0));
+  pcd_.Append(PcdHeader(0));
 }
 
 PointCloudWriter::File::File(const std::string& path)
-    : file_(path), stream_(std::fopen(file_.temporary_path().c_str(), "wb")) {
-  if (stream_ == nullptr) Fail();
-}
-
-PointCloudWriter::File::~File() {
-  if (stream_ != nullptr) std::fclose(stream_);
-}
-
-void PointCloudWriter::File::Fail() const {
-  throw Error(file_.path() + ": can not be written: " + std::strerror(errno));
-}
-
-void PointCloudWriter::File::Rewind() {
-  if (std::fseek(stream_, 0, SEEK_SET) != 0) Fail();
-}
-
-void PointCloudWriter::File::Write(const void* data, size_t size) {
-  if (std::fwrite(data, 1, size, stream_) != size) Fail();
-}
-
-void PointCloudWriter::File::Close() {
-  std::FILE* stream = stream_;
-  stream_ = nullptr;
-  if (std::fclose(stream) != 0) Fail();
-}
-
-void PointCloudWriter::WriteHeaders() {
-  const std::string ply = PlyHeader(num_points_);
-  ply_.Write(ply.data(), ply.size());
-  const std::string pcd = PcdHeader(num_points_);
-  pcd_.Write(pcd.data(), pcd.size());
-}
+    : file_(path), stream_(file_.temporary_path(), path) {}
 
 void PointCloudWriter::Flush() {
-  ply_.Write(buffer_.data(), num_buffered_);
-  pcd_.Write(buffer_.data(), num_buffered_);
+  ply_.Append(buffer_.data(), num_buffered_);
+  pcd_.Append(buffer_.data(), num_buffered_);
   num_buffered_ = 0;
 }
 
@@ -149,11 +117,8 @@ void PointCloudWriter::Finish() {
   CHECK(!finished_) << "Finish() twice";
   finished_ = true;
   Flush();
-  ply_.Rewind();
-  pcd_.Rewind();
-  WriteHeaders();
-  ply_.Close();
-  pcd_.Close();
+  ply_.Finish(PlyHeader(num_points_));
+  pcd_.Finish(PcdHeader(num_points_));
 }
 
 void PointCloudWriter::Commit() {

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "core/atomic_file.h"
+#include "core/large_file.h"
 #include "core/result_writer.h"
 
 namespace plumbline {
@@ -25,27 +25,20 @@ class PointCloudWriter {
   void Commit();
 
  private:
-  // A file of which the beginning is written last.
   class File {
    public:
     explicit File(const std::string& path);
-    ~File();
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
 
-    void Write(const void* data, size_t size);
-    void Rewind();
-    void Close();
+    void Append(const std::string& text) { Append(text.data(), text.size()); }
+    void Append(const void* data, size_t size) { stream_.Append(data, size); }
+    void Finish(const std::string& beginning) { stream_.Finish(beginning); }
     void Commit() { file_.Commit(); }
 
    private:
-    [[noreturn]] void Fail() const;
-
     AtomicFile file_;
-    std::FILE* stream_;
+    LargeFile stream_;
   };
 
-  void WriteHeaders();
   void Flush();
 
   File ply_;

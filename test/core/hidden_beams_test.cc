@@ -150,5 +150,45 @@ TEST_F(HiddenBeamsTest, BeamsAlmostAlongAPlaneWithOpeningsMayLieInAny) {
             std::vector<int>{2});
 }
 
+// Every beam for itself, with the rig in motion: 2 m/s along the wall and up, 3 rad/s about
+// it.
+TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
+  for (int i = 0; i < trajectory_.num_control_points(); ++i) {
+    const double time_s = 0.125 * i;
+    const double half_turn = 0.5 * 3.0 * time_s;
+    ControlPoint& point = trajectory_.control_point(i);
+    point.position = {2.0 * time_s, 0.0, 2.0 * time_s};
+    point.rotation = {0.0, std::sin(half_turn), 0.0, std::cos(half_turn)};
+  }
+  line_.angle_increment = 0.1 * kDegree;
+  line_.ranges.assign(900, 1.0f);
+  line_.time_increment_s = 2e-5;
+  sampler_.emplace(trajectory_);
+  poses_.emplace(
+      NodesOfSpan(kStart, line_.BeamTime(899)), scanner_.body_from_scanner, &*sampler_);
+  Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 4.0, 0.0});
+  wall.extent.AddSegment({-5.0, 4.0, -5.0}, {5.0, 4.0, 5.0});
+  const LandmarkCandidate plane = Candidate(wall);
+  const PlaneTrace trace = poses_->motion.TraceOf(plane.normal, plane.distance);
+  const auto meeting_point = [&](int beam) {
+    const Eigen::Vector2d direction = line_.BeamDirection(beam);
+    const Eigen::Vector3d at = trace.At(line_.BeamTime(beam));
+    return poses_->motion.ToWorld(at.z() / at.head<2>().dot(direction) * direction,
+                                  line_.BeamTime(beam));
+  };
+  OpeningMap counted;
+  for (const int beam : {320, 500, 503, 700, 850}) {
+    for (int i = 0; i < 2; ++i) counted.CountPassage(wall, meeting_point(beam));
+  }
+  const PlaneOpenings openings = counted.OpeningsOf(wall);
+  std::vector<int> expected;
+  for (int beam = 300; beam < 900; ++beam) {
+    if (openings.IsAt(meeting_point(beam))) expected.push_back(beam);
+  }
+  EXPECT_GT(expected.size(), 30u);
+  EXPECT_LT(expected.size(), 200u);
+  EXPECT_EQ(Beams(plane, 300, 899).InOpenings(openings), expected);
+}
+
 }  // namespace
 }  // namespace plumbline
