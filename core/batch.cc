@@ -383,7 +383,7 @@ BatchReport EstimateBatch(const Rig& rig,
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
     // Openings are known from the second reading of the recording on.
     const bool may_stand = round > 1 || !options.batch.recut_segments;
-    const bool stands = may_stand && num_merged == 0 && share < kStandingShare;
+    const bool stands = may_stand && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments && (round == 1 || last)) {
       batch.RecountLandmarks();
