@@ -28,6 +28,9 @@ constexpr int kBeamsAtOnce = 16;
 // Beams on both sides of an end that may tell of an opening.
 constexpr int kNumBeams = 8;
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
+// Beyond these, beams go on telling of an opening for as long as they go through: at a grazing
+// angle those on its far jamb meet the plane decimetres before it.
+constexpr double kSpacing = 0.01;  // m, of those that count: half a cell of the openings
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
 
@@ -227,7 +230,11 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
   };
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   BeamSweep outwards(end.scan_line, end.beam, end.step);
-  for (int k = 1; k <= kNumBeams; ++k) {
+  bool is_opening = false;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (int k = 1;; ++k) {
+    const bool is_close = k <= kNumBeams;
+    if (!is_close && !is_opening) break;
     outwards.Next();
     const int beam = end.beam + k * end.step;
     if (beam < 0 || beam >= end.scan_line.num_beams()) break;
@@ -240,14 +247,21 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
     const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
     const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m;
+    if (!is_close && !passes) break;
     if (!passes && !stops) continue;
     const std::optional<Eigen::Vector3d> at = meeting_point(on_plane_m * direction);
     if (!at) continue;
-    if (passes) {
-      openings->CountPassage(end.landmark, *at);
-    } else {
+    if (!passes) {
       openings->CountBlock(end.landmark, *at);
+      continue;
     }
+    is_opening = true;
+    if (!is_close) {
+      if (!end.landmark.extent.IsWithin(*at, 0.0)) break;
+      if ((*at - last).norm() < kSpacing) continue;
+    }
+    openings->CountPassage(end.landmark, *at);
+    last = *at;
   }
   BeamSweep inwards(end.scan_line, end.beam, -end.step);
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {

@@ -190,5 +190,38 @@ TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
   EXPECT_EQ(Beams(plane, 300, 899).InOpenings(openings), expected);
 }
 
+// A door of 0.9 m in a wall 1 m away: of beams a quarter of a degree apart, eight cover 4 cm
+// of it.
+TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
+  constexpr double kLow = 1.3, kHigh = 2.2;
+  line_.angle_increment = 0.25 * kDegree;
+  line_.ranges.assign(600, 0.0f);
+  const auto height_of = [&](int beam) {
+    return kHeight - 1.0 / std::tan(line_.BeamAngle(beam));
+  };
+  int last_below = 0;
+  for (int beam = 100; beam < 600; ++beam) {
+    const double height = height_of(beam);
+    const bool passes = height > kLow && height < kHigh;
+    line_.ranges[static_cast<size_t>(beam)] =
+        static_cast<float>((passes ? 3.0 : 1.0) / std::sin(line_.BeamAngle(beam)));
+    if (height < kLow) last_below = beam;
+  }
+  Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 1.0, 0.0});
+  wall.extent.AddSegment({-0.5, 1.0, 0.0}, {0.5, 1.0, 2.8});
+  const ScanPlacement placement = PlacementOf(poses_->world_from_scanner);
+  const Trace trace(placement, Candidate(wall));
+  OpeningMap counted;
+  for (int i = 0; i < 2; ++i) {
+    CountOpenings({line_, scanner_, placement, trace, wall, last_below, 1, 200}, &counted);
+  }
+  const PlaneOpenings openings = counted.OpeningsOf(wall);
+  for (double height = kLow + 0.03; height < kHigh; height += 0.01) {
+    EXPECT_TRUE(openings.IsAt({0.0, 1.0, height})) << height;
+  }
+  EXPECT_FALSE(openings.IsAt({0.0, 1.0, kLow - 0.6}));
+  EXPECT_FALSE(openings.IsAt({0.0, 1.0, kHigh + 0.55}));
+}
+
 }  // namespace
 }  // namespace plumbline
