@@ -31,6 +31,7 @@ constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is no
 // Beyond these, beams go on telling of an opening for as long as they go through: at a grazing
 // angle those on its far jamb meet the plane decimetres before it.
 constexpr double kSpacing = 0.01;  // m, of those that count: half a cell of the openings
+constexpr int kNumHits = 32;       // of a segment's beams, count for all of them
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
 
@@ -222,6 +223,24 @@ std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& 
   return beams;
 }
 
+void HiddenBeams::CountHits(OpeningMap* openings) const {
+  const Meeting meeting = MakeMeeting();
+  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
+  const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
+  for (int beam = first_beam + kNumBeams; beam <= last_beam - kNumBeams; beam += stride) {
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const int64_t time_ns = BeamInstantNs(beam);
+    const Eigen::Vector3d line = meeting.trace.At(time_ns);
+    const double cosine = line.head<2>().dot(direction);
+    if (std::abs(cosine) < kMinCosine) continue;
+    const double on_plane_m = line.z() / cosine;
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!(std::abs(range - on_plane_m) < margin_m)) continue;
+    openings->CountHit(
+        *plane.landmark, meeting.motion.ToWorld(on_plane_m * direction, time_ns), stride);
+  }
+}
+
 void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
   // Where a beam meets the plane; nothing where that is out of range.
   const auto meeting_point = [&](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector3d> {
@@ -231,7 +250,8 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   BeamSweep outwards(end.scan_line, end.beam, end.step);
   bool is_opening = false;
-  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();  // that counted, and its k
+  int last_k = 0;
   for (int k = 1;; ++k) {
     const bool is_close = k <= kNumBeams;
     if (!is_close && !is_opening) break;
@@ -260,8 +280,9 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
       if (!end.landmark.extent.IsWithin(*at, 0.0)) break;
       if ((*at - last).norm() < kSpacing) continue;
     }
-    openings->CountPassage(end.landmark, *at);
+    openings->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
     last = *at;
+    last_k = k;
   }
   BeamSweep inwards(end.scan_line, end.beam, -end.step);
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {

@@ -36,6 +36,8 @@ struct HiddenBeams {
   // they end on its face. Tells a corner of which the other face has not come into view yet,
   // at the price of the floor beside a door's jambs.
   std::vector<int> BehindWalls(const std::vector<LandmarkCandidate>& others) const;
+  // Counts those that lie on the plane, away from both ends: some stand for all.
+  void CountHits(OpeningMap* openings) const;
 
  private:
   // A wall that the segment crosses, at this share of its length.

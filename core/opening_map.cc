@@ -32,6 +32,7 @@ size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
 
 void OpeningMap::Count(const Landmark& landmark,
                        const Eigen::Vector3d& p_world,
+                       int num_beams,
                        CellGrid Counts::*grid) {
   if (!landmark.extent.IsWithin(p_world, kMargin)) return;
   const PatchExtent& extent = landmark.extent;
@@ -41,18 +42,22 @@ void OpeningMap::Count(const Landmark& landmark,
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);
   CountsOfPlane& counts = counts_[id];
-  (counts[Index(true)].*grid).Add(CellOf(u, v, true), 1);
-  if (HasHeight(extent)) (counts[Index(false)].*grid).Add(CellOf(u, v, false), 1);
+  (counts[Index(true)].*grid).Add(CellOf(u, v, true), num_beams);
+  if (HasHeight(extent)) (counts[Index(false)].*grid).Add(CellOf(u, v, false), num_beams);
 }
 
-void OpeningMap::CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  Count(landmark, p_world, &Counts::hits);
+void OpeningMap::CountHit(const Landmark& landmark,
+                          const Eigen::Vector3d& p_world,
+                          int num_beams) {
+  Count(landmark, p_world, num_beams, &Counts::hits);
 }
-void OpeningMap::CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  Count(landmark, p_world, &Counts::passages);
+void OpeningMap::CountPassage(const Landmark& landmark,
+                              const Eigen::Vector3d& p_world,
+                              int num_beams) {
+  Count(landmark, p_world, num_beams, &Counts::passages);
 }
 void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  Count(landmark, p_world, &Counts::blocks);
+  Count(landmark, p_world, 1, &Counts::blocks);
 }
 
 void PlaneOpenings::Open(const CellGrid::Cell& cell, bool narrow_along_u) {

@@ -36,7 +36,7 @@ class PlaneOpenings {
   CellGrid nearby_;               // wide cells in which any of them lies
 };
 
-// Counts the beams at segments' ends that were taken to lie on a plane, those beside them that
+// Counts the beams of segments that were taken to lie on a plane, those beside their ends that
 // went through and those that something in front of it stopped. Where a wall ends at a door,
 // beams on its jamb may pass for the wall's, or the floor's, seen from one place; from others
 // the beams go through, or are stopped.
@@ -45,8 +45,11 @@ class PlaneOpenings {
 // openings have upright and level edges, and few beams pass close to one of them.
 class OpeningMap {
  public:
-  void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world);
-  void CountPassage(const Landmark& landmark, const Eigen::Vector3d& p_world);
+  // num_beams: that one stands for.
+  void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world, int num_beams = 1);
+  void CountPassage(const Landmark& landmark,
+                    const Eigen::Vector3d& p_world,
+                    int num_beams = 1);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
   // Where more than a tenth of the beams (half of them, of a plane without height) went
   // through here or at the next cell, or more were stopped here than not. What is solid lets
@@ -63,7 +66,10 @@ class OpeningMap {
 
   // Counts on the cells that are narrow along u, along v.
   using CountsOfPlane = std::array<Counts, 2>;
-  void Count(const Landmark& landmark, const Eigen::Vector3d& p_world, CellGrid Counts::*grid);
+  void Count(const Landmark& landmark,
+             const Eigen::Vector3d& p_world,
+             int num_beams,
+             CellGrid Counts::*grid);
 
   std::vector<CountsOfPlane> counts_;  // by landmark id
 };

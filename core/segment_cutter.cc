@@ -148,6 +148,7 @@ std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
         end.neighbour_landmark = observations[i + 1].landmark_id;
       }
       now = {FindEnd(scan_line, observation, start), FindEnd(scan_line, observation, end)};
+      if (counted_ != nullptr) CountHits(scan_line, observation, now);
     }
     // Each end has its own pose: neighbours may differ by a beam on where they meet.
     if (!ends.empty()) {
@@ -156,6 +157,20 @@ std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
     ends.push_back(now);
   }
   return ends;
+}
+
+void SegmentCutter::CountHits(const ScanLine& scan_line,
+                              const Observation& observation,
+                              const Ends& ends) {
+  const LandmarkCandidate* own = Find(observation.landmark_id);
+  if (own == nullptr) return;
+  HiddenBeams{scan_line,
+              rig_.scanners[static_cast<size_t>(observation.scanner_index)],
+              poses_.Of(observation),
+              *own,
+              ends.first.beam,
+              ends.last.beam}
+      .CountHits(counted_);
 }
 
 // Whether a beam is too far from the plane to be the last one at a free end.

@@ -85,6 +85,7 @@ class SegmentCutter {
   const LandmarkCandidate* Beyond(const std::vector<PlaneMeeting>& meetings,
                                   int last,
                                   int scan_index) const;
+  void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
   // Those between two beams of an observation, on this plane.
   std::vector<int> HiddenBeamsOf(const ScanLine& scan_line,

@@ -223,5 +223,25 @@ TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
   EXPECT_FALSE(openings.IsAt({0.0, 1.0, kHigh + 0.55}));
 }
 
+// Two beams that seem to go through a wall that hundreds lie on make no opening, wherever on
+// it.
+TEST_F(HiddenBeamsTest, BeamsOnAPlaneSpeakAgainstAnOpening) {
+  line_.angle_increment = 0.25 * kDegree;
+  line_.ranges.assign(600, 0.0f);
+  for (int beam = 200; beam < 520; ++beam) {
+    line_.ranges[static_cast<size_t>(beam)] =
+        static_cast<float>(1.0 / std::sin(line_.BeamAngle(beam)));
+  }
+  Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.01, 1.0, 0.0});
+  wall.extent.AddSegment({-0.5, 1.0, 0.0}, {0.5, 1.0, 2.8});
+  OpeningMap counted;
+  for (double height = 0.9; height < 2.15; height += 0.1) {
+    for (int i = 0; i < 2; ++i) counted.CountPassage(wall, {0.0, 1.0, height});
+  }
+  EXPECT_FALSE(Beams(Candidate(wall), 200, 519).InOpenings(counted.OpeningsOf(wall)).empty());
+  for (int i = 0; i < 20; ++i) Beams(Candidate(wall), 200 + i, 519).CountHits(&counted);
+  EXPECT_TRUE(Beams(Candidate(wall), 200, 519).InOpenings(counted.OpeningsOf(wall)).empty());
+}
+
 }  // namespace
 }  // namespace plumbline
