@@ -49,7 +49,10 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
     // Unless this one ends where they would meet.
     const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
     const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
-    const Eigen::Vector3d beyond = at_world + kReach * (at_world - from).normalized();
+    Eigen::Vector3d outwards = at_world - from;
+    // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
+    if (own.plane.is_vertical && other.is_vertical) outwards.z() = 0.0;
+    const Eigen::Vector3d beyond = at_world + kReach * outwards.normalized();
     if (own.plane.landmark->extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
   }
   return PlaneMeeting{static_cast<int>(std::floor(beyond)), other_trace, &other};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/hidden_beams.h"
@@ -58,18 +59,27 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-// The plane beyond an end `last` beams from where the segment ended: one that may be given
-// beams of this scan.
+// The plane beyond an end that is now at `beam`, if it may be given beams of this scan. Of
+// several that meet there it is the one that the beams meet first: it hides the others.
 const LandmarkCandidate* SegmentCutter::Beyond(const std::vector<PlaneMeeting>& meetings,
-                                               int last,
+                                               const ScanLine& scan_line,
+                                               const ScanPlacement& placement,
+                                               const FreeEnd& end,
+                                               int beam,
                                                int scan_index) const {
+  const Eigen::Vector2d next = scan_line.BeamDirection(beam + end.step);
+  const LandmarkCandidate* first = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
   for (const PlaneMeeting& meeting : meetings) {
-    if (std::abs(meeting.last - last) <= 1 &&
-        IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) {
-      return meeting.plane;
-    }
+    if (std::abs(meeting.last - end.step * (beam - end.beam)) > 1) continue;
+    if (!IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) continue;
+    if (meeting.plane->SignedDistance(placement.col(2)) <= 0.0) continue;
+    const double range = meeting.other.RangeAlong(next);
+    if (range >= nearest) continue;
+    nearest = range;
+    first = meeting.plane;
   }
-  return nullptr;
+  return first;
 }
 
 SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
@@ -109,7 +119,7 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   NewEnd result{end.beam + end.step * last, nullptr, trace};
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
   result.beyond =
-      Beyond(meetings, end.step * (result.beam - end.beam), observation.scan_index);
+      Beyond(meetings, scan_line, placement, end, result.beam, observation.scan_index);
   result.is_met =
       std::any_of(meetings.begin(), meetings.end(), [&](const PlaneMeeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;

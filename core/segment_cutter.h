@@ -83,7 +83,10 @@ class SegmentCutter {
                  const Observation& observation,
                  const FreeEnd& end);
   const LandmarkCandidate* Beyond(const std::vector<PlaneMeeting>& meetings,
-                                  int last,
+                                  const ScanLine& scan_line,
+                                  const ScanPlacement& placement,
+                                  const FreeEnd& end,
+                                  int beam,
                                   int scan_index) const;
   void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;

@@ -37,9 +37,11 @@ class PlaneMeetingsTest : public ::testing::Test {
   static LandmarkCandidate Candidate(const Landmark& landmark) {
     return LandmarkCandidate(landmark);
   }
-  std::vector<PlaneMeeting> Find(const Landmark& ahead, const Landmark& across) const {
+  std::vector<PlaneMeeting> Find(const Landmark& ahead,
+                                 const Landmark& across,
+                                 const Rigid3d& world_from_scanner = Rigid3d()) const {
     const LandmarkCandidate own = Candidate(ahead);
-    const ScanPlacement placement = PlacementOf(Rigid3d());
+    const ScanPlacement placement = PlacementOf(world_from_scanner);
     const Trace trace(placement, own);
     return FindMeetings({line_, placement, own, trace},
                         {0.93, 2.0, 0.0},
@@ -60,6 +62,18 @@ TEST_F(PlaneMeetingsTest, WallInFrontOfTheOtherMeetsIt) {
 
 TEST_F(PlaneMeetingsTest, WallOnTheOtherSideOfAThinOneDoesNot) {
   EXPECT_TRUE(Find(Ahead(3.0), Across(2.1, 3.0)).empty());
+}
+
+// Just above the floor, which the wall's trace leads to.
+TEST_F(PlaneMeetingsTest, NorDoesItOnASlopingTrace) {
+  Landmark ahead = Ahead(3.0);
+  Landmark across = Across(2.1, 3.0);
+  ahead.extent.AddSegment({-3.0, 2.0, -1.21}, {3.0, 2.0, -1.21});
+  across.extent.AddSegment({1.0, 2.1, -1.21}, {1.0, 3.0, -1.21});
+  const Rigid3d sloping(
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::atan(1.2), Eigen::Vector3d::UnitY())),
+      Eigen::Vector3d::Zero());
+  EXPECT_TRUE(Find(ahead, across, sloping).empty());
 }
 
 TEST_F(PlaneMeetingsTest, FaceRoundACornerDoes) {

@@ -269,6 +269,16 @@ TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
   }
 }
 
+// Twelve centimetres of range farther, which no beam alone can tell.
+TEST_F(ShortRunTest, BelongsToThePlaneThatHidesTheOther) {
+  See(3);
+  AddWall({0.0, -1.0, 0.0}, {-2.0, 1.05, 0.0}, {2.0, 1.05, 0.0});
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].landmark_id, kSide);
+  EXPECT_EQ(state_->short_runs[0].num_points, 3);
+}
+
 TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
   See(3);
   line_.ranges[kLast + 1] += 0.5f;
