@@ -98,6 +98,11 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
       a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
 }
 
+bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const {
+  if (!IsWithin(p_world, margin_m)) return false;
+  return cells_.Count(CellOf(Project(p_world).cwiseMax(min_).cwiseMin(max_))) > 0;
+}
+
 bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
                                 const Eigen::Vector3d& b_world,
                                 double max_gap_m) const {

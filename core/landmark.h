@@ -45,6 +45,9 @@ class PatchExtent {
     const Eigen::Array2d p = Project(p_world).array();
     return (p >= min_.array() - margin_m).all() && (p <= max_.array() + margin_m).all();
   }
+  // Whether the point lies where segments have been seen: on an occupied cell, or at most
+  // margin_m beyond the bounding rectangle beside one.
+  bool IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const;
   // Whether the bounding rectangle comes within reach_m of the point.
   bool IsWithinReach(const Eigen::Vector3d& p_world, double reach_m) const {
     const Eigen::Vector3d from_anchor = p_world - anchor_;

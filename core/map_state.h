@@ -20,8 +20,8 @@ struct MapState {
   std::deque<Landmark> landmarks;        // position = id; merged ones stay, without segments
   std::deque<Observation> observations;  // by time
   int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
-  // Beams of planes between segments, too few for one of their own (core/segment_ends.h), with
-  // their landmarks; by scan line and beam.
+  // Beams of planes that no segment on them has: too few for one of their own, or parts of one
+  // on no plane (core/segment_ends.h). With their landmarks; by scan line and beam.
   std::deque<Observation> short_runs = {};
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/association.h"
+#include "core/first_planes.h"
 #include "core/plane_meetings.h"
 #include "core/scan_reader.h"
 #include "core/scan_trace.h"
@@ -19,6 +20,8 @@ namespace {
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
+// Of a segment on no plane, so many are placed together: a few milliseconds.
+constexpr int kBeamsAtOnce = 32;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 using Range = SegmentCutter::Range;
@@ -68,12 +71,18 @@ class Recutter {
   };
 
   void SetCandidates(const ScanLine& scan_line, const Observation& observation);
+  bool RecutOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
   void FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap);
   int AddShortRun(const ScanLine& scan_line,
                   const Observation& nearby,
                   const LandmarkCandidate& plane,
                   const FreeEnd& end,
                   int own_landmark);
+  void AddRunsOf(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
+  bool AddRun(const ScanLine& scan_line,
+              const Observation& nearby,
+              int landmark_id,
+              const Ends& ends);
 
   const Rig& rig_;
   const MapperOptions& options_;
@@ -139,29 +148,64 @@ int Recutter::AddShortRun(const ScanLine& scan_line,
   if (num_points < 1 || !IsOnPatch(scan_line, placement, trace, plane, first)) {
     return end.beam;
   }
+  const NewEnd near{first, nullptr, trace, true};
+  const NewEnd far{last, nullptr, trace, is_bounded && last == to};
+  const Ends ends = end.step > 0 ? Ends{near, far} : Ends{far, near};
+  return AddRun(scan_line, nearby, plane.landmark->id, ends) ? last : end.beam;
+}
+
+// Adds those beams of a segment on no plane that the planes explain one by one. Most such
+// segments have but one or two beams of another surface at an end, and noise that agrees with
+// these: without its other beams, a plane would be left with the noise that does not.
+void Recutter::AddRunsOf(const ScanLine& scan_line,
+                         const Observation& observation,
+                         const Ends& ends) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  for (int first = ends.first.beam; first <= ends.last.beam; first += kBeamsAtOnce) {
+    const int last = std::min(first + kBeamsAtOnce - 1, ends.last.beam);
+    const int64_t time_ns = BeamInstant(scan_line, (first + last) / 2, rig_);
+    const ScanPlacement placement =
+        PlacementOf(cutter_.sampler()->WorldFromBody(time_ns) * scanner.body_from_scanner);
+    const FirstPlanes planes(scan_line, scanner, placement, cutter_.candidates(), openings_);
+    for (const FirstPlanes::Run& run : planes.RunsWithin(first, last)) {
+      const Landmark& landmark = *run.plane->landmark;
+      if (!IsWithinGap(landmark, observation.scan_index, options_.loop_closure)) continue;
+      AddRun(scan_line,
+             observation,
+             landmark.id,
+             {{run.first_beam, nullptr, run.trace, true},
+              {run.last_beam, nullptr, run.trace, true}});
+    }
+  }
+}
+
+// Beams between these ends, as far as they pass as a segment of their plane would.
+bool Recutter::AddRun(const ScanLine& scan_line,
+                      const Observation& nearby,
+                      int landmark_id,
+                      const Ends& ends) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   Observation run;
-  run.landmark_id = plane.landmark->id;
-  run.first_beam = std::min(first, last);
-  run.last_beam = std::max(first, last);
+  run.landmark_id = landmark_id;
+  run.first_beam = ends.first.beam;
+  run.last_beam = ends.last.beam;
   run.scan_index = nearby.scan_index;
   run.scan_line_index = nearby.scan_line_index;
   run.scanner_index = nearby.scanner_index;
-  run.sigma_offset_m = static_cast<float>(scanner.range_noise_m / std::sqrt(num_points));
+  run.sigma_offset_m = static_cast<float>(scanner.range_noise_m /
+                                          std::sqrt(run.last_beam - run.first_beam + 1));
   run.sigma_direction_rad = static_cast<float>(M_PI);  // not known without the plane
   SegmentMeasurement nodes;
   nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
                                     BeamInstant(scan_line, run.last_beam, rig_));
   run.measurement = StoredMeasurement(nodes, {});
   run.points = nearby.points;  // so that Replace keeps them too
-  const NewEnd near{first, nullptr, trace, true};
-  const NewEnd far{last, nullptr, trace, is_bounded && last == to};
-  const Ends ends = end.step > 0 ? Ends{near, far} : Ends{far, near};
   Range beams;
   cutter_.LeaveOutHidden(scan_line, ends, &beams, &run);
   cutter_.Replace(scan_line, beams, Matrix6d::Zero(), &run);
-  if (run.landmark_id < 0) return end.beam;
+  if (run.landmark_id < 0) return false;
   state_->short_runs.push_back(std::move(run));
-  return last;
+  return true;
 }
 
 void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap) {
@@ -179,35 +223,40 @@ void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, con
   }
 }
 
+// Whether it changed.
+bool Recutter::RecutOne(const ScanLine& scan_line,
+                        const Ends& ends,
+                        Observation* observation) {
+  Range range;
+  const bool is_another = cutter_.LeaveOutHidden(scan_line, ends, &range, observation);
+  // While openings are still counted, a segment that keeps its beams keeps its line too.
+  if (is_another || (is_last_call_ && observation->taken_to != observation->landmark_id)) {
+    cutter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
+  }
+  return is_another;
+}
+
 int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
   const auto& observations = state_->observations;
   SetCandidates(scan_line, observations[first]);
   const std::vector<Ends> ends = cutter_.FindEnds(scan_line, observations, first, last);
-  for (size_t i = 0; i <= ends.size(); ++i) {
-    Gap gap{{-1}, {scan_line.num_beams()}, -1, -1};
-    if (i > 0) {
-      gap.before = ends[i - 1].last;
-      gap.landmark_before = observations[first + i - 1].landmark_id;
-    }
-    if (i < ends.size()) {
-      gap.after = ends[i].first;
-      gap.landmark_after = observations[first + i].landmark_id;
-    }
-    FillGap(scan_line, observations[first], gap);
-  }
   int num_changed = 0;
-  for (size_t i = first; i < last; ++i) {
-    Observation& observation = state_->observations[i];
-    if (observation.landmark_id < 0) continue;
-    Range range;
-    const bool is_another =
-        cutter_.LeaveOutHidden(scan_line, ends[i - first], &range, &observation);
-    num_changed += is_another ? 1 : 0;
-    // While openings are still counted, a segment that keeps its beams keeps its line too.
-    if (is_another || (is_last_call_ && observation.taken_to != observation.landmark_id)) {
-      cutter_.Replace(scan_line, range, Matrix6d::Zero(), &observation);
+  NewEnd before{-1};
+  int landmark_before = -1;
+  for (size_t i = 0; i < ends.size(); ++i) {
+    Observation& observation = state_->observations[first + i];
+    const int landmark = observation.landmark_id;
+    FillGap(
+        scan_line, observations[first], {before, ends[i].first, landmark_before, landmark});
+    before = ends[i].last;
+    landmark_before = landmark;
+    if (landmark >= 0 && RecutOne(scan_line, ends[i], &observation)) ++num_changed;
+    if (observation.landmark_id < 0 && observation.num_points > 0) {
+      AddRunsOf(scan_line, observation, ends[i]);
     }
   }
+  FillGap(
+      scan_line, observations[first], {before, {scan_line.num_beams()}, landmark_before, -1});
   return num_changed;
 }
 

@@ -28,7 +28,9 @@ namespace plumbline {
 //
 // Beams beyond such an end that lie on the plane met there, and belong to no segment, become
 // short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
-// others. Reads the recording once, from its beginning.
+// others. So do those beams of segments on no plane that single planes explain (FirstPlanes):
+// a segment with a beam or two of another surface may have lost its plane for their noise and
+// its own. Reads the recording once, from its beginning.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,

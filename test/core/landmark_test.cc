@@ -51,6 +51,15 @@ TEST(PatchExtentTest, NearIsWithinTheGap) {
 }
 
 // From a point 3 m in front of the plane and 4 m beside what was seen of it: 5 m.
+TEST(PatchExtentTest, IsSeenOnItsCellsAndAMarginBeside) {
+  PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {1.1, 0.0, 1.0});
+  extent.AddSegment({2.1, 0.0, 1.0}, {3.0, 0.0, 1.0});
+  EXPECT_TRUE(extent.IsSeenAt({0.5, 0.0, 1.0}, 0.0));
+  EXPECT_FALSE(extent.IsSeenAt({1.6, 0.0, 1.0}, 0.02)) << "between the two";
+  EXPECT_TRUE(extent.IsSeenAt({3.019, 0.0, 0.981}, 0.02)) << "on cells that are empty";
+  EXPECT_FALSE(extent.IsSeenAt({3.021, 0.0, 1.0}, 0.02));
+}
+
 TEST(PatchExtentTest, ReachIsThatOfTheRectangle) {
   PatchExtent extent = ExtentOf({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
   extent.AddSegment({0.0, 0.0, 2.0}, {2.0, 0.0, 2.0});

@@ -279,6 +279,34 @@ TEST_F(ShortRunTest, BelongsToThePlaneThatHidesTheOther) {
   EXPECT_EQ(state_->short_runs[0].num_points, 3);
 }
 
+// Across the corner, as the noise of a few beams may have it.
+TEST_F(ShortRunTest, IsMadeOfASegmentOnNoPlane) {
+  AddSideWall(2.0);
+  AddObservation(kFront, kLast - 6, kLast + 3);
+  state_->observations[0].landmark_id = -1;
+  line_.ranges[kLast - 3] += 0.12f;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 3u);
+  const std::vector<std::pair<int, int>> beams = {
+      {kLast - 6, kLast - 4}, {kLast - 2, kLast}, {kLast + 1, kLast + 3}};
+  for (size_t i = 0; i < 3; ++i) {
+    const Observation& run = state_->short_runs[i];
+    EXPECT_EQ(run.landmark_id, i < 2 ? kFront : kSide);
+    EXPECT_EQ(run.first_beam, beams[i].first);
+    EXPECT_EQ(run.last_beam, beams[i].second);
+  }
+}
+
+// It may lie on something behind the edge.
+TEST_F(ShortRunTest, EndsBeforeTheFreeEdgeOfItsPlane) {
+  AddObservation(kFront, kLast - 6, kLast);
+  state_->observations[0].landmark_id = -1;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].first_beam, kLast - 6);
+  EXPECT_EQ(state_->short_runs[0].last_beam, kLast - 1) << "2.5 cm from the edge";
+}
+
 TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
   See(3);
   line_.ranges[kLast + 1] += 0.5f;

@@ -1,0 +1,99 @@
+#include "core/first_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+// A beam counts within so many standard deviations of a range, on both sides of its plane: the
+// others' noise keeps its mean.
+constexpr double kOutlierSigmas = 3.0;
+// Beyond so many, one beam tells two surfaces apart, whatever its noise.
+constexpr double kFarSigmas = 9.0;
+// A plane so far in front of what a beam has measured has let it pass.
+constexpr double kPassed = 0.5;  // m
+// Patches reach so far beyond what segments have shown of them.
+constexpr double kMargin = 0.02;  // m
+// By as much, and a little more, beams on what lies behind a free edge make the patch larger.
+constexpr double kEdge = 0.07;  // m
+
+}  // namespace
+
+bool FirstPlanes::IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const {
+  const Eigen::Vector3d p_world = placement_ * p.homogeneous();
+  const Landmark& landmark = *plane.landmark;
+  return landmark.extent.IsSeenAt(p_world, kMargin) &&
+         !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
+}
+
+bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) const {
+  const Trace trace(placement_, plane);
+  const auto point_of = [&](int i) -> Eigen::Vector2d {
+    const Eigen::Vector2d direction = scan_line_.BeamDirection(i);
+    return trace.RangeAlong(direction) * direction;
+  };
+  const Eigen::Vector2d p = point_of(beam);
+  const Eigen::Vector2d next = point_of(beam + step);
+  return next.allFinite() && IsSeenAt(plane, p + kEdge * (next - p).normalized());
+}
+
+const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {
+  if (beam < 0 || beam >= scan_line_.num_beams()) return nullptr;
+  const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
+  if (!scanner_.IsValidRange(measured)) return nullptr;
+  const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
+  const Eigen::Vector3d p_world = placement_ * (measured * direction).homogeneous();
+  const double off_m = kOutlierSigmas * scanner_.range_noise_m;
+  const LandmarkCandidate* first = nullptr;
+  double nearest = measured + off_m;  // what lies farther is none of the beam's
+  planes_.ForEachWithin(
+      p_world, std::max(kPassed, off_m), [&](const LandmarkCandidate& plane) {
+        if (plane.SignedDistance(placement_.col(2)) <= 0.0) return;
+        const double range = Trace(placement_, plane).RangeAlong(direction);
+        if (!(range > measured - kPassed && range < nearest)) return;
+        if (!IsSeenAt(plane, range * direction)) return;
+        nearest = range;
+        first = &plane;
+      });
+  return nearest > measured - off_m ? first : nullptr;
+}
+
+bool FirstPlanes::IsMet(const LandmarkCandidate& plane,
+                        const LandmarkCandidate* beyond,
+                        int beam) const {
+  if (beyond == nullptr || beyond == &plane) return false;
+  const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
+  const double apart = Trace(placement_, plane).RangeAlong(direction) -
+                       Trace(placement_, *beyond).RangeAlong(direction);
+  return std::abs(apart) < kFarSigmas * scanner_.range_noise_m;
+}
+
+std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_beam) const {
+  std::vector<const LandmarkCandidate*> planes;  // with one beam more on both sides
+  for (int beam = first_beam - 1; beam <= last_beam + 1; ++beam) {
+    planes.push_back(PlaneOf(beam));
+  }
+  const auto plane_of = [&](int beam) {
+    return planes[static_cast<size_t>(beam - first_beam + 1)];
+  };
+  std::vector<Run> runs;
+  for (int beam = first_beam; beam <= last_beam;) {
+    const LandmarkCandidate* plane = plane_of(beam);
+    int first = beam;
+    int last = beam;
+    while (last < last_beam && plane_of(last + 1) == plane) ++last;
+    beam = last + 1;
+    if (plane == nullptr) continue;
+    if (!IsMet(*plane, plane_of(first - 1), first - 1)) {
+      while (first <= last && !GoesOn(*plane, first, -1)) ++first;
+    }
+    if (!IsMet(*plane, plane_of(last + 1), last + 1)) {
+      while (last >= first && !GoesOn(*plane, last, 1)) --last;
+    }
+    if (first <= last) runs.push_back({plane, Trace(placement_, *plane), first, last});
+  }
+  return runs;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/landmark.h"
+#include "core/opening_map.h"
+#include "core/plane_set.h"
+#include "core/rig.h"
+#include "core/scan_line.h"
+#include "core/scan_trace.h"
+
+namespace plumbline {
+
+// What the known planes say of single beams of a scan line: each lies on the plane that it
+// meets first, or on none.
+class FirstPlanes {
+ public:
+  // Consecutive beams on one plane.
+  struct Run {
+    const LandmarkCandidate* plane;
+    Trace trace;
+    int first_beam;
+    int last_beam;  // inclusive
+  };
+
+  // placement: at the instant of the beams asked for. openings: of the landmarks, by id.
+  FirstPlanes(const ScanLine& scan_line,
+              const Scanner& scanner,
+              const ScanPlacement& placement,
+              const PlaneSet& planes,
+              const std::vector<PlaneOpenings>& openings)
+      : scan_line_(scan_line),
+        scanner_(scanner),
+        placement_(placement),
+        planes_(planes),
+        openings_(openings) {}
+
+  // Of the beams first .. last those whose ranges agree with the plane that they meet first.
+  // At the free edge of a plane, where no other begins, those that meet it close to the edge
+  // are left out: they may lie on a face round the corner that no plane is known of.
+  std::vector<Run> RunsWithin(int first_beam, int last_beam) const;
+
+ private:
+  // nullptr where the range does not agree.
+  const LandmarkCandidate* PlaneOf(int beam) const;
+  // p: scanner frame.
+  bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
+  // Whether the plane does not end close beyond the beam.
+  bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;
+  // Whether the plane goes over into that of the beam beyond its end.
+  bool IsMet(const LandmarkCandidate& plane, const LandmarkCandidate* beyond, int beam) const;
+
+  const ScanLine& scan_line_;
+  const Scanner& scanner_;
+  const ScanPlacement& placement_;
+  const PlaneSet& planes_;
+  const std::vector<PlaneOpenings>& openings_;
+};
+
+}  // namespace plumbline
