@@ -59,14 +59,21 @@ const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {
   return nearest > measured - off_m ? first : nullptr;
 }
 
+// Towards a plane that stands in front of it the plane falls back behind that; towards one
+// round an edge it comes out before it.
 bool FirstPlanes::IsMet(const LandmarkCandidate& plane,
                         const LandmarkCandidate* beyond,
-                        int beam) const {
+                        int end,
+                        int step) const {
   if (beyond == nullptr || beyond == &plane) return false;
-  const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-  const double apart = Trace(placement_, plane).RangeAlong(direction) -
-                       Trace(placement_, *beyond).RangeAlong(direction);
-  return std::abs(apart) < kFarSigmas * scanner_.range_noise_m;
+  const Trace trace(placement_, plane);
+  const Trace other(placement_, *beyond);
+  const auto behind = [&](int beam) {
+    const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
+    return trace.RangeAlong(direction) - other.RangeAlong(direction);
+  };
+  const double at = behind(end + step);
+  return std::abs(at) < kFarSigmas * scanner_.range_noise_m && at > behind(end);
 }
 
 std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_beam) const {
@@ -85,10 +92,10 @@ std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_b
     while (last < last_beam && plane_of(last + 1) == plane) ++last;
     beam = last + 1;
     if (plane == nullptr) continue;
-    if (!IsMet(*plane, plane_of(first - 1), first - 1)) {
+    if (!IsMet(*plane, plane_of(first - 1), first, -1)) {
       while (first <= last && !GoesOn(*plane, first, -1)) ++first;
     }
-    if (!IsMet(*plane, plane_of(last + 1), last + 1)) {
+    if (!IsMet(*plane, plane_of(last + 1), last, 1)) {
       while (last >= first && !GoesOn(*plane, last, 1)) --last;
     }
     if (first <= last) runs.push_back({plane, Trace(placement_, *plane), first, last});

@@ -37,8 +37,8 @@ class FirstPlanes {
         openings_(openings) {}
 
   // Of the beams first .. last those whose ranges agree with the plane that they meet first.
-  // At the free edge of a plane, where no other begins, those that meet it close to the edge
-  // are left out: they may lie on a face round the corner that no plane is known of.
+  // Where a plane ends at an edge, and not at another one in front, those that meet it close
+  // to the edge are left out: they may lie on a face round the corner.
   std::vector<Run> RunsWithin(int first_beam, int last_beam) const;
 
  private:
@@ -48,8 +48,12 @@ class FirstPlanes {
   bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
   // Whether the plane does not end close beyond the beam.
   bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;
-  // Whether the plane goes over into that of the beam beyond its end.
-  bool IsMet(const LandmarkCandidate& plane, const LandmarkCandidate* beyond, int beam) const;
+  // Whether that of the beam beyond its end stands in front of the plane and hides the rest of
+  // it. Where the plane ends at an edge instead, how far it was seen is known to centimetres.
+  bool IsMet(const LandmarkCandidate& plane,
+             const LandmarkCandidate* beyond,
+             int end,
+             int step) const;
 
   const ScanLine& scan_line_;
   const Scanner& scanner_;
