@@ -47,6 +47,8 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   int last = end.beam;
   if (to == end.beam) return last;
+  // Planes may meet beyond the scan line.
+  to = std::clamp(to, 0, scan_line.num_beams() - 1);
   BeamSweep sweep(scan_line, end.beam, end.step);
   for (int beam = end.beam + end.step; end.step * (to - beam) >= 0; beam += end.step) {
     sweep.Next();

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/segment_cutter.h"
 #include "test/core/temporary_directory.h"
 
 namespace plumbline {
@@ -449,6 +450,18 @@ TEST_F(RecutScanTest, BeamsCloseBehindAWallGo) {
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_TRUE(observation(0).excluded_beams == std::vector<int>({57, 58, 59, 60, 61, 62, 63}));
   EXPECT_EQ(observation(0).num_points, kLast - 40 + 1 - 7);
+}
+
+// Two planes may meet beyond the scan line. What lies there in memory would go on with the
+// wall.
+TEST_F(SegmentEndsTest, ExtendingEndsWithTheScanLine) {
+  ScanLine line = line_;
+  line.ranges.resize(101);
+  const SegmentCutter cutter(rig_, MapperOptions(), state_->trajectory, nullptr, nullptr);
+  const ScanPlacement placement = PlacementOf(Rigid3d());
+  const Trace trace(placement, LandmarkCandidate(state_->landmarks[kFront]));
+  EXPECT_EQ(cutter.Extend(line, trace, {90, 1, 101, 80, -1}, 110), 100);
+  EXPECT_EQ(cutter.Extend(line_, trace, {90, 1, 181, 80, -1}, 110), 110);
 }
 
 }  // namespace
