@@ -25,13 +25,13 @@ constexpr double kMaxCosine = 0.7;
 
 // Beams that are asked for openings together, before each alone.
 constexpr int kBeamsAtOnce = 16;
-// Beams on both sides of an end that may tell of an opening.
+// Beams on both sides of an end that may tell of an opening. Beyond them, beams go on telling
+// of it for as long as they go through: at a grazing angle those on its far jamb meet the
+// plane decimetres before it.
 constexpr int kNumBeams = 8;
-constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
-// Beyond these, beams go on telling of an opening for as long as they go through: at a grazing
-// angle those on its far jamb meet the plane decimetres before it.
-constexpr double kSpacing = 0.01;  // m, of those that count: half a cell of the openings
+constexpr double kSpacing = 0.01;  // m, of those farther ones: half a cell of the openings
 constexpr int kNumHits = 32;       // of a segment's beams, count for all of them
+constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
 
@@ -250,7 +250,7 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   BeamSweep outwards(end.scan_line, end.beam, end.step);
   bool is_opening = false;
-  Eigen::Vector3d last = Eigen::Vector3d::Zero();  // that counted, and its k
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
   int last_k = 0;
   for (int k = 1;; ++k) {
     const bool is_close = k <= kNumBeams;

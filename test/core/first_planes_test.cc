@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -28,16 +29,27 @@ class FirstPlanesTest : public ::testing::Test {
     wall.extent.AddSegment(from + Eigen::Vector3d::UnitZ(), to + Eigen::Vector3d::UnitZ());
     return wall;
   }
-  double AngleOf(int beam) const { return line_.BeamAngle(beam); }
-  std::vector<FirstPlanes::Run> Runs(const Landmark& wall, const Landmark& face) const {
+  // range_of: an angle.
+  template <typename RangeOf>
+  void See(const RangeOf& range_of) {
+    for (int beam = 0; beam < 140; ++beam) {
+      line_.ranges.push_back(static_cast<float>(range_of(line_.BeamAngle(beam))));
+    }
+  }
+
+  struct Run {
+    bool is_on_face;
+    int first_beam;
+    int last_beam;
+  };
+  std::vector<Run> Runs(const Landmark& wall, Landmark face) const {
+    face.id = 1;
     const PlaneSet planes({LandmarkCandidate(wall), LandmarkCandidate(face)});
     const std::vector<PlaneOpenings> openings(2);
-    std::vector<FirstPlanes::Run> runs =
-        FirstPlanes(line_, scanner_, placement_, planes, openings)
-            .RunsWithin(1, line_.num_beams() - 2);
-    for (FirstPlanes::Run& run : runs) {
-      run.plane = nullptr;  // gone with the set
-      is_on_face_.push_back(std::abs(run.trace.normal.x()) > 0.5);
+    const FirstPlanes first_planes(line_, scanner_, placement_, planes, openings);
+    std::vector<Run> runs;
+    for (const FirstPlanes::Run& run : first_planes.RunsWithin(1, line_.num_beams() - 2)) {
+      runs.push_back({run.plane->landmark == &face, run.first_beam, run.last_beam});
     }
     return runs;
   }
@@ -46,42 +58,32 @@ class FirstPlanesTest : public ::testing::Test {
   Scanner scanner_;
   ScanPlacement placement_ =
       ScanPlacement::Identity() - Eigen::Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ();
-  mutable std::vector<bool> is_on_face_;
 };
 
 // The wall runs on behind the face's line. Beams that just miss the face end on the wall, too
 // close behind for their ranges to tell.
 TEST_F(FirstPlanesTest, AFaceTakesNoBeamsThatPassItsEdge) {
-  Landmark wall = Wall({0.0, -1.0, 0.0}, {3.0, 1.0, -0.1}, {6.0, 1.0, -0.1});
-  Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 1.0, -0.1}, {3.0, 1.4, -0.1});
-  face.id = 1;
-  for (int beam = 0; beam < 140; ++beam) {
-    const double angle = AngleOf(beam);
-    line_.ranges.push_back(
-        static_cast<float>(std::max(1.0 / std::sin(angle), 3.0 / std::cos(angle))));
-  }
-  const std::vector<FirstPlanes::Run> runs = Runs(wall, face);
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {3.0, 1.0, -0.1}, {6.0, 1.0, -0.1});
+  const Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 1.0, -0.1}, {3.0, 1.4, -0.1});
+  See([](double angle) { return std::max(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
+  const std::vector<Run> runs = Runs(wall, face);
   ASSERT_EQ(runs.size(), 2u);
-  EXPECT_FALSE(is_on_face_[0]);
-  EXPECT_TRUE(is_on_face_[1]);
-  EXPECT_GT(3.0 * std::tan(AngleOf(runs[1].first_beam)), 1.04);
-  EXPECT_LT(3.0 * std::tan(AngleOf(runs[1].first_beam)), 1.08);
+  EXPECT_FALSE(runs[0].is_on_face);
+  EXPECT_TRUE(runs[1].is_on_face);
+  const double first_y = 3.0 * std::tan(line_.BeamAngle(runs[1].first_beam));
+  EXPECT_GT(first_y, 1.04);
+  EXPECT_LT(first_y, 1.08);
 }
 
 // Where the wall ends at the face, all beams of both count.
 TEST_F(FirstPlanesTest, InACornerAllBeamsCount) {
-  Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 1.0, -0.1}, {3.0, 1.0, -0.1});
-  Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 0.0, -0.1}, {3.0, 1.0, -0.1});
-  face.id = 1;
-  for (int beam = 0; beam < 140; ++beam) {
-    const double angle = AngleOf(beam);
-    line_.ranges.push_back(
-        static_cast<float>(std::min(1.0 / std::sin(angle), 3.0 / std::cos(angle))));
-  }
-  const std::vector<FirstPlanes::Run> runs = Runs(wall, face);
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 1.0, -0.1}, {3.0, 1.0, -0.1});
+  const Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 0.0, -0.1}, {3.0, 1.0, -0.1});
+  See([](double angle) { return std::min(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
+  const std::vector<Run> runs = Runs(wall, face);
   ASSERT_EQ(runs.size(), 2u);
-  EXPECT_TRUE(is_on_face_[0]);
-  EXPECT_FALSE(is_on_face_[1]);
+  EXPECT_TRUE(runs[0].is_on_face);
+  EXPECT_FALSE(runs[1].is_on_face);
   EXPECT_EQ(runs[0].last_beam + 1, runs[1].first_beam);
 }
 

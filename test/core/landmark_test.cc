@@ -50,7 +50,6 @@ TEST(PatchExtentTest, NearIsWithinTheGap) {
   EXPECT_TRUE(diagonal.IsNear({6.0, 0.0, 1.0}, {7.0, 0.0, 1.5}, 6.0));
 }
 
-// From a point 3 m in front of the plane and 4 m beside what was seen of it: 5 m.
 TEST(PatchExtentTest, IsSeenOnItsCellsAndAMarginBeside) {
   PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {1.1, 0.0, 1.0});
   extent.AddSegment({2.1, 0.0, 1.0}, {3.0, 0.0, 1.0});
@@ -60,6 +59,7 @@ TEST(PatchExtentTest, IsSeenOnItsCellsAndAMarginBeside) {
   EXPECT_FALSE(extent.IsSeenAt({3.021, 0.0, 1.0}, 0.02));
 }
 
+// From a point 3 m in front of the plane and 4 m beside what was seen of it: 5 m.
 TEST(PatchExtentTest, ReachIsThatOfTheRectangle) {
   PatchExtent extent = ExtentOf({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
   extent.AddSegment({0.0, 0.0, 2.0}, {2.0, 0.0, 2.0});
