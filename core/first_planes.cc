@@ -17,14 +17,44 @@ constexpr double kPassed = 0.5;  // m
 constexpr double kMargin = 0.02;  // m
 // By as much, and a little more, beams on what lies behind a free edge make the patch larger.
 constexpr double kEdge = 0.07;  // m
+// How near the seen part of another plane has to come to an edge that it makes: one cell of
+// its grid.
+constexpr double kReach = 0.25;  // m
+// Planes whose normals are nearer to each other make no edge.
+constexpr double kMaxCosine = 0.7;
 
 }  // namespace
 
+bool FirstPlanes::IsSolidAt(const LandmarkCandidate& plane,
+                            const Eigen::Vector3d& p_world,
+                            double margin_m) const {
+  const Landmark& landmark = *plane.landmark;
+  if (!landmark.extent.IsSeenAt(p_world, margin_m)) return false;
+  // A floor's openings are where something stands on it: it hides what lies below all the
+  // same.
+  return !plane.is_vertical || !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
+}
+
+bool FirstPlanes::EndsBefore(const LandmarkCandidate& plane,
+                             const Eigen::Vector3d& p_world) const {
+  bool ends = false;
+  planes_.ForEachWithin(p_world, kReach, [&](const LandmarkCandidate& other) {
+    if (ends || other.landmark == plane.landmark) return;
+    const double cosine = other.normal.dot(plane.normal);
+    if (std::abs(cosine) > kMaxCosine) return;
+    const double in_front = other.SignedDistance(p_world);
+    if (in_front <= 0.0) return;
+    if (!other.landmark->extent.IsNear(p_world, p_world, kReach)) return;
+    const Eigen::Vector3d outwards = (other.normal - cosine * plane.normal).normalized();
+    ends = IsSolidAt(plane, p_world - (in_front + kEdge) * outwards, kMargin) &&
+           !IsSolidAt(plane, p_world + kReach * outwards, 0.0);
+  });
+  return ends;
+}
+
 bool FirstPlanes::IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const {
   const Eigen::Vector3d p_world = placement_ * p.homogeneous();
-  const Landmark& landmark = *plane.landmark;
-  return landmark.extent.IsSeenAt(p_world, kMargin) &&
-         !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
+  return IsSolidAt(plane, p_world, kMargin) && !EndsBefore(plane, p_world);
 }
 
 bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) const {
@@ -35,7 +65,9 @@ bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) con
   };
   const Eigen::Vector2d p = point_of(beam);
   const Eigen::Vector2d next = point_of(beam + step);
-  return next.allFinite() && IsSeenAt(plane, p + kEdge * (next - p).normalized());
+  if (!next.allFinite()) return false;
+  const Eigen::Vector2d beyond = p + kEdge * (next - p).normalized();
+  return IsSeenAt(plane, beyond) || EndsBefore(plane, placement_ * beyond.homogeneous());
 }
 
 const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {

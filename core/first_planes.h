@@ -37,14 +37,21 @@ class FirstPlanes {
         openings_(openings) {}
 
   // Of the beams first .. last those whose ranges agree with the plane that they meet first.
-  // Where a plane ends at an edge, and not at another one in front, those that meet it close
-  // to the edge are left out: they may lie on a face round the corner.
+  // Where a plane ends at an edge of which the other side has not been seen, those that meet
+  // it close to the edge are left out: they may lie on the face round the corner.
   std::vector<Run> RunsWithin(int first_beam, int last_beam) const;
 
  private:
   // nullptr where the range does not agree.
   const LandmarkCandidate* PlaneOf(int beam) const;
-  // p: scanner frame.
+  // Whether it has been seen there, and no opening.
+  bool IsSolidAt(const LandmarkCandidate& plane,
+                 const Eigen::Vector3d& p_world,
+                 double margin_m) const;
+  // Whether the plane ends close by at another one's edge, and the point lies beyond: in front
+  // of the other, where nothing has been seen of the plane.
+  bool EndsBefore(const LandmarkCandidate& plane, const Eigen::Vector3d& p_world) const;
+  // Neither; p: scanner frame.
   bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
   // Whether the plane does not end close beyond the beam.
   bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;

@@ -40,18 +40,4 @@ inline std::optional<Eigen::Vector2d> Crossing(const Trace& a, const Trace& b) {
          sine;
 }
 
-// Whether a beam meets the plane where segments have been seen of it.
-inline bool IsOnPatch(const ScanLine& scan_line,
-                      const ScanPlacement& placement,
-                      const Trace& trace,
-                      const LandmarkCandidate& plane,
-                      int beam) {
-  constexpr double kMargin = 0.02;  // m
-  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-  const double range = trace.RangeAlong(direction);
-  if (!std::isfinite(range)) return false;
-  return plane.landmark->extent.IsWithin(
-      placement * Eigen::Vector3d(range * direction.x(), range * direction.y(), 1.0), kMargin);
-}
-
 }  // namespace plumbline

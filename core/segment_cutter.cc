@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/hidden_beams.h"
@@ -18,6 +17,21 @@ constexpr double kOutlierSigmas = 5.0;
 // The last one at a free end within so many: a beam past the edge may end on something close
 // behind. Cut on both sides of the plane, the good ones' noise keeps its mean.
 constexpr double kFreeEndSigmas = 3.0;
+// Before its segments' ends are known, a wall seems to reach up to so far round its corners.
+constexpr double kRoundCorners = 0.3;  // m
+
+// Whether the plane has been seen farther out than where the beam meets it.
+bool IsInside(const ScanLine& scan_line,
+              const ScanPlacement& placement,
+              const Trace& trace,
+              const LandmarkCandidate& plane,
+              int beam) {
+  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+  const double range = trace.RangeAlong(direction);
+  if (!std::isfinite(range)) return false;
+  return plane.landmark->extent.IsWithin(placement * (range * direction).homogeneous(),
+                                         -kRoundCorners);
+}
 
 }  // namespace
 
@@ -61,29 +75,6 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-// The plane beyond an end that is now at `beam`, if it may be given beams of this scan. Of
-// several that meet there it is the one that the beams meet first: it hides the others.
-const LandmarkCandidate* SegmentCutter::Beyond(const std::vector<PlaneMeeting>& meetings,
-                                               const ScanLine& scan_line,
-                                               const ScanPlacement& placement,
-                                               const FreeEnd& end,
-                                               int beam,
-                                               int scan_index) const {
-  const Eigen::Vector2d next = scan_line.BeamDirection(beam + end.step);
-  const LandmarkCandidate* first = nullptr;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const PlaneMeeting& meeting : meetings) {
-    if (std::abs(meeting.last - end.step * (beam - end.beam)) > 1) continue;
-    if (!IsWithinGap(*meeting.plane->landmark, scan_index, options_.loop_closure)) continue;
-    if (meeting.plane->SignedDistance(placement.col(2)) <= 0.0) continue;
-    const double range = meeting.other.RangeAlong(next);
-    if (range >= nearest) continue;
-    nearest = range;
-    first = meeting.plane;
-  }
-  return first;
-}
-
 SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
                                              const Observation& observation,
                                              const FreeEnd& end) {
@@ -118,16 +109,16 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
     }
     if (std::abs(own_range - other_range) < far_m) last = meeting.last;
   }
-  NewEnd result{end.beam + end.step * last, nullptr, trace};
+  NewEnd result{end.beam + end.step * last, trace};
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
-  result.beyond =
-      Beyond(meetings, scan_line, placement, end, result.beam, observation.scan_index);
   result.is_met =
       std::any_of(meetings.begin(), meetings.end(), [&](const PlaneMeeting& meeting) {
         return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
       });
-  // Walls hide the floor beyond them: for floors, ends at walls tell something too.
-  const bool is_counted = !result.is_met || own->landmark->model == PlaneModel::kHorizontal;
+  // Walls hide the floor beyond them: for floors, ends at walls tell something too. So do a
+  // wall's ends at the jambs of its doors.
+  const bool is_counted = !result.is_met || own->landmark->model == PlaneModel::kHorizontal ||
+                          IsInside(scan_line, placement, trace, *own, result.beam + end.step);
   if (counted_ != nullptr && is_counted) {
     int on_plane = result.beam;
     while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;

@@ -29,7 +29,6 @@ class SegmentCutter {
   // Where a segment ends now.
   struct NewEnd {
     int beam;
-    const LandmarkCandidate* beyond = nullptr;  // that may be given beams there
     std::optional<Trace> trace = std::nullopt;  // of its own plane, if it has one
     bool is_met = false;                        // by another plane
   };
@@ -82,12 +81,6 @@ class SegmentCutter {
   NewEnd FindEnd(const ScanLine& scan_line,
                  const Observation& observation,
                  const FreeEnd& end);
-  const LandmarkCandidate* Beyond(const std::vector<PlaneMeeting>& meetings,
-                                  const ScanLine& scan_line,
-                                  const ScanPlacement& placement,
-                                  const FreeEnd& end,
-                                  int beam,
-                                  int scan_index) const;
   void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
   // Those between two beams of an observation, on this plane.

@@ -9,7 +9,6 @@
 
 #include "core/association.h"
 #include "core/first_planes.h"
-#include "core/plane_meetings.h"
 #include "core/scan_reader.h"
 #include "core/scan_trace.h"
 #include "core/segment_cutter.h"
@@ -62,23 +61,12 @@ class Recutter {
   int Recut(const ScanLine& scan_line, size_t first, size_t last);
 
  private:
-  // Beams between two segments.
-  struct Gap {
-    NewEnd before;  // of the segments on both sides
-    NewEnd after;
-    int landmark_before;  // their planes; -1: none
-    int landmark_after;
-  };
-
   void SetCandidates(const ScanLine& scan_line, const Observation& observation);
   bool RecutOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
-  void FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap);
-  int AddShortRun(const ScanLine& scan_line,
-                  const Observation& nearby,
-                  const LandmarkCandidate& plane,
-                  const FreeEnd& end,
-                  int own_landmark);
-  void AddRunsOf(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
+  void AddRuns(const ScanLine& scan_line,
+               const Observation& nearby,
+               int first_beam,
+               int last_beam);
   bool AddRun(const ScanLine& scan_line,
               const Observation& nearby,
               int landmark_id,
@@ -114,67 +102,28 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
   cutter_.SetCandidates(CandidatesWithin(reach, within_gap_));
 }
 
-// Beams of a plane beyond a segment's end, too few for a segment of their own; as far as they
-// fit. Returns the last one taken. end: of the segment; own_landmark: its plane.
-int Recutter::AddShortRun(const ScanLine& scan_line,
-                          const Observation& nearby,
-                          const LandmarkCandidate& plane,
-                          const FreeEnd& end,
-                          int own_landmark) {
+// Adds those of the beams, which no segment has taken, that the planes explain one by one.
+// Segmentation may have left them out for their noise, and so may a plane that has lost a
+// segment for a beam or two of another surface: without them a plane would be left with the
+// noise of the others, which leans one way.
+void Recutter::AddRuns(const ScanLine& scan_line,
+                       const Observation& nearby,
+                       int first_beam,
+                       int last_beam) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const int first = end.beam + end.step;
-  const ScanPlacement placement =
-      PlacementOf(cutter_.sampler()->WorldFromBody(BeamInstant(scan_line, first, rig_)) *
-                  scanner.body_from_scanner);
-  if (plane.SignedDistance(placement.col(2)) <= 0.0) return end.beam;
-  const Trace trace(placement, plane);
-  const Eigen::Vector2d direction = scan_line.BeamDirection(first);
-  const double range = trace.RangeAlong(direction);
-  if (!scanner.IsValidRange(range)) return end.beam;
-  const Eigen::Vector3d p_world = placement * (range * direction).homogeneous();
-  int to = end.limit - end.step;
-  bool is_bounded = false;  // by another plane
-  for (const PlaneMeeting& meeting : FindMeetings(
-           {scan_line, placement, plane, trace}, p_world, cutter_.candidates(), end)) {
-    if (meeting.plane->landmark->id == own_landmark || meeting.last < 1) continue;
-    to = end.beam + end.step * meeting.last;
-    is_bounded = true;
-  }
-  int last = cutter_.Extend(scan_line, trace, end, to);
-  while (last != end.beam && !IsOnPatch(scan_line, placement, trace, plane, last)) {
-    last -= end.step;
-  }
-  const int num_points = end.step * (last - end.beam);
-  if (num_points < 1 || !IsOnPatch(scan_line, placement, trace, plane, first)) {
-    return end.beam;
-  }
-  const NewEnd near{first, nullptr, trace, true};
-  const NewEnd far{last, nullptr, trace, is_bounded && last == to};
-  const Ends ends = end.step > 0 ? Ends{near, far} : Ends{far, near};
-  return AddRun(scan_line, nearby, plane.landmark->id, ends) ? last : end.beam;
-}
-
-// Adds those beams of a segment on no plane that the planes explain one by one. Most such
-// segments have but one or two beams of another surface at an end, and noise that agrees with
-// these: without its other beams, a plane would be left with the noise that does not.
-void Recutter::AddRunsOf(const ScanLine& scan_line,
-                         const Observation& observation,
-                         const Ends& ends) {
-  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  for (int first = ends.first.beam; first <= ends.last.beam; first += kBeamsAtOnce) {
-    const int last = std::min(first + kBeamsAtOnce - 1, ends.last.beam);
+  for (int first = first_beam; first <= last_beam; first += kBeamsAtOnce) {
+    const int last = std::min(first + kBeamsAtOnce - 1, last_beam);
     const int64_t time_ns = BeamInstant(scan_line, (first + last) / 2, rig_);
     const ScanPlacement placement =
         PlacementOf(cutter_.sampler()->WorldFromBody(time_ns) * scanner.body_from_scanner);
     const FirstPlanes planes(scan_line, scanner, placement, cutter_.candidates(), openings_);
     for (const FirstPlanes::Run& run : planes.RunsWithin(first, last)) {
       const Landmark& landmark = *run.plane->landmark;
-      if (!IsWithinGap(landmark, observation.scan_index, options_.loop_closure)) continue;
+      if (!IsWithinGap(landmark, nearby.scan_index, options_.loop_closure)) continue;
       AddRun(scan_line,
-             observation,
+             nearby,
              landmark.id,
-             {{run.first_beam, nullptr, run.trace, true},
-              {run.last_beam, nullptr, run.trace, true}});
+             {{run.first_beam, run.trace, true}, {run.last_beam, run.trace, true}});
     }
   }
 }
@@ -208,21 +157,6 @@ bool Recutter::AddRun(const ScanLine& scan_line,
   return true;
 }
 
-void Recutter::FillGap(const ScanLine& scan_line, const Observation& nearby, const Gap& gap) {
-  int from = gap.before.beam;
-  if (gap.before.beyond != nullptr && gap.before.beyond->landmark->id != gap.landmark_after) {
-    FreeEnd end{from, 1, gap.after.beam, from, gap.landmark_after};
-    if (from + 1 < gap.after.beam) {
-      from = AddShortRun(scan_line, nearby, *gap.before.beyond, end, gap.landmark_before);
-    }
-  }
-  if (gap.after.beyond != nullptr && gap.after.beyond->landmark->id != gap.landmark_before &&
-      from + 1 < gap.after.beam) {
-    FreeEnd end{gap.after.beam, -1, from, gap.after.beam, gap.landmark_before};
-    AddShortRun(scan_line, nearby, *gap.after.beyond, end, gap.landmark_after);
-  }
-}
-
 // Whether it changed.
 bool Recutter::RecutOne(const ScanLine& scan_line,
                         const Ends& ends,
@@ -241,22 +175,16 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
   SetCandidates(scan_line, observations[first]);
   const std::vector<Ends> ends = cutter_.FindEnds(scan_line, observations, first, last);
   int num_changed = 0;
-  NewEnd before{-1};
-  int landmark_before = -1;
+  int next = 0;  // beam that no segment has taken
   for (size_t i = 0; i < ends.size(); ++i) {
     Observation& observation = state_->observations[first + i];
-    const int landmark = observation.landmark_id;
-    FillGap(
-        scan_line, observations[first], {before, ends[i].first, landmark_before, landmark});
-    before = ends[i].last;
-    landmark_before = landmark;
-    if (landmark >= 0 && RecutOne(scan_line, ends[i], &observation)) ++num_changed;
-    if (observation.landmark_id < 0 && observation.num_points > 0) {
-      AddRunsOf(scan_line, observation, ends[i]);
-    }
+    if (observation.landmark_id < 0) continue;
+    if (RecutOne(scan_line, ends[i], &observation)) ++num_changed;
+    if (observation.landmark_id < 0) continue;
+    AddRuns(scan_line, observations[first], next, observation.first_beam - 1);
+    next = observation.last_beam + 1;
   }
-  FillGap(
-      scan_line, observations[first], {before, {scan_line.num_beams()}, landmark_before, -1});
+  AddRuns(scan_line, observations[first], next, scan_line.num_beams() - 1);
   return num_changed;
 }
 

@@ -26,11 +26,12 @@ namespace plumbline {
 // change are taken to their planes' traces (MakeObservationOn); in the last call, where
 // nothing is counted, also those that are on no trace of their plane yet.
 //
-// Beams beyond such an end that lie on the plane met there, and belong to no segment, become
-// short runs: seen at a grazing angle, a few of them tell as much of a plane as hundreds of
-// others. So do those beams of segments on no plane that single planes explain (FirstPlanes):
-// a segment with a beam or two of another surface may have lost its plane for their noise and
-// its own. Reads the recording once, from its beginning.
+// Beams that no segment has taken and single planes explain become short runs (FirstPlanes):
+// those beyond an end, which are too few for a segment, tell as much of a plane seen at a
+// grazing angle as hundreds of others; those between two lines segmentation leaves out for
+// their noise and that of their neighbours, as an association refuses a segment that has a
+// beam or two of another surface. What is left to a plane then would lean one way. Reads the
+// recording once, from its beginning.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,

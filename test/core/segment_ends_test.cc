@@ -2,99 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "core/segment_cutter.h"
-#include "test/core/temporary_directory.h"
+#include "test/core/segment_ends_fixture.h"
 
 namespace plumbline {
 namespace {
-
-constexpr int64_t kStart = 1'600'000'000'000'000'000;
-constexpr double kDegree = M_PI / 180.0;
-constexpr int kLast = 116;  // of the front wall; beam i points to i - 90 degrees
-constexpr int kFront = 0;   // landmark ids
-constexpr int kSide = 1;
-
-// A scanner at rest in the origin sees a wall in front, x = 2 up to y = 1, and one at its
-// left, y = 1. They meet at 26.57 degrees.
-class SegmentEndsTest : public TemporaryDirectoryTest {
- protected:
-  void SetUp() override {
-    TemporaryDirectoryTest::SetUp();
-    rig_.scanners.resize(1);
-    rig_.scanners[0].name = "level";
-    rig_.scanners[0].topic = "/scan";
-    line_.stamp_ns = kStart;
-    line_.angle_min = -90.0 * kDegree;
-    line_.angle_increment = kDegree;
-    line_.time_increment_s = 1e-4;
-    for (int beam = 0; beam <= 180; ++beam) line_.ranges.push_back(Range(beam));
-    state_ = std::make_unique<MapState>(
-        MapState{Trajectory(kStart, 125'000'000, Rigid3d()), {}, {}, kStart, {}});
-    state_->trajectory.ExtendTo(kStart + 100'000'000);
-    AddWall({-1.0, 0.0, 0.0}, {2.0, -3.0, 0.0}, {2.0, 1.0, 0.0});
-  }
-
-  void AddWall(const Eigen::Vector3d& normal,
-               const Eigen::Vector3d& from,
-               const Eigen::Vector3d& to) {
-    Landmark wall = MakeVerticalLandmark(normal, from);
-    wall.id = static_cast<int>(state_->landmarks.size());
-    wall.extent.AddSegment(from, to);
-    wall.extent.AddSegment(from + Eigen::Vector3d::UnitZ(), to + Eigen::Vector3d::UnitZ());
-    wall.num_segments = 1;
-    state_->landmarks.push_back(wall);
-  }
-  void AddSideWall(double end_x) {
-    AddWall({0.0, -1.0, 0.0}, {-2.0, 1.0, 0.0}, {end_x, 1.0, 0.0});
-  }
-
-  static float Range(int beam) {
-    const double angle = (beam - 90) * kDegree;
-    const double front = std::cos(angle) > 1e-6 ? 2.0 / std::cos(angle) : 1e9;
-    const double side = std::sin(angle) > 1e-6 ? 1.0 / std::sin(angle) : 1e9;
-    return static_cast<float>(std::min({front, side, 20.0}));
-  }
-
-  void AddObservation(int landmark_id, int first, int last) {
-    Segment segment;
-    segment.first_beam = first;
-    segment.last_beam = last;
-    segment.num_points = last - first + 1;
-    const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
-    segment.normal =
-        (rig_.scanners[0].body_from_scanner.rotation.conjugate() * landmark.Normal())
-            .head<2>();
-    Observation observation = MakeObservation(line_, rig_.scanners[0], segment, false);
-    observation.landmark_id = landmark_id;
-    state_->observations.push_back(observation);
-  }
-
-  int Recut(bool last = false) {
-    const std::string path = (directory_ / "recording.bag").string();
-    RecordingWriter writer(path, rig_);
-    writer.Write(line_);
-    writer.Close();
-    RecordingReader recording(path, rig_);
-    OpeningMap counted;
-    const int num_recut = RecutSegments(
-        rig_, MapperOptions(), &recording, openings_, last ? nullptr : &counted, state_.get());
-    if (!last) openings_ = std::move(counted);
-    return num_recut;
-  }
-
-  const Observation& observation(size_t i) const { return state_->observations[i]; }
-
-  Rig rig_;
-  ScanLine line_;
-  OpeningMap openings_;
-  std::unique_ptr<MapState> state_;
-};
 
 TEST_F(SegmentEndsTest, BeamsBeyondTheCornerGo) {
   AddSideWall(2.0);
@@ -239,101 +154,6 @@ TEST_F(SegmentEndsTest, WhatIsLeftOffItsPlaneLosesIt) {
   EXPECT_EQ(observation(0).landmark_id, -1);
 }
 
-// Of the side wall, too few beams for a segment are seen before the view opens.
-class ShortRunTest : public SegmentEndsTest {
- protected:
-  void See(int num_beams) {
-    for (size_t beam = kLast + 1 + static_cast<size_t>(num_beams); beam < line_.ranges.size();
-         ++beam) {
-      line_.ranges[beam] = 20.0f;
-    }
-    AddSideWall(2.0);
-    AddObservation(kFront, 40, kLast);
-  }
-};
-
-TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
-  for (const int num_beams : {1, 3}) {
-    state_->observations.clear();
-    See(num_beams);
-    Recut();
-    ASSERT_EQ(state_->short_runs.size(), 1u) << num_beams;
-    const Observation& run = state_->short_runs[0];
-    EXPECT_EQ(run.landmark_id, kSide);
-    EXPECT_EQ(run.first_beam, kLast + 1);
-    EXPECT_EQ(run.last_beam, kLast + num_beams);
-    EXPECT_EQ(run.num_points, num_beams);
-    for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) {
-      line_.ranges[beam] = Range(static_cast<int>(beam));
-    }
-    state_->landmarks.pop_back();
-  }
-}
-
-// Twelve centimetres of range farther, which no beam alone can tell.
-TEST_F(ShortRunTest, BelongsToThePlaneThatHidesTheOther) {
-  See(3);
-  AddWall({0.0, -1.0, 0.0}, {-2.0, 1.05, 0.0}, {2.0, 1.05, 0.0});
-  Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].landmark_id, kSide);
-  EXPECT_EQ(state_->short_runs[0].num_points, 3);
-}
-
-// Across the corner, as the noise of a few beams may have it.
-TEST_F(ShortRunTest, IsMadeOfASegmentOnNoPlane) {
-  AddSideWall(2.0);
-  AddObservation(kFront, kLast - 6, kLast + 3);
-  state_->observations[0].landmark_id = -1;
-  line_.ranges[kLast - 3] += 0.12f;
-  Recut();
-  ASSERT_EQ(state_->short_runs.size(), 3u);
-  const std::vector<std::pair<int, int>> beams = {
-      {kLast - 6, kLast - 4}, {kLast - 2, kLast}, {kLast + 1, kLast + 3}};
-  for (size_t i = 0; i < 3; ++i) {
-    const Observation& run = state_->short_runs[i];
-    EXPECT_EQ(run.landmark_id, i < 2 ? kFront : kSide);
-    EXPECT_EQ(run.first_beam, beams[i].first);
-    EXPECT_EQ(run.last_beam, beams[i].second);
-  }
-}
-
-// It may lie on something behind the edge.
-TEST_F(ShortRunTest, EndsBeforeTheFreeEdgeOfItsPlane) {
-  AddObservation(kFront, kLast - 6, kLast);
-  state_->observations[0].landmark_id = -1;
-  Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].first_beam, kLast - 6);
-  EXPECT_EQ(state_->short_runs[0].last_beam, kLast - 1) << "2.5 cm from the edge";
-}
-
-TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
-  See(3);
-  line_.ranges[kLast + 1] += 0.5f;
-  Recut();
-  EXPECT_TRUE(state_->short_runs.empty());
-}
-
-TEST_F(ShortRunTest, EndsOnItsPlane) {
-  See(3);
-  line_.ranges[kLast + 1] += 0.12f;  // next to the corner
-  line_.ranges[kLast + 3] += 0.12f;
-  Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].first_beam, kLast + 1);
-  EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
-}
-
-TEST_F(ShortRunTest, IsMadeAnewEachTime) {
-  See(3);
-  Recut();
-  const int revision = state_->short_runs.at(0).revision;
-  Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_GT(state_->short_runs[0].revision, revision);
-}
-
 // The wall ends at a door; its jamb takes the first beams behind the edge. From elsewhere,
 // beams go through there.
 TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
@@ -352,6 +172,31 @@ TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
   Recut();
   EXPECT_GE(observation(0).last_beam, kEdge - 4);
   EXPECT_LE(observation(0).last_beam, kEdge);
+}
+
+// The near jamb, which the scanner does not see, ends the segment; what tells of the door are
+// beams that go through before the wall goes on.
+TEST_F(SegmentEndsTest, JambsDoNotHideTheirOpening) {
+  constexpr int kEdge = 100;
+  const auto at = [](double beam) {
+    return Eigen::Vector3d(2.0, 2.0 * std::tan((beam - 90) * kDegree), 0.0);
+  };
+  const Eigen::Vector3d edge = at(kEdge + 0.5);
+  for (size_t beam = kEdge + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 9.0f;
+  AddWall({0.0, 1.0, 0.0}, edge, edge + 0.2 * Eigen::Vector3d::UnitX());
+  for (int line = 0; line < 2; ++line) {
+    AddObservation(kFront, 40, kEdge);
+    state_->observations.back().scan_line_index = line;
+  }
+  for (const double end_y : {1.0, edge.y()}) {
+    Landmark& front = state_->landmarks[kFront];
+    front.extent = front.EmptyExtent();
+    for (const double z : {-0.5, 0.5})
+      front.extent.AddSegment({2.0, -3.0, z}, {2.0, end_y, z});
+    Recut();
+    EXPECT_EQ(openings_.OpeningsOf(front).IsAt(at(kEdge + 3)), end_y == 1.0)
+        << "not at corners";
+  }
 }
 
 TEST_F(SegmentEndsTest, WithoutPassagesAnOpenEndStays) {
