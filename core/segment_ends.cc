@@ -19,7 +19,7 @@ namespace {
 // A surface shows single beams long before it shows segments: with loop closure off, a plane
 // bounds segments for so many times the gap after which it is not taken up again.
 constexpr int kGapFactor = 10;
-// Of a segment on no plane, so many are placed together: a few milliseconds.
+// Of beams that no segment has, so many are placed together: a few milliseconds.
 constexpr int kBeamsAtOnce = 32;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
@@ -67,7 +67,7 @@ class Recutter {
                const Observation& nearby,
                int first_beam,
                int last_beam);
-  bool AddRun(const ScanLine& scan_line,
+  void AddRun(const ScanLine& scan_line,
               const Observation& nearby,
               int landmark_id,
               const Ends& ends);
@@ -102,10 +102,7 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
   cutter_.SetCandidates(CandidatesWithin(reach, within_gap_));
 }
 
-// Adds those of the beams, which no segment has taken, that the planes explain one by one.
-// Segmentation may have left them out for their noise, and so may a plane that has lost a
-// segment for a beam or two of another surface: without them a plane would be left with the
-// noise of the others, which leans one way.
+// Of beams that no segment has, adds those that the planes explain one by one.
 void Recutter::AddRuns(const ScanLine& scan_line,
                        const Observation& nearby,
                        int first_beam,
@@ -129,7 +126,7 @@ void Recutter::AddRuns(const ScanLine& scan_line,
 }
 
 // Beams between these ends, as far as they pass as a segment of their plane would.
-bool Recutter::AddRun(const ScanLine& scan_line,
+void Recutter::AddRun(const ScanLine& scan_line,
                       const Observation& nearby,
                       int landmark_id,
                       const Ends& ends) {
@@ -152,9 +149,7 @@ bool Recutter::AddRun(const ScanLine& scan_line,
   Range beams;
   cutter_.LeaveOutHidden(scan_line, ends, &beams, &run);
   cutter_.Replace(scan_line, beams, Matrix6d::Zero(), &run);
-  if (run.landmark_id < 0) return false;
-  state_->short_runs.push_back(std::move(run));
-  return true;
+  if (run.landmark_id >= 0) state_->short_runs.push_back(std::move(run));
 }
 
 // Whether it changed.
