@@ -30,7 +30,7 @@ constexpr int kBeamsAtOnce = 16;
 // plane decimetres before it.
 constexpr int kNumBeams = 8;
 constexpr double kSpacing = 0.01;  // m, of those farther ones: half a cell of the openings
-constexpr int kNumHits = 32;       // of a segment's beams, count for all of them
+constexpr int kNumHits = 8;        // of a segment's beams, count for all of them
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
