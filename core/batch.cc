@@ -59,7 +59,7 @@ class Batch {
     OpeningMap counted;
     const int num_recut =
         RecutSegments(rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
-    if (!last) openings_ = std::move(counted);
+    openings_ = std::move(counted);  // the last time none: they are needed no more
     return num_recut;
   }
   // For the final estimation.

@@ -115,6 +115,16 @@ TEST_F(ShortRunTest, EndsOnItsPlane) {
   EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
 }
 
+// Three beams at 27 degrees tell as much as fifteen at right angles.
+TEST_F(ShortRunTest, TellsSomethingOfItsPlane) {
+  See(3);
+  for (const int num_points : {100'000, 200'000}) {
+    state_->landmarks[kSide].num_points = num_points;
+    Recut();
+    EXPECT_EQ(state_->short_runs.empty(), num_points > 150'000);
+  }
+}
+
 TEST_F(ShortRunTest, IsMadeAnewEachTime) {
   See(3);
   Recut();
