@@ -22,8 +22,8 @@ constexpr int kGapFactor = 10;
 // Of beams that no segment has, so many are placed together: a few milliseconds.
 constexpr int kBeamsAtOnce = 32;
 // A run tells at least as much of its plane as this share of the plane's beams would, seen at
-// right angles. The others, which would be seven runs of ten, only take memory.
-constexpr double kMinShare = 1e-4;
+// right angles. The others, which would be half of all runs, only take memory.
+constexpr double kMinShare = 5e-5;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 using Range = SegmentCutter::Range;

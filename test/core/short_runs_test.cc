@@ -118,10 +118,10 @@ TEST_F(ShortRunTest, EndsOnItsPlane) {
 // Three beams at 27 degrees tell as much as fifteen at right angles.
 TEST_F(ShortRunTest, TellsSomethingOfItsPlane) {
   See(3);
-  for (const int num_points : {100'000, 200'000}) {
+  for (const int num_points : {200'000, 400'000}) {
     state_->landmarks[kSide].num_points = num_points;
     Recut();
-    EXPECT_EQ(state_->short_runs.empty(), num_points > 150'000);
+    EXPECT_EQ(state_->short_runs.empty(), num_points > 300'000);
   }
 }
 
