@@ -21,9 +21,6 @@ namespace {
 constexpr int kGapFactor = 10;
 // Of beams that no segment has, so many are placed together: a few milliseconds.
 constexpr int kBeamsAtOnce = 32;
-// A run tells at least as much of its plane as this share of the plane's beams would, seen at
-// right angles. The others, which would be half of all runs, only take memory.
-constexpr double kMinShare = 5e-5;
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 using Range = SegmentCutter::Range;
@@ -43,16 +40,6 @@ std::vector<PlaneOpenings> OpeningsOfAll(const OpeningMap& openings, const MapSt
     of_all.push_back(openings.OpeningsOf(landmark));
   }
   return of_all;
-}
-
-// Whether the run tells next to nothing of its plane: a beam's variance across the plane goes
-// with the square of the cosine between it and the normal. None of its noise has a say.
-bool IsTooLittle(const ScanLine& scan_line, const FirstPlanes::Run& run) {
-  const int middle = (run.first_beam + run.last_beam) / 2;
-  const double cosine = run.trace.normal.dot(scan_line.BeamDirection(middle));
-  const double num_beams = run.last_beam - run.first_beam + 1;
-  return num_beams <
-         kMinShare * cosine * cosine * static_cast<double>(run.plane->landmark->num_points);
 }
 
 // RecutSegments' way through the recording.
@@ -130,7 +117,6 @@ void Recutter::AddRuns(const ScanLine& scan_line,
     for (const FirstPlanes::Run& run : planes.RunsWithin(first, last)) {
       const Landmark& landmark = *run.plane->landmark;
       if (!IsWithinGap(landmark, nearby.scan_index, options_.loop_closure)) continue;
-      if (IsTooLittle(scan_line, run)) continue;
       AddRun(scan_line,
              nearby,
              landmark.id,

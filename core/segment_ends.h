@@ -30,9 +30,8 @@ namespace plumbline {
 // those beyond an end, which are too few for a segment, tell as much of a plane seen at a
 // grazing angle as hundreds of others; those between two lines segmentation leaves out for
 // their noise and that of their neighbours, as an association refuses a segment that has a
-// beam or two of another surface. What is left to a plane then would lean one way. Runs that
-// tell next to nothing of their plane are left out, whatever their noise. Reads the recording
-// once, from its beginning.
+// beam or two of another surface. What is left to a plane then would lean one way. Reads the
+// recording once, from its beginning.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,

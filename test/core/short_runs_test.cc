@@ -115,16 +115,6 @@ TEST_F(ShortRunTest, EndsOnItsPlane) {
   EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
 }
 
-// Three beams at 27 degrees tell as much as fifteen at right angles.
-TEST_F(ShortRunTest, TellsSomethingOfItsPlane) {
-  See(3);
-  for (const int num_points : {200'000, 400'000}) {
-    state_->landmarks[kSide].num_points = num_points;
-    Recut();
-    EXPECT_EQ(state_->short_runs.empty(), num_points > 300'000);
-  }
-}
-
 TEST_F(ShortRunTest, IsMadeAnewEachTime) {
   See(3);
   Recut();
