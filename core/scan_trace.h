@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/landmark.h"
-#include "core/scan_line.h"
 #include "core/scan_motion.h"
 
 namespace plumbline {
