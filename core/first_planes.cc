@@ -66,8 +66,9 @@ bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) con
   const Eigen::Vector2d p = point_of(beam);
   const Eigen::Vector2d next = point_of(beam + step);
   if (!next.allFinite()) return false;
-  const Eigen::Vector2d beyond = p + kEdge * (next - p).normalized();
-  return IsSeenAt(plane, beyond) || EndsBefore(plane, placement_ * beyond.homogeneous());
+  const Eigen::Vector3d beyond =
+      placement_ * (p + kEdge * (next - p).normalized()).homogeneous();
+  return IsSolidAt(plane, beyond, kMargin) || EndsBefore(plane, beyond);
 }
 
 const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {

@@ -51,12 +51,12 @@ class FirstPlanes {
   // Whether the plane ends close by at another one's edge, and the point lies beyond: in front
   // of the other, where nothing has been seen of the plane.
   bool EndsBefore(const LandmarkCandidate& plane, const Eigen::Vector3d& p_world) const;
-  // Neither; p: scanner frame.
+  // Whether it is solid there, and the point not beyond its end; p: scanner frame.
   bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
-  // Whether the plane does not end close beyond the beam.
+  // Whether the plane does not end close beyond the beam, or at an edge that is known.
   bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;
   // Whether that of the beam beyond its end stands in front of the plane and hides the rest of
-  // it. Where the plane ends at an edge instead, how far it was seen is known to centimetres.
+  // it. How far a plane was seen to a free edge is known to centimetres only.
   bool IsMet(const LandmarkCandidate& plane,
              const LandmarkCandidate* beyond,
              int end,

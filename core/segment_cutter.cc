@@ -117,9 +117,11 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
       });
   // Walls hide the floor beyond them: for floors, ends at walls tell something too. So do a
   // wall's ends at the jambs of its doors.
-  const bool is_counted = !result.is_met || own->landmark->model == PlaneModel::kHorizontal ||
-                          IsInside(scan_line, placement, trace, *own, result.beam + end.step);
-  if (counted_ != nullptr && is_counted) {
+  const bool is_counted =
+      counted_ != nullptr &&
+      (!result.is_met || own->landmark->model == PlaneModel::kHorizontal ||
+       IsInside(scan_line, placement, trace, *own, result.beam + end.step));
+  if (is_counted) {
     int on_plane = result.beam;
     while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
     CountOpenings(

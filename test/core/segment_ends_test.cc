@@ -191,8 +191,9 @@ TEST_F(SegmentEndsTest, JambsDoNotHideTheirOpening) {
   for (const double end_y : {1.0, edge.y()}) {
     Landmark& front = state_->landmarks[kFront];
     front.extent = front.EmptyExtent();
-    for (const double z : {-0.5, 0.5})
+    for (const double z : {-0.5, 0.5}) {
       front.extent.AddSegment({2.0, -3.0, z}, {2.0, end_y, z});
+    }
     Recut();
     EXPECT_EQ(openings_.OpeningsOf(front).IsAt(at(kEdge + 3)), end_y == 1.0)
         << "not at corners";

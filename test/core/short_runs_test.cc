@@ -13,8 +13,8 @@ class ShortRunTest : public SegmentEndsTest {
   // Other beams meet nothing.
   void SeeOnly(int first_beam, int last_beam) {
     for (int beam = 0; beam < line_.num_beams(); ++beam) {
-      if (beam < first_beam || beam > last_beam)
-        line_.ranges[static_cast<size_t>(beam)] = 20.0f;
+      if (beam >= first_beam && beam <= last_beam) continue;
+      line_.ranges[static_cast<size_t>(beam)] = 20.0f;
     }
   }
   // Of the side wall, too few beams for a segment are seen before the view opens.
