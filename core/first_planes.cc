@@ -76,19 +76,17 @@ const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {
   const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
   if (!scanner_.IsValidRange(measured)) return nullptr;
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-  const Eigen::Vector3d p_world = placement_ * (measured * direction).homogeneous();
   const double off_m = kOutlierSigmas * scanner_.range_noise_m;
   const LandmarkCandidate* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
-  planes_.ForEachWithin(
-      p_world, std::max(kPassed, off_m), [&](const LandmarkCandidate& plane) {
-        if (plane.SignedDistance(placement_.col(2)) <= 0.0) return;
-        const double range = Trace(placement_, plane).RangeAlong(direction);
-        if (!(range > measured - kPassed && range < nearest)) return;
-        if (!IsSeenAt(plane, range * direction)) return;
-        nearest = range;
-        first = &plane;
-      });
+  ranges_.ForEachBetween(direction,
+                         measured - kPassed,
+                         nearest,
+                         [&](const LandmarkCandidate& plane, double range) {
+                           if (range >= nearest || !IsSeenAt(plane, range * direction)) return;
+                           nearest = range;
+                           first = &plane;
+                         });
   return nearest > measured - off_m ? first : nullptr;
 }
 
@@ -110,12 +108,12 @@ bool FirstPlanes::IsMet(const LandmarkCandidate& plane,
 }
 
 std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_beam) const {
-  std::vector<const LandmarkCandidate*> planes;  // with one beam more on both sides
-  for (int beam = first_beam - 1; beam <= last_beam + 1; ++beam) {
-    planes.push_back(PlaneOf(beam));
-  }
+  std::vector<const LandmarkCandidate*> planes;
+  planes.reserve(static_cast<size_t>(std::max(0, last_beam - first_beam + 1)));
+  for (int beam = first_beam; beam <= last_beam; ++beam) planes.push_back(PlaneOf(beam));
   const auto plane_of = [&](int beam) {
-    return planes[static_cast<size_t>(beam - first_beam + 1)];
+    const bool is_within = beam >= first_beam && beam <= last_beam;
+    return is_within ? planes[static_cast<size_t>(beam - first_beam)] : PlaneOf(beam);
   };
   std::vector<Run> runs;
   for (int beam = first_beam; beam <= last_beam;) {

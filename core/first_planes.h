@@ -34,6 +34,7 @@ class FirstPlanes {
         scanner_(scanner),
         placement_(placement),
         planes_(planes),
+        ranges_(planes, placement),
         openings_(openings) {}
 
   // Of the beams first .. last those whose ranges agree with the plane that they meet first.
@@ -66,6 +67,7 @@ class FirstPlanes {
   const Scanner& scanner_;
   const ScanPlacement& placement_;
   const PlaneSet& planes_;
+  PlaneRanges ranges_;
   const std::vector<PlaneOpenings>& openings_;
 };
 

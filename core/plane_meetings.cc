@@ -26,14 +26,17 @@ bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
   return true;
 }
 
-// Where the trace meets the other plane's patch.
+// Where the trace meets the other plane's patch; middle: direction of the segment's middle.
 std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
                                  const LandmarkCandidate& other,
-                                 const FreeEnd& end) {
+                                 const FreeEnd& end,
+                                 const Eigen::Vector2d& middle) {
   const ScanLine& scan_line = own.scan_line;
   const Trace other_trace(own.placement, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
   if (!at) return std::nullopt;
+  const double turn_from_middle = middle.x() * at->y() - middle.y() * at->x();
+  if (turn_from_middle * end.step * scan_line.angle_increment < 0.0) return std::nullopt;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
     return own.placement * p.homogeneous();
   };
@@ -42,12 +45,10 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   const double turn =
       std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
   const double beyond = end.step * turn / scan_line.angle_increment;
-  if (beyond < end.step * (end.middle - end.beam)) return std::nullopt;
   const bool is_free = beyond < end.step * (end.limit - end.beam);
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   if (IsBehind(other, own.plane)) {
     // Unless this one ends where they would meet.
-    const Eigen::Vector2d middle = scan_line.BeamDirection(end.middle);
     const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
     Eigen::Vector3d outwards = at_world - from;
     // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
@@ -65,9 +66,10 @@ std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
                                        const PlaneSet& others,
                                        const FreeEnd& end) {
   std::vector<PlaneMeeting> meetings;
+  const Eigen::Vector2d middle = own.scan_line.BeamDirection(end.middle);
   others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkCandidate& other) {
     if (other.landmark == own.plane.landmark) return;
-    const auto meeting = Meet(own, other, end);
+    const auto meeting = Meet(own, other, end, middle);
     if (meeting) meetings.push_back(*meeting);
   });
   std::sort(meetings.begin(),

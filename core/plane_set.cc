@@ -19,4 +19,18 @@ PlaneSet::PlaneSet(std::vector<LandmarkCandidate> planes) : planes_(std::move(pl
   }
 }
 
+PlaneRanges::PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement)
+    : planes_(planes.planes()) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  blocks_.reserve(planes.blocks_.size());
+  for (const PlaneSet::Block& block : planes.blocks_) {
+    const auto along = [&](int axis) -> Eigen::Array4d {
+      return block.x * placement(0, axis) + block.y * placement(1, axis) +
+             block.z * placement(2, axis);
+    };
+    const Eigen::Array4d height = along(2) - block.distance;
+    blocks_.push_back({-along(0), -along(1), (height > 0.0).select(height, kNever)});
+  }
+}
+
 }  // namespace plumbline

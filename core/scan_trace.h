@@ -16,11 +16,9 @@ struct Trace {
   Eigen::Vector2d normal;
   double distance;
 
-  Trace(const ScanPlacement& placement, const LandmarkCandidate& plane) {
-    const Eigen::Vector3d g = placement.transpose() * plane.normal;
-    normal = g.head<2>();
-    distance = plane.distance - g.z();
-  }
+  Trace(const ScanPlacement& placement, const LandmarkCandidate& plane)
+      : normal(placement.col(0).dot(plane.normal), placement.col(1).dot(plane.normal)),
+        distance(plane.distance - placement.col(2).dot(plane.normal)) {}
 
   // Infinite where the beam does not meet the plane.
   double RangeAlong(const Eigen::Vector2d& direction) const {
