@@ -52,6 +52,7 @@ class Batch {
         planar_(planar),
         options_(options),
         state_(state),
+        openings_(state->landmarks.size()),
         motion_noise_(MotionNoise::Of(options.trajectory)) {}
 
   // See RecutSegments; last: the openings are not counted once more.
@@ -59,7 +60,7 @@ class Batch {
     OpeningMap counted;
     const int num_recut =
         RecutSegments(rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
-    openings_ = std::move(counted);  // the last time none: they are needed no more
+    openings_ = counted.OpeningsOf(state_->landmarks);
     return num_recut;
   }
   // For the final estimation.
@@ -347,8 +348,8 @@ class Batch {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
   MotionNoise motion_noise_;
-  OpeningMap openings_;
   ObservationGroupCache groups_{LinearisedGroup::kCoarse, kIntervalsPerGroup};
 };
 

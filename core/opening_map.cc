@@ -133,4 +133,12 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
   return openings;
 }
 
+std::vector<PlaneOpenings> OpeningMap::OpeningsOf(
+    const std::deque<Landmark>& landmarks) const {
+  std::vector<PlaneOpenings> of_all;
+  of_all.reserve(landmarks.size());
+  for (const Landmark& landmark : landmarks) of_all.push_back(OpeningsOf(landmark));
+  return of_all;
+}
+
 }  // namespace plumbline

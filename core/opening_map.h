@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <deque>
 #include <vector>
 
 #include "core/cell_grid.h"
@@ -56,6 +57,8 @@ class OpeningMap {
   // none through, whatever the noise; but most beams that seem to lie in an opening are the
   // jambs'. Goes on along upright edges by one cell where hardly any beam tells otherwise.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
+  // The same of all of them, by id: a fraction of what the counts take.
+  std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks) const;
 
  private:
   struct Counts {

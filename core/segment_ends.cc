@@ -1,5 +1,7 @@
 #include "core/segment_ends.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -34,27 +36,19 @@ LoopClosureOptions BoundingGap(const LoopClosureOptions& options) {
   return gap;
 }
 
-std::vector<PlaneOpenings> OpeningsOfAll(const OpeningMap& openings, const MapState& state) {
-  std::vector<PlaneOpenings> of_all;
-  for (const Landmark& landmark : state.landmarks) {
-    of_all.push_back(openings.OpeningsOf(landmark));
-  }
-  return of_all;
-}
-
 // RecutSegments' way through the recording.
 class Recutter {
  public:
   Recutter(const Rig& rig,
            const MapperOptions& options,
-           const OpeningMap& openings,
+           const std::vector<PlaneOpenings>& openings,
            OpeningMap* counted,
            MapState* state)
       : rig_(rig),
         options_(options),
         is_last_call_(counted == nullptr),
         state_(state),
-        openings_(OpeningsOfAll(openings, *state)),
+        openings_(openings),
         cutter_(rig, options, state->trajectory, &openings_, counted) {}
 
   // The observations [first, last) of a scan line; returns how many changed.
@@ -76,7 +70,7 @@ class Recutter {
   const MapperOptions& options_;
   bool is_last_call_;  // openings are counted no more
   MapState* state_;
-  std::vector<PlaneOpenings> openings_;  // by landmark id, as known before
+  const std::vector<PlaneOpenings>& openings_;
   SegmentCutter cutter_;
   std::vector<LandmarkCandidate> within_gap_;
   int candidates_scan_ = -1;
@@ -188,9 +182,10 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
-                  const OpeningMap& openings,
+                  const std::vector<PlaneOpenings>& openings,
                   OpeningMap* counted,
                   MapState* state) {
+  CHECK_EQ(openings.size(), state->landmarks.size());
   // None of the new runs is to be taken for an old one.
   const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
   state->short_runs.clear();

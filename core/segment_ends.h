@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/association.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
@@ -35,7 +37,7 @@ namespace plumbline {
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,
-                  const OpeningMap& openings,
+                  const std::vector<PlaneOpenings>& openings,
                   OpeningMap* counted,
                   MapState* state);
 

@@ -67,7 +67,7 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
   return true;
 }
 
-void LinearisedGroup::Linearise(double const* const* parameters) {
+SegmentGroup::Quadratic LinearisedGroup::Linearise(double const* const* parameters) {
   at_.clear();
   const int num_blocks =
       2 * group_.num_control_points() + static_cast<int>(group_.planes().size());
@@ -75,16 +75,42 @@ void LinearisedGroup::Linearise(double const* const* parameters) {
     at_.insert(at_.end(), parameters[i], parameters[i] + BlockSize(i));
   }
   ++num_linearisations_;
-  group_.Linearise(parameters, &quadratic_);
-  has_outliers_ = quadratic_.has_outliers;
+  SegmentGroup::Quadratic quadratic;
+  group_.Linearise(parameters, &quadratic);
+  has_outliers_ = quadratic.has_outliers;
+  packed_hessian_.clear();
   packed_root_.clear();
+  return quadratic;
+}
+
+void LinearisedGroup::KeepModel(const SegmentGroup::Quadratic& quadratic) {
+  cost_ = quadratic.cost;
+  gradient_ = quadratic.gradient;
+  const Eigen::MatrixXd& hessian = quadratic.hessian;
+  const Eigen::Index size = hessian.rows();
+  packed_hessian_.reserve(static_cast<size_t>(size * (size + 1) / 2));
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const double* const column = hessian.col(j).data();
+    packed_hessian_.insert(packed_hessian_.end(), column + j, column + size);
+  }
+}
+
+Eigen::MatrixXd LinearisedGroup::Hessian() const {
+  const Eigen::Index size = gradient_.size();
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
+  const double* next = packed_hessian_.data();
+  for (Eigen::Index j = 0; j < size; ++j) {
+    std::copy(next, next + size - j, hessian.col(j).data() + j);
+    next += size - j;
+  }
+  return hessian;
 }
 
 // H = root^T root and g = root^T offset.
-void LinearisedGroup::TakeRoot() {
+void LinearisedGroup::KeepRoot(const SegmentGroup::Quadratic& quadratic) {
   MarginalisedSystem system =
-      Marginalise(quadratic_.hessian, quadratic_.gradient, 0, kRankTolerance);
-  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic_.cost - system.offset.squaredNorm()));
+      Marginalise(quadratic.hessian, quadratic.gradient, 0, kRankTolerance);
+  rest_ = std::sqrt(std::max(0.0, 2.0 * quadratic.cost - system.offset.squaredNorm()));
   order_ = std::move(system.order);
   packed_root_.reserve(order_.size() * (order_.size() + 1) / 2);
   for (Eigen::Index row = 0; row < system.root.rows(); ++row) {
@@ -93,19 +119,18 @@ void LinearisedGroup::TakeRoot() {
     }
   }
   offset_ = std::move(system.offset);
-  quadratic_ = {};
 }
 
 LinearisedGroup::Model LinearisedGroup::ModelAt(double const* const* parameters) {
   Eigen::VectorXd step;
-  if (quadratic_.hessian.size() == 0 || !Move(parameters, &step)) {
-    Linearise(parameters);
-    return {quadratic_.cost, quadratic_.gradient, quadratic_.hessian};
+  if (packed_hessian_.empty() || !Move(parameters, &step)) {
+    SegmentGroup::Quadratic quadratic = Linearise(parameters);
+    KeepModel(quadratic);
+    return {quadratic.cost, std::move(quadratic.gradient), std::move(quadratic.hessian)};
   }
-  const Eigen::VectorXd change = quadratic_.hessian.selfadjointView<Eigen::Lower>() * step;
-  return {quadratic_.cost + step.dot(quadratic_.gradient + 0.5 * change),
-          quadratic_.gradient + change,
-          quadratic_.hessian};
+  Eigen::MatrixXd hessian = Hessian();
+  const Eigen::VectorXd change = hessian.selfadjointView<Eigen::Lower>() * step;
+  return {cost_ + step.dot(gradient_ + 0.5 * change), gradient_ + change, std::move(hessian)};
 }
 
 Eigen::MatrixXd LinearisedGroup::Root() const {
@@ -125,10 +150,7 @@ void LinearisedGroup::Evaluate(double const* const* parameters,
                                double** jacobians) {
   Eigen::VectorXd step;
   const bool is_near = !packed_root_.empty() && Move(parameters, &step);
-  if (!is_near) {
-    Linearise(parameters);
-    TakeRoot();
-  }
+  if (!is_near) KeepRoot(Linearise(parameters));
   const int num_residuals = group_.size() + 1;
   const Eigen::Index rank = offset_.size();
   Eigen::MatrixXd root;

@@ -49,7 +49,7 @@ class LinearisedGroup {
   struct Model {
     double cost;
     Eigen::VectorXd gradient;
-    const Eigen::MatrixXd& hessian;  // lower triangle; valid until the next call
+    Eigen::MatrixXd hessian;  // lower triangle
   };
   Model ModelAt(double const* const* parameters);
 
@@ -59,15 +59,20 @@ class LinearisedGroup {
   int FirstRow(int block) const;
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
-  void Linearise(double const* const* parameters);
-  // Turns the linearisation into Ceres' rows.
-  void TakeRoot();
+  SegmentGroup::Quadratic Linearise(double const* const* parameters);
+  void KeepModel(const SegmentGroup::Quadratic& quadratic);
+  Eigen::MatrixXd Hessian() const;
+  // Ceres' rows.
+  void KeepRoot(const SegmentGroup::Quadratic& quadratic);
   Eigen::MatrixXd Root() const;
 
   SegmentGroup group_;
   Validity validity_ = kFine;
   std::vector<double> at_;
-  SegmentGroup::Quadratic quadratic_;  // empty once the root has been taken
+  // Of the model; nothing while the root is kept.
+  double cost_ = 0.0;
+  Eigen::VectorXd gradient_;
+  std::vector<double> packed_hessian_;  // lower triangle, column by column
   // Row i of the root without the zeros in the first i variables of the order, row by row.
   std::vector<double> packed_root_;
   std::vector<int> order_;

@@ -358,7 +358,11 @@ SegmentGroup::SegmentGroup(int num_control_points,
         !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
       scan_lines_.push_back({segment.nodes, num_nodes, 0});
     }
-    members_.push_back({segment.measurement, segment.weights, segment.scanner, segment.plane});
+    members_.push_back({segment.measurement,
+                        static_cast<float>(segment.weights.scale),
+                        static_cast<float>(segment.weights.offset),
+                        segment.scanner,
+                        segment.plane});
     scan_lines_.back().end = members_.size();
   }
   scan_lines_.shrink_to_fit();
@@ -425,8 +429,12 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
         SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
-        Differentiate(
-            *segment.measurement, segment.weights, scanner, poses, planes[plane], &rows);
+        Differentiate(*segment.measurement,
+                      {segment.scale, segment.offset},
+                      scanner,
+                      poses,
+                      planes[plane],
+                      &rows);
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
                 plane_offsets_[plane] - plane_offsets_.front(),

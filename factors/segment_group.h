@@ -74,7 +74,8 @@ class SegmentGroup {
   };
   struct Member {
     const StoredMeasurement* measurement;
-    SegmentWeights weights;
+    float scale;  // the weights', in the precision of what they multiply
+    float offset;
     int scanner;
     int plane;
   };

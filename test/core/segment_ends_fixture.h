@@ -82,8 +82,12 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     writer.Close();
     RecordingReader recording(path, rig_);
     OpeningMap counted;
-    const int num_recut = RecutSegments(
-        rig_, MapperOptions(), &recording, openings_, last ? nullptr : &counted, state_.get());
+    const int num_recut = RecutSegments(rig_,
+                                        MapperOptions(),
+                                        &recording,
+                                        openings_.OpeningsOf(state_->landmarks),
+                                        last ? nullptr : &counted,
+                                        state_.get());
     if (!last) openings_ = std::move(counted);
     return num_recut;
   }

@@ -56,7 +56,9 @@ struct Scene {
       segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
       segment.scanner = i % 2;
       segment.plane = i % 3;
-      segment.weights = {random.Uniform(0.5, 2.0), random.Uniform(0.5, 1.0)};
+      // A group keeps them in single precision.
+      segment.weights = {static_cast<float>(random.Uniform(0.5, 2.0)),
+                         static_cast<float>(random.Uniform(0.5, 1.0))};
       segments.push_back(segment);
     }
   }
