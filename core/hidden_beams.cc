@@ -117,8 +117,9 @@ void HiddenBeams::AddOpen(const Meeting& meeting,
   const double share = 1.0 / std::max(1, stretch.last - stretch.first);
   Eigen::Vector3d line = meeting.trace.At(start_ns);
   const Eigen::Vector3d line_step = share * (meeting.trace.At(end_ns) - line);
-  ScanPlacement placement = meeting.motion.At(start_ns);
-  const ScanPlacement placement_step = share * (meeting.motion.At(end_ns) - placement);
+  Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(meeting.motion.At(start_ns));
+  const Eigen::Matrix<double, 2, 3> on_axes_step =
+      share * (openings.OnAxes(meeting.motion.At(end_ns)) - on_axes);
   BeamSweep sweep(scan_line, stretch.first);
   for (int beam = stretch.first; beam <= stretch.last; ++beam) {
     const Eigen::Vector2d& direction = sweep.direction();
@@ -126,11 +127,11 @@ void HiddenBeams::AddOpen(const Meeting& meeting,
     const bool is_open =
         std::abs(cosine) < kMinCosine
             ? IsNearOpening(meeting, beam, direction, openings)
-            : openings.IsAt(placement * (line.z() / cosine * direction).homogeneous());
+            : openings.IsAtLocal(on_axes * (line.z() / cosine * direction).homogeneous());
     if (is_open) beams->push_back(beam);
     sweep.Next();
     line += line_step;
-    placement += placement_step;
+    on_axes += on_axes_step;
   }
 }
 

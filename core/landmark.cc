@@ -99,8 +99,8 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
 }
 
 bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const {
-  if (!IsWithin(p_world, margin_m)) return false;
-  return cells_.Count(CellOf(Project(p_world).cwiseMax(min_).cwiseMin(max_))) > 0;
+  const Eigen::Vector2d uv = Project(p_world);
+  return Contains(uv, margin_m) && cells_.Count(CellOf(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
 }
 
 bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,

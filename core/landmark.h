@@ -42,8 +42,16 @@ class PatchExtent {
   bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
   // Whether the point lies within the bounding rectangle, or at most margin_m beyond it.
   bool IsWithin(const Eigen::Vector3d& p_world, double margin_m) const {
-    const Eigen::Array2d p = Project(p_world).array();
-    return (p >= min_.array() - margin_m).all() && (p <= max_.array() + margin_m).all();
+    return Contains(Project(p_world), margin_m);
+  }
+  // The same in the extent's axes, and what takes a point there.
+  bool Contains(const Eigen::Vector2d& uv, double margin_m) const {
+    return uv.x() >= min_.x() - margin_m && uv.y() >= min_.y() - margin_m &&
+           uv.x() <= max_.x() + margin_m && uv.y() <= max_.y() + margin_m;
+  }
+  Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
+    const Eigen::Vector3d from_anchor = p_world - anchor_;
+    return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
   }
   // Whether the point lies where segments have been seen: on an occupied cell, or at most
   // margin_m beyond the bounding rectangle beside one.
@@ -86,10 +94,6 @@ class PatchExtent {
  private:
   bool is_upright() const { return v_axis_.z() > 0.5; }
   void AddCorner(const Eigen::Vector2d& p);
-  Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
-    const Eigen::Vector3d from_anchor = p_world - anchor_;
-    return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
-  }
   // The cell of this extent that holds the middle of another extent's cell.
   Cell CellFrom(const PatchExtent& other, const Cell& cell) const;
 

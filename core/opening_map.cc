@@ -34,16 +34,16 @@ void OpeningMap::Count(const Landmark& landmark,
                        const Eigen::Vector3d& p_world,
                        int num_beams,
                        CellGrid Counts::*grid) {
-  if (!landmark.extent.IsWithin(p_world, kMargin)) return;
   const PatchExtent& extent = landmark.extent;
-  const Eigen::Vector3d from_anchor = p_world - extent.anchor();
-  const double u = extent.u_axis().dot(from_anchor);
-  const double v = extent.v_axis().dot(from_anchor);
+  const Eigen::Vector2d uv = extent.Project(p_world);
+  if (!extent.Contains(uv, kMargin)) return;
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);
   CountsOfPlane& counts = counts_[id];
-  (counts[Index(true)].*grid).Add(CellOf(u, v, true), num_beams);
-  if (HasHeight(extent)) (counts[Index(false)].*grid).Add(CellOf(u, v, false), num_beams);
+  (counts[Index(true)].*grid).Add(CellOf(uv.x(), uv.y(), true), num_beams);
+  if (HasHeight(extent)) {
+    (counts[Index(false)].*grid).Add(CellOf(uv.x(), uv.y(), false), num_beams);
+  }
 }
 
 void OpeningMap::CountHit(const Landmark& landmark,
@@ -71,12 +71,11 @@ void PlaneOpenings::Open(const CellGrid::Cell& cell, bool narrow_along_u) {
   }
 }
 
-bool PlaneOpenings::IsAt(const Eigen::Vector3d& p_world) const {
-  const Eigen::Vector2d p = Project(p_world);
-  const CellGrid::Cell wide(CellIndex(p.x() / kWide), CellIndex(p.y() / kWide));
+bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
+  const CellGrid::Cell wide(CellIndex(uv.x() / kWide), CellIndex(uv.y() / kWide));
   if (nearby_.Count(wide) == 0) return false;
-  return open_[0].Count(CellOf(p.x(), p.y(), true)) > 0 ||
-         open_[1].Count(CellOf(p.x(), p.y(), false)) > 0;
+  return open_[0].Count(CellOf(uv.x(), uv.y(), true)) > 0 ||
+         open_[1].Count(CellOf(uv.x(), uv.y(), false)) > 0;
 }
 
 bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,

@@ -7,6 +7,7 @@
 
 #include "core/cell_grid.h"
 #include "core/landmark.h"
+#include "core/scan_motion.h"
 
 namespace plumbline {
 
@@ -17,7 +18,16 @@ class PlaneOpenings {
   // Whether the plane has been seen at different heights. Level scan planes alone see
   // furniture as often as walls, with gaps that are no openings.
   bool has_height() const { return has_height_; }
-  bool IsAt(const Eigen::Vector3d& p_world) const;
+  bool IsAt(const Eigen::Vector3d& p_world) const { return IsAtLocal(Project(p_world)); }
+  // The same in the plane's axes, with what takes a point of the scan plane there:
+  // (u, v) = OnAxes(placement) (x, y, 1).
+  bool IsAtLocal(const Eigen::Vector2d& uv) const;
+  Eigen::Matrix<double, 2, 3> OnAxes(const ScanPlacement& placement) const {
+    Eigen::Matrix<double, 2, 3> on_axes;
+    on_axes << u_axis_.transpose() * placement, v_axis_.transpose() * placement;
+    on_axes.col(2) -= Eigen::Vector2d(u_axis_.dot(anchor_), v_axis_.dot(anchor_));
+    return on_axes;
+  }
   // Quickly: false where none is within a quarter of a metre of the piece from a to b.
   bool MayBeAlong(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const;
 

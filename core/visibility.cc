@@ -74,17 +74,15 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const LandmarkCandidate& plane : planes) boxes.push_back(PlanBox(plane));
   PlanGrid grid(boxes);
-  PoseSampler poses(state.trajectory);
+  SharedPoses poses(rig, state.trajectory);
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0) continue;
-    const Rigid3d world_from_scanner =
-        poses.WorldFromBody(observation.middle_time_ns()) *
-        rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const ScanPlacement placement =
+        poses.Of(observation).motion.At(observation.middle_time_ns());
+    const Eigen::Vector3d start_world = placement.col(2);
     for (const Eigen::Vector2d& p :
          {observation.start(), observation.centroid(), observation.end()}) {
-      const Eigen::Vector3d end_world =
-          world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-      const Eigen::Vector3d& start_world = world_from_scanner.translation;
+      const Eigen::Vector3d end_world = placement * p.homogeneous();
       grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
         const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
         if (plane.landmark->id == observation.landmark_id) return;
