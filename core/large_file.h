@@ -16,7 +16,7 @@ namespace plumbline {
 // others have there, and memory that nobody has used before is slower than the disk.
 class LargeFile {
  public:
-  static constexpr int64_t kCachedBytes = int64_t{256} << 20;
+  static constexpr int64_t kCachedBytes = int64_t{32} << 20;
 
   // name: of the file in errors. All functions throw Error naming it when writing fails, which
   // may be in a later call than the one whose bytes it was.
