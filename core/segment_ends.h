@@ -20,13 +20,13 @@ namespace plumbline {
 // estimated, the crossing of two of them is known to millimetres, whatever a beam's own noise.
 //
 // Beams that can not lie on the segment's plane are left out (HiddenBeams): those in an
-// opening that an earlier call has counted, those behind corners. Counts the planes' openings
-// for the next call; counted: nullptr where there is none. An end is left alone where the
-// segment still follows its plane when the other would be far off; where no plane meets its
-// own, and where beams have been left out, beams that are hardly the plane's go. Observations
-// left without beams (num_points = 0), or off their plane, lose their landmark. Segments that
-// change are taken to their planes' traces (MakeObservationOn); in the last call, where
-// nothing is counted, also those that are on no trace of their plane yet.
+// opening, those behind corners. openings: of the landmarks, by id, from what an earlier call
+// has counted; counted: for the next call, nullptr where there is none. An end is left alone
+// where the segment still follows its plane when the other would be far off; where no plane
+// meets its own, and where beams have been left out, beams that are hardly the plane's go.
+// Observations left without beams (num_points = 0), or off their plane, lose their landmark.
+// Segments that change are taken to their planes' traces (MakeObservationOn); in the last
+// call, where nothing is counted, also those that are on no trace of their plane yet.
 //
 // Beams that no segment has taken and single planes explain become short runs (FirstPlanes):
 // those beyond an end, which are too few for a segment, tell as much of a plane seen at a

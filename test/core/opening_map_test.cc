@@ -30,6 +30,22 @@ TEST_F(OpeningMapTest, WhereNothingWasCountedIsNoOpening) {
   EXPECT_FALSE(HasOpenings());
 }
 
+TEST_F(OpeningMapTest, InThePlanesAxesTheAnswerIsTheSame) {
+  for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(1.01));
+  const PlaneOpenings openings = openings_.OpeningsOf(wall_);
+  // A level scan plane that lies askew: x towards the wall, y along it backwards.
+  ScanPlacement placement;
+  placement << 0.0, -1.0, 0.4,  //
+      1.0, 0.0, 0.5,            //
+      0.0, 0.0, 0.01;
+  for (const double x : {0.5, 1.01, 1.5}) {
+    const Eigen::Vector2d p(2.0 - 0.5, 0.4 - x);
+    EXPECT_EQ(openings.IsAtLocal(openings.OnAxes(placement) * p.homogeneous().eval()),
+              x == 1.01);
+    EXPECT_EQ(openings.IsAt(placement * p.homogeneous()), x == 1.01);
+  }
+}
+
 TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   openings_.CountPassage(wall_, At(1.01));
   EXPECT_FALSE(IsOpening(At(1.01))) << "once is not enough";
