@@ -23,10 +23,11 @@ struct ScaledLine {
 };
 
 // Least squares for the two parameters of a line: sums over observations row . q = value.
+// Start them with {}: arrays of them that are filled one by one are not to be zeroed first.
 struct LineEquations {
-  double xx = 0.0, xy = 0.0, yy = 0.0;  // sum weight row row^T
-  double x = 0.0, y = 0.0;              // sum weight row value
-  double square = 0.0;                  // sum weight value^2
+  double xx, xy, yy;  // sum weight row row^T
+  double x, y;        // sum weight row value
+  double square;      // sum weight value^2
 
   void Add(const Eigen::Vector2d& row, double value, double weight) {
     const double wx = weight * row.x();

@@ -8,9 +8,11 @@ namespace plumbline {
 LineGrower::LineGrower(const BeamFan& fan, const Thresholds& thresholds)
     : fan_(fan), thresholds_(thresholds) {
   const size_t num_beams = static_cast<size_t>(fan.num_beams());
-  point_beams_.resize(num_beams);
-  sums_.resize(num_beams + 1);
-  chi2_.resize(num_beams + 1);
+  point_beams_.reset(new int[num_beams]);
+  sums_.reset(new LineEquations[num_beams + 1]);
+  chi2_.reset(new double[num_beams + 1]);
+  sums_[0] = {};
+  chi2_[0] = 0.0;
 }
 
 void LineGrower::Clear() { num_points_ = 0; }
@@ -43,7 +45,7 @@ bool LineGrower::Seed(int first) {
   Clear();
   seed_beams_.clear();
   // The measured ranges give a first line, and that the weights and the linearisation.
-  LineEquations measured;
+  LineEquations measured{};
   int gap = 0;
   for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
     if (!fan_.HasReturn(i)) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "core/beam_fan.h"
@@ -58,9 +59,9 @@ class LineGrower {
   std::vector<int> seed_beams_;
   size_t num_points_ = 0;
   // As long as there are beams. What follows the points is of no account.
-  std::vector<int> point_beams_;
-  std::vector<LineEquations> sums_;  // [k]: of the first k points
-  std::vector<double> chi2_;         // likewise
+  std::unique_ptr<int[]> point_beams_;
+  std::unique_ptr<LineEquations[]> sums_;  // [k]: of the first k points
+  std::unique_ptr<double[]> chi2_;         // likewise
 };
 
 }  // namespace plumbline

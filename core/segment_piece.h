@@ -12,7 +12,7 @@ struct Piece {
   int last = 0;                   // inclusive
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
-  LineEquations information;  // of the last fit or, while growing, of the points taken up
+  LineEquations information{};  // of the last fit or, while growing, of the points taken up
   int num_points = 0;         // likewise
   double chi2 = 0.0;          // after the last fit
 };
