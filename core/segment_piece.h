@@ -13,8 +13,8 @@ struct Piece {
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
   LineEquations information{};  // of the last fit or, while growing, of the points taken up
-  int num_points = 0;         // likewise
-  double chi2 = 0.0;          // after the last fit
+  int num_points = 0;           // likewise
+  double chi2 = 0.0;            // after the last fit
 };
 
 // (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if both are

@@ -78,8 +78,8 @@ SegmentGroup::Quadratic LinearisedGroup::Linearise(double const* const* paramete
   SegmentGroup::Quadratic quadratic;
   group_.Linearise(parameters, &quadratic);
   has_outliers_ = quadratic.has_outliers;
-  packed_hessian_.clear();
-  packed_root_.clear();
+  packed_hessian_ = std::vector<double>();
+  packed_root_ = std::vector<double>();
   return quadratic;
 }
 

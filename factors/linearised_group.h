@@ -60,9 +60,10 @@ class LinearisedGroup {
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
   SegmentGroup::Quadratic Linearise(double const* const* parameters);
+  // For ModelAt.
   void KeepModel(const SegmentGroup::Quadratic& quadratic);
   Eigen::MatrixXd Hessian() const;
-  // Ceres' rows.
+  // For Ceres' rows.
   void KeepRoot(const SegmentGroup::Quadratic& quadratic);
   Eigen::MatrixXd Root() const;
 
