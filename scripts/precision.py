@@ -4,8 +4,9 @@ against the covariances that the runs state themselves.
 
 Quantities that do not depend on the model frame: angles between walls, distances between what
 different loops saw of one wall. For a building whose walls follow each other round a corridor,
-walls are counted by the corners between them. With --ideal, also against the best estimate that
-the same noise allows. Prints Markdown tables and writes precision.json.
+walls are counted by the corners between them. For any other, with --faces, each face by itself
+in the model frame (first pose, normal of the reference wall). With --ideal, also against the best
+estimate that the same noise allows. Prints Markdown tables and writes precision.json.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import sys
 import numpy as np
 
 MIN_POINTS = 2000  # of a plane that takes part: the paper's walls have many thousands
+WIDE = 2.0  # m, of a wall: faces of pillars and jambs are told apart from it
 
 
 def read_json(path):
@@ -97,6 +99,7 @@ class Truth:
         self.faces = {face["id"]: face for face in read_json(directory / "truth_planes.json")}
         poses = np.loadtxt(directory / "truth_trajectory.tum")
         self.poses = poses
+        self._surfaces = {}  # by face and by plane
         forward = np.stack([1 - 2 * (poses[:, 5] ** 2 + poses[:, 6] ** 2),
                             2 * (poses[:, 4] * poses[:, 5] + poses[:, 6] * poses[:, 7])], axis=1)
         self.heading = np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
@@ -113,6 +116,20 @@ class Truth:
         sign = np.sign(before[4:8] @ after[4:8])
         quaternion = (1 - share) * before[4:8] + share * sign * after[4:8]
         return np.array(position), rotation_matrix(quaternion / np.linalg.norm(quaternion))
+
+    def surface(self, face):
+        """All faces that lie on its plane and look the same way, by id."""
+        if not self._surfaces:
+            for other, entry in sorted(self.faces.items()):
+                key = tuple(np.round([*entry["normal"], entry["distance"]], 5) + 0.0)
+                self._surfaces.setdefault(key, []).append(other)
+                self._surfaces[other] = self._surfaces[key]
+        return self._surfaces[face]
+
+    def width(self, face):
+        """Of a wall, along it, all of its surface."""
+        outline = np.concatenate([self.faces[other]["outline"] for other in self.surface(face)])
+        return np.ptp(outline @ np.cross([0.0, 0.0, 1.0], self.faces[face]["normal"]))
 
     def is_outer(self, face):
         wall = self.faces[face]
@@ -189,6 +206,28 @@ def pair_quantities(planes, truth, model_from_truth):
     return result
 
 
+def face_quantities(planes, truth, model_from_truth):
+    """(category, first face of a surface) -> (error, variance): angles to the reference wall in
+    rad, distances at the face's centre in m; of the plane with most points."""
+    rotation, translation = model_from_truth
+    result = {}
+    for plane in sorted(planes.planes.values(), key=lambda plane: plane["num_points"]):
+        face = truth.surface(planes.face_of_plane[plane["id"]])[0]
+        normal = rotation @ truth.faces[face]["normal"]
+        at = rotation @ np.array(truth.faces[face]["centre"]) + translation
+        kind = "floors and ceilings"
+        if plane["type"] == "vertical":
+            kind = f"walls {'from' if truth.width(face) >= WIDE else 'below'} {WIDE:g} m"
+            row = planes.angle_row(plane["id"])
+            if planes.variance(row) > 0:
+                result[f"angle, {kind}", face] = (
+                    wrap(azimuth(plane["normal"]) - azimuth(normal)), planes.variance(row))
+        result[f"distance, {kind}", face] = (
+            planes.signed_distance(plane["id"], at),
+            planes.variance(planes.distance_row(plane["id"], at)))
+    return result
+
+
 def model_frame(evaluation):
     frame = evaluation["model_from_truth"]
     return rotation_matrix(frame["rotation_xyzw"]), np.array(frame["translation"])
@@ -237,9 +276,9 @@ def pose_nees(directory, truth, frame, prefix="", count=20):
     return np.array(values)
 
 
-def read_run(directory):
-    """All that one run says: pairs, NEES of planes, of poses, the truth, and NEES of planes and
-    poses of the window where the run kept its statements."""
+def read_run(directory, quantities=pair_quantities):
+    """All that one run says: quantities, NEES of planes, of poses, the truth, and NEES of planes
+    and poses of the window where the run kept its statements."""
     evaluation = read_json(directory / "evaluation.json")
     truth = Truth(directory)
     face_of_plane = {entry["id"]: min(entry["true_faces"])
@@ -251,12 +290,12 @@ def read_run(directory):
         in_view = Planes(directory, face_of_plane, "window_")
         window = (plane_nees(in_view, truth, frame),
                   pose_nees(directory, truth, frame, "window_"))
-    return (pair_quantities(planes, truth, frame), plane_nees(planes, truth, frame),
+    return (quantities(planes, truth, frame), plane_nees(planes, truth, frame),
             pose_nees(directory, truth, frame), truth, window)
 
 
-def read_bound(directory, truth):
-    """What plumbline_bound wrote: pairs, NEES of planes (of the best estimate from a seed)."""
+def read_bound(directory, truth, quantities=pair_quantities):
+    """What plumbline_bound wrote: quantities, NEES of planes (of a seed's best estimate)."""
     lines = (directory / "faces.csv").read_text().splitlines()[1:]
     face_of_plane = dict(tuple(map(int, line.split(","))) for line in lines)
     # A face that no noisy beam hit is not in the truth.
@@ -269,18 +308,18 @@ def read_bound(directory, truth):
     rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0],
                          [0, 0, 1.0]])
     frame = (rotation, -rotation @ truth.poses[0, 1:4])
-    return pair_quantities(planes, truth, frame), plane_nees(planes, truth, frame)
+    return quantities(planes, truth, frame), plane_nees(planes, truth, frame)
 
 
-def bound_variances(bound_directory, truth):
-    """Pair -> variance, as the bound has it."""
-    pairs, _ = read_bound(bound_directory, truth)
-    return {key: variance for key, (_, variance) in pairs.items()}
+def bound_variances(bound_directory, truth, quantities=pair_quantities):
+    """Quantity -> variance, as the bound has it."""
+    values, _ = read_bound(bound_directory, truth, quantities)
+    return {key: variance for key, (_, variance) in values.items()}
 
 
-def read_ideals(directory, run_directories, runs):
+def read_ideals(directory, run_directories, runs, quantities=pair_quantities):
     """What the best estimate makes of each run's noise; None for runs that have none."""
-    ideals = [read_bound(directory / run_directory.name, run[3])
+    ideals = [read_bound(directory / run_directory.name, run[3], quantities)
               if (directory / run_directory.name).is_dir() else None
               for run_directory, run in zip(run_directories, runs)]
     if sum(ideal is not None for ideal in ideals) < 2:
@@ -360,7 +399,7 @@ def natural(name):
     return [part.rjust(6, "0") if part.isdigit() else part for part in name.split(" ")]
 
 
-def table(summary):
+def table(summary, noun="pairs"):
     has_ideal = any("ideal_ratio" in figures for figures in summary.values())
     lines = ["| quantity | runs | empirical | bound | empirical / bound | NEES "
              "| largest bias, in standard errors |" +
@@ -376,7 +415,7 @@ def table(summary):
                 scale * figures["bound"], unit, figures["ratio"], figures["ratio_error"],
                 figures["nees"], figures["nees_error"],
                 "" if figures["largest_bias"] is None else
-                "{:.1f} of {} pairs".format(figures["largest_bias"], figures["pairs"])))
+                "{:.1f} of {} {}".format(figures["largest_bias"], figures["pairs"], noun)))
         if has_ideal:
             lines[-1] += (" {ideal_ratio:.3f} +- {ideal_ratio_error:.3f} |".format(**figures)
                           if "ideal_ratio" in figures else " |")
@@ -406,15 +445,18 @@ def main():
                         help="directory of plumbline_bound for the same experiment")
     parser.add_argument("--ideal", type=pathlib.Path,
                         help="directory of run_0001, ...: plumbline_bound --seed=1, ...")
+    parser.add_argument("--faces", action="store_true",
+                        help="each face by itself, not pairs of a corridor's walls")
     parser.add_argument("--output", type=pathlib.Path, help="file for the figures (JSON)")
     arguments = parser.parse_args()
+    quantities = face_quantities if arguments.faces else pair_quantities
     directories = sorted(arguments.runs.glob("run_*"))
     if len(directories) < 2:
         sys.exit(f"precision.py: {arguments.runs}: at least two runs (run_*) expected")
     try:
-        runs = [read_run(directory) for directory in directories]
-        bound = bound_variances(arguments.bound, runs[0][3])
-        ideals = read_ideals(arguments.ideal, directories, runs) if arguments.ideal else []
+        runs = [read_run(directory, quantities) for directory in directories]
+        bound = bound_variances(arguments.bound, runs[0][3], quantities)
+        ideals = arguments.ideal and read_ideals(arguments.ideal, directories, runs, quantities)
     except (OSError, ValueError) as error:
         sys.exit(f"precision.py: {error}")
     except KeyError as error:
@@ -442,7 +484,7 @@ def main():
               for prefix, suffix in (("angle, outer, ", "corners"),
                                      ("distance, outer, ", "centre"),
                                      ("distance, outer, ", "corners"))}
-    print(table(summary))
+    print(table(summary, "faces" if arguments.faces else "pairs"))
     print()
     for line in nees:
         print("NEES of {what}: {mean:.3f} per degree of freedom, 95 % interval "

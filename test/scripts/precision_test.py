@@ -133,6 +133,21 @@ class PrecisionTest(unittest.TestCase):
             self.assertLess(abs(pair["nees"] - 1), 4 * pair["nees_error"], name)
         self.assertLess(abs(figures["nees"][0]["mean"] - 1), 0.15)
 
+    def test_faces_by_themselves(self):
+        for number in range(100):
+            self.write_run(number, 1.0)
+        self.write_bound()
+        result = self.run_script("--faces")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("of 4 faces", result.stdout)
+        figures = json.loads((self.directory / "precision.json").read_text())["pairs"]
+        self.assertEqual(sorted(figures),
+                         ["angle, walls from 2 m", "distance, walls from 2 m"])
+        for name, bound in zip(sorted(figures), (SIGMA_RAD, SIGMA_M)):
+            self.assertAlmostEqual(figures[name]["bound"], bound, places=9)
+            self.assertLess(abs(figures[name]["ratio"] - 1), 4 * figures[name]["ratio_error"])
+            self.assertLess(abs(figures[name]["nees"] - 1), 4 * figures[name]["nees_error"])
+
     def test_larger_errors_show(self):
         figures = self.figures(2.0)
         pair = figures["pairs"]["angle, outer, 1 corners"]
