@@ -35,6 +35,7 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   const Trace other_trace(own.placement, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
   if (!at) return std::nullopt;
+  // No two points of a line are half a turn apart: the sign tells on which side of the middle.
   const double turn_from_middle = middle.x() * at->y() - middle.y() * at->x();
   if (turn_from_middle * end.step * scan_line.angle_increment < 0.0) return std::nullopt;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {

@@ -70,7 +70,7 @@ class LinearisedGroup {
   SegmentGroup group_;
   Validity validity_ = kFine;
   std::vector<double> at_;
-  // Of the model; nothing while the root is kept.
+  // Of the model; valid unless packed_hessian_ is empty.
   double cost_ = 0.0;
   Eigen::VectorXd gradient_;
   std::vector<double> packed_hessian_;  // lower triangle, column by column

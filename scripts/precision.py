@@ -99,7 +99,11 @@ class Truth:
         self.faces = {face["id"]: face for face in read_json(directory / "truth_planes.json")}
         poses = np.loadtxt(directory / "truth_trajectory.tum")
         self.poses = poses
-        self._surfaces = {}  # by face and by plane
+        # Of each face all that lie on its plane and look the same way, by id.
+        by_plane = collections.defaultdict(list)
+        for face, entry in sorted(self.faces.items()):
+            by_plane[tuple(np.round([*entry["normal"], entry["distance"]], 5))].append(face)
+        self.surface = {face: faces for faces in by_plane.values() for face in faces}
         forward = np.stack([1 - 2 * (poses[:, 5] ** 2 + poses[:, 6] ** 2),
                             2 * (poses[:, 4] * poses[:, 5] + poses[:, 6] * poses[:, 7])], axis=1)
         self.heading = np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))
@@ -117,18 +121,9 @@ class Truth:
         quaternion = (1 - share) * before[4:8] + share * sign * after[4:8]
         return np.array(position), rotation_matrix(quaternion / np.linalg.norm(quaternion))
 
-    def surface(self, face):
-        """All faces that lie on its plane and look the same way, by id."""
-        if not self._surfaces:
-            for other, entry in sorted(self.faces.items()):
-                key = tuple(np.round([*entry["normal"], entry["distance"]], 5) + 0.0)
-                self._surfaces.setdefault(key, []).append(other)
-                self._surfaces[other] = self._surfaces[key]
-        return self._surfaces[face]
-
     def width(self, face):
         """Of a wall, along it, all of its surface."""
-        outline = np.concatenate([self.faces[other]["outline"] for other in self.surface(face)])
+        outline = np.concatenate([self.faces[other]["outline"] for other in self.surface[face]])
         return np.ptp(outline @ np.cross([0.0, 0.0, 1.0], self.faces[face]["normal"]))
 
     def is_outer(self, face):
@@ -212,7 +207,7 @@ def face_quantities(planes, truth, model_from_truth):
     rotation, translation = model_from_truth
     result = {}
     for plane in sorted(planes.planes.values(), key=lambda plane: plane["num_points"]):
-        face = truth.surface(planes.face_of_plane[plane["id"]])[0]
+        face = truth.surface[planes.face_of_plane[plane["id"]]][0]
         normal = rotation @ truth.faces[face]["normal"]
         at = rotation @ np.array(truth.faces[face]["centre"]) + translation
         kind = "floors and ceilings"
