@@ -120,16 +120,14 @@ void HiddenBeams::AddOpen(const Meeting& meeting,
   Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(meeting.motion.At(start_ns));
   const Eigen::Matrix<double, 2, 3> on_axes_step =
       share * (openings.OnAxes(meeting.motion.At(end_ns)) - on_axes);
-  BeamSweep sweep(scan_line, stretch.first);
   for (int beam = stretch.first; beam <= stretch.last; ++beam) {
-    const Eigen::Vector2d& direction = sweep.direction();
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const double cosine = line.head<2>().dot(direction);
     const bool is_open =
         std::abs(cosine) < kMinCosine
             ? IsNearOpening(meeting, beam, direction, openings)
             : openings.IsAtLocal(on_axes * (line.z() / cosine * direction).homogeneous());
     if (is_open) beams->push_back(beam);
-    sweep.Next();
     line += line_step;
     on_axes += on_axes_step;
   }
@@ -249,19 +247,17 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     return end.placement * p.homogeneous();
   };
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
-  BeamSweep outwards(end.scan_line, end.beam, end.step);
   bool is_opening = false;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
   int last_k = 0;
   for (int k = 1;; ++k) {
     const bool is_close = k <= kNumBeams;
     if (!is_close && !is_opening) break;
-    outwards.Next();
     const int beam = end.beam + k * end.step;
     if (beam < 0 || beam >= end.scan_line.num_beams()) break;
     const double range = end.scan_line.ranges[static_cast<size_t>(beam)];
     if (!end.scanner.IsValidRange(range)) continue;
-    const Eigen::Vector2d& direction = outwards.direction();
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
     const double on_plane_m = end.trace.RangeAlong(direction);
     const double beyond_m = range - on_plane_m;
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
@@ -285,14 +281,12 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     last = *at;
     last_k = k;
   }
-  BeamSweep inwards(end.scan_line, end.beam, -end.step);
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
-    const Eigen::Vector2d& direction = inwards.direction();
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
     const std::optional<Eigen::Vector3d> at =
         meeting_point(end.trace.RangeAlong(direction) * direction);
     if (!at) break;
     openings->CountHit(end.landmark, *at);
-    inwards.Next();
   }
 }
 

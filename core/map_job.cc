@@ -137,8 +137,7 @@ class PointExporter {
     const int64_t map_end_ns = state_.trajectory.end_ns();
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     std::optional<ScanMotion> motion;
-    BeamSweep sweep(scan_line, 0);
-    for (int beam = 0; beam < scan_line.num_beams(); ++beam, sweep.Next()) {
+    for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
       ++num_points_;
@@ -152,7 +151,8 @@ class PointExporter {
                      NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
                      .motion;
       }
-      const Eigen::Vector3d p_world = motion->ToWorld(range * sweep.direction(), time_ns);
+      const Eigen::Vector3d p_world =
+          motion->ToWorld(range * scan_line.BeamDirection(beam), time_ns);
       MapPoint point;
       point.p_world = p_world.cast<float>();
       point.time_s = SecondsBetween(start_ns, time_ns);

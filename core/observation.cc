@@ -18,21 +18,19 @@ struct Line {
   double distance = 0.0;
 };
 
-// Calls visit(index, beam, x, y, range) for the beams of a segment that count, along (x, y).
+// Calls visit(index, first, last) for the stretches of a segment's beams that count; index: of
+// the first one among them all.
 template <typename Visit>
-void VisitBeams(const ScanLine& scan_line, const Segment& segment, const Visit& visit) {
-  BeamSweep sweep(scan_line, segment.first_beam);
-  const float* ranges = scan_line.ranges.data();
+void VisitStretches(const Segment& segment, const Visit& visit) {
   int index = 0;
-  auto excluded = segment.excluded_beams.begin();
-  for (int beam = segment.first_beam; beam <= segment.last_beam; ++beam, sweep.Next()) {
-    if (excluded != segment.excluded_beams.end() && *excluded == beam) {
-      ++excluded;
-    } else {
-      const Eigen::Vector2d& direction = sweep.direction();
-      visit(index++, beam, direction.x(), direction.y(), static_cast<double>(ranges[beam]));
-    }
-  }
+  int first = segment.first_beam;
+  const auto end_before = [&](int beam) {
+    if (first < beam) visit(index, first, beam - 1);
+    index += beam - first;
+    first = beam + 1;
+  };
+  for (const int excluded : segment.excluded_beams) end_before(excluded);
+  end_before(segment.last_beam + 1);
   CHECK_EQ(index, segment.num_points) << "segment and its beams disagree";
 }
 
@@ -46,19 +44,23 @@ Line FitLine(const ScanLine& scan_line, const Segment& segment) {
   const double normal_x = segment.normal.x();
   const double normal_y = segment.normal.y();
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  VisitBeams(scan_line, segment, [&](int, int, double x, double y, double range) {
-    const double cosine = normal_x * x + normal_y * y;
-    const double weight = 1.0 / std::max(cosine * cosine, 1e-4);
-    const double from_x = range * x - origin_x;
-    const double from_y = range * y - origin_y;
-    const double weighted_x = weight * from_x;
-    const double weighted_y = weight * from_y;
-    sum += weight;
-    sum_x += weighted_x;
-    sum_y += weighted_y;
-    xx += weighted_x * from_x;
-    xy += weighted_x * from_y;
-    yy += weighted_y * from_y;
+  VisitStretches(segment, [&](int, int first, int last) {
+    for (int beam = first; beam <= last; ++beam) {
+      const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+      const double range = scan_line.ranges[static_cast<size_t>(beam)];
+      const double cosine = normal_x * direction.x() + normal_y * direction.y();
+      const double weight = 1.0 / std::max(cosine * cosine, 1e-4);
+      const double from_x = range * direction.x() - origin_x;
+      const double from_y = range * direction.y() - origin_y;
+      const double weighted_x = weight * from_x;
+      const double weighted_y = weight * from_y;
+      sum += weight;
+      sum_x += weighted_x;
+      sum_y += weighted_y;
+      xx += weighted_x * from_x;
+      xy += weighted_x * from_y;
+      yy += weighted_y * from_y;
+    }
   });
   const Eigen::Vector2d mean(sum_x / sum, sum_y / sum);
   xx -= sum_x * mean.x();
@@ -207,19 +209,30 @@ Observation ObserveBeams(const ScanLine& scan_line,
                 keep_points ? &points : nullptr);
   int middle_beam = segment.first_beam;
   BeamBlock beams;
-  VisitBeams(
-      scan_line, segment, [&](int index, int beam, double x, double y, double measured) {
-        const size_t i = beams.size++;
+  const auto add = [&] {
+    set_lines(&beams);
+    sums.Add(beams);
+    beams.size = 0;
+  };
+  VisitStretches(segment, [&](int index, int first, int last) {
+    const int middle = first + segment.num_points / 2 - index;
+    if (middle >= first && middle <= last) middle_beam = middle;
+    for (int beam = first; beam <= last;) {
+      const size_t begin = beams.size;
+      const size_t count =
+          std::min(static_cast<size_t>(last + 1 - beam), SegmentMoments::kBlock - begin);
+      for (size_t i = begin; i < begin + count; ++i, ++beam) {
+        const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
         beams.since_start[i] = beam - segment.first_beam;
-        beams.x[i] = x;
-        beams.y[i] = y;
-        beams.measured[i] = measured;
-        if (2 * index <= segment.num_points) middle_beam = beam;
-        if (beams.size < SegmentMoments::kBlock && index + 1 < segment.num_points) return;
-        set_lines(&beams);
-        sums.Add(beams);
-        beams.size = 0;
-      });
+        beams.x[i] = direction.x();
+        beams.y[i] = direction.y();
+        beams.measured[i] = scan_line.ranges[static_cast<size_t>(beam)];
+      }
+      beams.size += count;
+      if (beams.size == SegmentMoments::kBlock) add();
+    }
+  });
+  if (beams.size > 0) add();
   const Eigen::Vector2d normal = line_of(middle_beam).normal;
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
   observation.points = points;

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -80,6 +81,31 @@ ScanHead ReadHead(serialization::IStream* stream) {
   }
   return head;
 }
+
+// The directions of a scanner's beams. Its lines hardly ever differ in their angles.
+class KnownDirections {
+ public:
+  void SetOf(ScanLine* scan_line) {
+    if (directions_ == nullptr || scan_line->angle_min != angle_min_ ||
+        scan_line->angle_increment != angle_increment_ ||
+        directions_->size() < scan_line->ranges.size()) {
+      angle_min_ = scan_line->angle_min;
+      angle_increment_ = scan_line->angle_increment;
+      scan_line->directions = nullptr;  // the last line's
+      auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
+      for (int beam = 0; beam < scan_line->num_beams(); ++beam) {
+        directions->push_back(scan_line->BeamDirection(beam));
+      }
+      directions_ = std::move(directions);
+    }
+    scan_line->directions = directions_;
+  }
+
+ private:
+  double angle_min_ = 0.0;
+  double angle_increment_ = 0.0;
+  std::shared_ptr<const std::vector<Eigen::Vector2d>> directions_;
+};
 
 void ReadRanges(bool multi_echo,
                 uint32_t num_beams,
@@ -165,6 +191,7 @@ struct RecordingReader::Impl {
   size_t next_position = 0;
   std::map<size_t, ScanLine> buffer;  // by order: read ahead of their turn
   MessageBytes bytes;
+  std::vector<KnownDirections> directions;  // by scanner
 
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
@@ -215,6 +242,7 @@ void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
     scan_line->angle_increment = head.angle_increment;
     scan_line->time_increment_s = head.time_increment;
     ReadRanges(multi_echo, head.num_beams, &stream, &scan_line->ranges);
+    directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
   } catch (const std::exception& exception) {
     Fail(position, exception.what());
   }
@@ -318,6 +346,7 @@ bool RecordingReader::Impl::Next(ScanLine* scan_line) {
 RecordingReader::RecordingReader(const std::string& path, const Rig& rig)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
+  impl_->directions.resize(rig.scanners.size());
   OpenBag(path, &impl_->bag);
   impl_->CheckTopics(rig);
   impl_->IndexMessages(rig);

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/time.h"
@@ -20,6 +22,9 @@ struct ScanLine {
   double angle_increment = 0.0;   // rad
   double time_increment_s = 0.0;  // between neighbouring beams
   std::vector<float> ranges;      // m
+  // Unit vectors along the beams, as the angles say: a scanner's lines share them. Those that
+  // are not there are computed when asked for.
+  std::shared_ptr<const std::vector<Eigen::Vector2d>> directions;
 
   int num_beams() const { return static_cast<int>(ranges.size()); }
   int64_t BeamTime(int beam) const {
@@ -27,32 +32,11 @@ struct ScanLine {
   }
   double BeamAngle(int beam) const { return angle_min + beam * angle_increment; }
   Eigen::Vector2d BeamDirection(int beam) const {
+    const auto at = static_cast<size_t>(beam);  // huge below 0
+    if (directions != nullptr && at < directions->size()) return (*directions)[at];
     const double angle = BeamAngle(beam);
     return {std::cos(angle), std::sin(angle)};
   }
-};
-
-// Directions of one beam after the other, each that of the beam before turned on: exact to
-// 1e-13 after thousands of beams. step -1: backwards.
-class BeamSweep {
- public:
-  BeamSweep(const ScanLine& scan_line, int first_beam, int step = 1)
-      : direction_(scan_line.BeamDirection(first_beam)),
-        cosine_(std::cos(scan_line.angle_increment)),
-        sine_(step * std::sin(scan_line.angle_increment)) {}
-
-  const Eigen::Vector2d& direction() const { return direction_; }
-  void Next() {
-    // As one vector: numbers written one by one and then read together are what a processor
-    // has to wait for.
-    const Eigen::Vector2d across(-direction_.y(), direction_.x());
-    direction_ = cosine_ * direction_ + sine_ * across;
-  }
-
- private:
-  Eigen::Vector2d direction_;
-  double cosine_;
-  double sine_;
 };
 
 }  // namespace plumbline

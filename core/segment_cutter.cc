@@ -63,12 +63,10 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   if (to == end.beam) return last;
   // Planes may meet beyond the scan line.
   to = std::clamp(to, 0, scan_line.num_beams() - 1);
-  BeamSweep sweep(scan_line, end.beam, end.step);
   for (int beam = end.beam + end.step; end.step * (to - beam) >= 0; beam += end.step) {
-    sweep.Next();
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!scanner.IsValidRange(range)) break;
-    const double expected = trace.RangeAlong(sweep.direction());
+    const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
     if (!(std::abs(range - expected) < kOutlierSigmas * scanner.range_noise_m)) break;
     last = beam;
   }

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -34,6 +35,24 @@ LoopClosureOptions BoundingGap(const LoopClosureOptions& options) {
   LoopClosureOptions gap = options;
   gap.max_gap_scans = std::min(gap.max_gap_scans, kMaxInt / kGapFactor) * kGapFactor;
   return gap;
+}
+
+// Of the beams that have returned.
+float FarthestRange(const ScanLine& scan_line, const Scanner& scanner) {
+  constexpr size_t kLanes = 8;  // side by side
+  const auto limit = static_cast<float>(scanner.max_range_m);
+  std::array<float, kLanes> farthest = {};
+  const std::vector<float>& ranges = scan_line.ranges;
+  const auto take = [&](size_t lane, float range) {
+    const float valid = range <= limit ? range : 0.0f;
+    farthest[lane] = farthest[lane] < valid ? valid : farthest[lane];
+  };
+  size_t next = 0;
+  for (; next + kLanes <= ranges.size(); next += kLanes) {
+    for (size_t lane = 0; lane < kLanes; ++lane) take(lane, ranges[next + lane]);
+  }
+  for (; next < ranges.size(); ++next) take(0, ranges[next]);
+  return *std::max_element(farthest.begin(), farthest.end());
 }
 
 // RecutSegments' way through the recording.
@@ -86,12 +105,8 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
     candidates_scan_ = observation.scan_index;
   }
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  float farthest = 0.0f;
-  for (const float range : scan_line.ranges) {
-    if (range > farthest && scanner.IsValidRange(range)) farthest = range;
-  }
   const Reach reach(cutter_.poses()->Of(observation).world_from_scanner.translation,
-                    farthest,
+                    FarthestRange(scan_line, scanner),
                     options_.association);
   cutter_.SetCandidates(CandidatesWithin(reach, within_gap_));
 }

@@ -140,6 +140,32 @@ TEST_F(RecordingTest, DeliversWhatWasWritten) {
   }
 }
 
+// Beams' directions come from a table that lines of the same angles share.
+TEST_F(RecordingTest, DirectionsFollowTheAnglesOfEachLine) {
+  const Rig rig = MakeRig({"top", "left"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 8; ++i) {
+    ScanLine scan_line = MakeScanLine(i % 2, kStart + i * kPeriod);
+    if (i == 2) scan_line.angle_min = 0.25f;
+    if (i == 4) scan_line.ranges.assign(9, 2.0f);
+    if (i == 6) scan_line.angle_increment = -0.5f;
+    writer.Write(scan_line);
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  const std::vector<ScanLine> read = ReadAll(&reader);
+  ASSERT_EQ(read.size(), 8u);
+  for (const ScanLine& scan_line : read) {
+    ASSERT_NE(scan_line.directions, nullptr);
+    for (int beam = -1; beam <= scan_line.num_beams(); ++beam) {
+      const double angle = scan_line.angle_min + beam * scan_line.angle_increment;
+      EXPECT_EQ(scan_line.BeamDirection(beam),
+                Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    }
+  }
+  EXPECT_EQ(read[1].directions, read[7].directions);
+}
+
 TEST_F(RecordingTest, WritesTheSameBytesEachTime) {
   const Rig rig = MakeRig({"top"});
   std::vector<std::string> contents;
