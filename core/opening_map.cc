@@ -3,13 +3,16 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNarrow = 0.02;  // m
-constexpr double kWide = 0.25;
+constexpr double kNarrowPerMetre = 50.0;  // cells of 0.02 m
+constexpr double kWidePerMetre = 4.0;     // cells of 0.25 m
+constexpr double kWide = 1.0 / kWidePerMetre;
 // What is farther than this from a plane's bounding rectangle says nothing of it.
 constexpr double kMargin = 1.0;
 constexpr int kMinCount = 2;
 constexpr double kMinShare = 0.1;
 constexpr double kMinShareLevel = 0.5;
+// Cells where more went through are open, whatever the other kind's cell tells.
+constexpr double kMixedShare = 0.5;
 // An opening goes on along an upright edge where beams on the plane are fewer than this share
 // of those that went through.
 constexpr double kContradiction = 0.25;
@@ -19,14 +22,20 @@ bool HasHeight(const PatchExtent& extent) {
 }
 
 CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
-  return {CellIndex(u / (narrow_along_u ? kNarrow : kWide)),
-          CellIndex(v / (narrow_along_u ? kWide : kNarrow))};
+  return {CellIndex(u * (narrow_along_u ? kNarrowPerMetre : kWidePerMetre)),
+          CellIndex(v * (narrow_along_u ? kWidePerMetre : kNarrowPerMetre))};
 }
 
 // Without height there are no level edges: cells that are wide along u would only blur.
 bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || has_height; }
 
 size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
+
+// The cell so many further across the edges that cells of this kind tell.
+CellGrid::Cell Beside(const CellGrid::Cell& cell, int aside, bool narrow_along_u) {
+  return narrow_along_u ? CellGrid::Cell(cell.first + aside, cell.second)
+                        : CellGrid::Cell(cell.first, cell.second + aside);
+}
 
 }  // namespace
 
@@ -60,28 +69,44 @@ void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_w
   Count(landmark, p_world, 1, &Counts::blocks);
 }
 
-void PlaneOpenings::Open(const CellGrid::Cell& cell, bool narrow_along_u) {
-  open_[Index(narrow_along_u)].Add(cell, 1);
+void PlaneOpenings::Mark(const CellGrid::Cell& cell,
+                         bool narrow_along_u,
+                         CellGrid Cells::*cells) {
+  (cells_[Index(narrow_along_u)].*cells).Add(cell, 1);
+  if (cells == &Cells::solid) return;
   // A narrow cell may lie across the edge of two wide ones.
   const int narrow = narrow_along_u ? cell.first : cell.second;
   const int wide = narrow_along_u ? cell.second : cell.first;
   for (const int edge : {narrow, narrow + 1}) {
-    const int near = CellIndex(edge * kNarrow / kWide);
+    const int near = CellIndex(edge * (kWidePerMetre / kNarrowPerMetre));
     nearby_.Add(narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
   }
 }
 
+bool PlaneOpenings::IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const {
+  const int narrow = narrow_along_u ? cell.first : cell.second;
+  const int wide = narrow_along_u ? cell.second : cell.first;
+  const int near = CellIndex((narrow + 0.5) * (kWidePerMetre / kNarrowPerMetre));
+  return nearby_.IsNear(
+      narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
+}
+
 bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
-  const CellGrid::Cell wide(CellIndex(uv.x() / kWide), CellIndex(uv.y() / kWide));
+  const CellGrid::Cell wide(CellIndex(uv.x() * kWidePerMetre),
+                            CellIndex(uv.y() * kWidePerMetre));
   if (nearby_.Count(wide) == 0) return false;
-  return open_[0].Count(CellOf(uv.x(), uv.y(), true)) > 0 ||
-         open_[1].Count(CellOf(uv.x(), uv.y(), false)) > 0;
+  const CellGrid::Cell along_u = CellOf(uv.x(), uv.y(), true);
+  const CellGrid::Cell along_v = CellOf(uv.x(), uv.y(), false);
+  const auto& [of_u, of_v] = cells_;
+  return of_u.open.Count(along_u) > 0 || of_v.open.Count(along_v) > 0 ||
+         (of_u.mixed.Count(along_u) > 0 && of_v.solid.Count(along_v) == 0) ||
+         (of_v.mixed.Count(along_v) > 0 && of_u.solid.Count(along_u) == 0);
 }
 
 bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
                                const Eigen::Vector3d& b_world) const {
-  const Eigen::Vector2d a = Project(a_world) / kWide;
-  const Eigen::Vector2d b = Project(b_world) / kWide;
+  const Eigen::Vector2d a = Project(a_world) * kWidePerMetre;
+  const Eigen::Vector2d b = Project(b_world) * kWidePerMetre;
   const int steps = static_cast<int>((b - a).norm()) + 1;  // of one cell at most
   const Eigen::Vector2d step = (b - a) / steps;
   for (int i = 0; i <= steps; ++i) {
@@ -89,6 +114,49 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
     if (nearby_.IsNear({CellIndex(p.x()), CellIndex(p.y())}, 1)) return true;
   }
   return false;
+}
+
+void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings) {
+  using Cells = PlaneOpenings::Cells;
+  counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
+    if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
+      openings->Mark(cell, narrow_along_u, &Cells::open);
+    }
+    return false;
+  });
+  const double min_share = openings->has_height_ ? kMinShare : kMinShareLevel;
+  counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
+    const int num_beams = passed + counts.hits.Count(cell);
+    if (passed < kMinCount || !(passed > min_share * num_beams)) return false;
+    const auto cells = passed > kMixedShare * num_beams ? &Cells::open : &Cells::mixed;
+    if (narrow_along_u) {
+      for (const int next : {cell.second - 1, cell.second + 1}) {
+        const CellGrid::Cell along(cell.first, next);
+        if (counts.hits.Count(along) < kContradiction * passed) {
+          openings->Mark(along, narrow_along_u, cells);
+        }
+      }
+    }
+    for (int aside = -1; aside <= 1; ++aside) {
+      openings->Mark(Beside(cell, aside, narrow_along_u), narrow_along_u, cells);
+    }
+    return false;
+  });
+}
+
+void OpeningMap::MarkSolid(const Counts& counts,
+                           bool narrow_along_u,
+                           PlaneOpenings* openings) {
+  const PlaneOpenings::Cells& cells = openings->cells_[Index(narrow_along_u)];
+  counts.hits.Any([&](const CellGrid::Cell& cell, int hits) {
+    if (hits < kMinCount || !openings->IsNearby(cell, narrow_along_u)) return false;
+    for (int aside = -1; aside <= 1; ++aside) {
+      const CellGrid::Cell near = Beside(cell, aside, narrow_along_u);
+      if (cells.open.Count(near) > 0 || cells.mixed.Count(near) > 0) return false;
+    }
+    openings->Mark(cell, narrow_along_u, &PlaneOpenings::Cells::solid);
+    return false;
+  });
 }
 
 PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
@@ -99,35 +167,11 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
   openings.anchor_ = landmark.extent.anchor();
   openings.u_axis_ = landmark.extent.u_axis();
   openings.v_axis_ = landmark.extent.v_axis();
-  const double min_share = openings.has_height_ ? kMinShare : kMinShareLevel;
-  for (const bool narrow_along_u : {true, false}) {
-    if (!HasCells(openings.has_height_, narrow_along_u)) continue;
-    const Counts& counts = counts_[id][Index(narrow_along_u)];
-    counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
-      if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
-        openings.Open(cell, narrow_along_u);
-      }
-      return false;
-    });
-    counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
-      if (passed < kMinCount || !(passed > min_share * (passed + counts.hits.Count(cell)))) {
-        return false;
-      }
-      if (narrow_along_u) {
-        for (const int next : {cell.second - 1, cell.second + 1}) {
-          const CellGrid::Cell along(cell.first, next);
-          if (counts.hits.Count(along) < kContradiction * passed) {
-            openings.Open(along, narrow_along_u);
-          }
-        }
-      }
-      for (int aside = -1; aside <= 1; ++aside) {
-        CellGrid::Cell near = cell;
-        (narrow_along_u ? near.first : near.second) += aside;
-        openings.Open(near, narrow_along_u);
-      }
-      return false;
-    });
+  for (const auto mark : {&MarkOpen, &MarkSolid}) {
+    for (const bool narrow_along_u : {true, false}) {
+      if (!HasCells(openings.has_height_, narrow_along_u)) continue;
+      mark(counts_[id][Index(narrow_along_u)], narrow_along_u, &openings);
+    }
   }
   return openings;
 }

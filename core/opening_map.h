@@ -33,7 +33,15 @@ class PlaneOpenings {
 
  private:
   friend class OpeningMap;
-  void Open(const CellGrid::Cell& cell, bool narrow_along_u);
+  // Of the beams that met the plane in a cell ...
+  struct Cells {
+    CellGrid open;   // most did not stay on it
+    CellGrid mixed;  // some
+    CellGrid solid;  // all did, at the next cells too; close to openings only
+  };
+  void Mark(const CellGrid::Cell& cell, bool narrow_along_u, CellGrid Cells::*cells);
+  // Whether any opening lies where this cell does, or beside it.
+  bool IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const;
   Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
     const Eigen::Vector3d from_anchor = p_world - anchor_;
     return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
@@ -43,8 +51,8 @@ class PlaneOpenings {
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
-  std::array<CellGrid, 2> open_;  // cells narrow along u, along v
-  CellGrid nearby_;               // wide cells in which any of them lies
+  std::array<Cells, 2> cells_;  // narrow along u, along v
+  CellGrid nearby_;             // wide cells in which any open or mixed one lies
 };
 
 // Counts the beams of segments that were taken to lie on a plane, those beside their ends that
@@ -53,7 +61,8 @@ class PlaneOpenings {
 // the beams go through, or are stopped.
 //
 // Counted twice, on cells that are narrow along u and on cells that are narrow along v:
-// openings have upright and level edges, and few beams pass close to one of them.
+// openings have upright and level edges, and few beams pass close to one of them. A cell that
+// lies across an edge is mixed: there the other kind's tells on which side a place is.
 class OpeningMap {
  public:
   // num_beams: that one stands for.
@@ -63,7 +72,8 @@ class OpeningMap {
                     int num_beams = 1);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
   // Where more than a tenth of the beams (half of them, of a plane without height) went
-  // through here or at the next cell, or more were stopped here than not. What is solid lets
+  // through here or at the next cell, or more were stopped here than not; not where most
+  // stayed and those that meet the plane in the other kind's cell all do. What is solid lets
   // none through, whatever the noise; but most beams that seem to lie in an opening are the
   // jambs'. Goes on along upright edges by one cell where hardly any beam tells otherwise.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
@@ -83,6 +93,8 @@ class OpeningMap {
              const Eigen::Vector3d& p_world,
              int num_beams,
              CellGrid Counts::*grid);
+  static void MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
+  static void MarkSolid(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
 
   std::vector<CountsOfPlane> counts_;  // by landmark id
 };

@@ -68,6 +68,51 @@ TEST_F(OpeningMapTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
   EXPECT_FALSE(IsOpening(At(1.01, 0.3)));
 }
 
+// A cell of 0.25 m that lies across an upright edge sees both what it lets through and what it
+// does not: the narrow ones of the other kind tell where the edge is.
+TEST_F(OpeningMapTest, AnUprightEdgeIsKnownToItsNarrowCells) {
+  for (double z = 0.0; z < 0.75; z += 0.01) {
+    for (double x = 0.01; x < 0.25; x += 0.02) {
+      if (x < 0.16) {
+        openings_.CountHit(wall_, At(x, z));
+      } else {
+        openings_.CountPassage(wall_, At(x, z));
+      }
+    }
+  }
+  for (const double z : {0.05, 0.35, 0.65}) {
+    EXPECT_FALSE(IsOpening(At(0.03, z)));
+    EXPECT_FALSE(IsOpening(At(0.09, z)));
+    EXPECT_TRUE(IsOpening(At(0.15, z))) << "the last one before the edge";
+    EXPECT_TRUE(IsOpening(At(0.19, z)));
+  }
+}
+
+TEST_F(OpeningMapTest, ALevelEdgeIsKnownToItsNarrowCells) {
+  for (double x = 0.0; x < 0.75; x += 0.01) {
+    for (double z = 0.01; z < 0.25; z += 0.02) {
+      if (z > 0.1) {
+        openings_.CountHit(wall_, At(x, z));
+      } else {
+        openings_.CountPassage(wall_, At(x, z));
+      }
+    }
+  }
+  for (const double x : {0.05, 0.35, 0.65}) {
+    EXPECT_TRUE(IsOpening(At(x, 0.07)));
+    EXPECT_TRUE(IsOpening(At(x, 0.11))) << "the first one beyond the edge";
+    EXPECT_FALSE(IsOpening(At(x, 0.17)));
+    EXPECT_FALSE(IsOpening(At(x, 0.23)));
+  }
+}
+
+// Beams on a jamb lie where others go through, and no beam may have gone through beside them.
+TEST_F(OpeningMapTest, WhereMostGoThroughABeamBesideThemDoesNotMakeItSolid) {
+  for (double z = 0.0; z < 0.25; z += 0.02) openings_.CountPassage(wall_, At(0.11, z));
+  for (int i = 0; i < 3; ++i) openings_.CountHit(wall_, At(0.01, 0.11));
+  EXPECT_TRUE(IsOpening(At(0.11, 0.11)));
+}
+
 TEST_F(OpeningMapTest, FarFromThePlaneNothingIsCounted) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(4.1));
   EXPECT_FALSE(HasOpenings());
