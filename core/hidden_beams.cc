@@ -34,6 +34,9 @@ constexpr int kNumHits = 8;        // of a segment's beams, count for all of the
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
+// What a beam met farther before the plane does not stand where the beam would have met that:
+// behind a wall, it may be the floor of the next room.
+constexpr double kMaxBlockDistance = 0.4;  // m
 
 }  // namespace
 
@@ -263,7 +266,8 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
     const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
-    const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m;
+    const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m &&
+                       beyond_m > -kMaxBlockDistance;
     if (!is_close && !passes) break;
     if (!passes && !stops) continue;
     const std::optional<Eigen::Vector3d> at = meeting_point(on_plane_m * direction);
