@@ -30,6 +30,8 @@ class CellGrid {
     if (at == 0) ++num_occupied_;
     at = static_cast<uint16_t>(std::min(at + std::min(count, kMaxCount), kMaxCount));
   }
+  // Makes the count of a cell at least this.
+  void Raise(const Cell& cell, int count) { Add(cell, count - Count(cell)); }
   int Count(const Cell& cell) const {
     return Covers(cell)
                ? counts_[Index(cell.first - first_.first, cell.second - first_.second)]

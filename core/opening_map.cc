@@ -69,11 +69,9 @@ void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_w
   Count(landmark, p_world, 1, &Counts::blocks);
 }
 
-void PlaneOpenings::Mark(const CellGrid::Cell& cell,
-                         bool narrow_along_u,
-                         CellGrid Cells::*cells) {
-  (cells_[Index(narrow_along_u)].*cells).Add(cell, 1);
-  if (cells == &Cells::solid) return;
+void PlaneOpenings::Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state) {
+  states_[Index(narrow_along_u)].Raise(cell, state);
+  if (state == kSolid) return;
   // A narrow cell may lie across the edge of two wide ones.
   const int narrow = narrow_along_u ? cell.first : cell.second;
   const int wide = narrow_along_u ? cell.second : cell.first;
@@ -95,12 +93,10 @@ bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
   const CellGrid::Cell wide(CellIndex(uv.x() * kWidePerMetre),
                             CellIndex(uv.y() * kWidePerMetre));
   if (nearby_.Count(wide) == 0) return false;
-  const CellGrid::Cell along_u = CellOf(uv.x(), uv.y(), true);
-  const CellGrid::Cell along_v = CellOf(uv.x(), uv.y(), false);
-  const auto& [of_u, of_v] = cells_;
-  return of_u.open.Count(along_u) > 0 || of_v.open.Count(along_v) > 0 ||
-         (of_u.mixed.Count(along_u) > 0 && of_v.solid.Count(along_v) == 0) ||
-         (of_v.mixed.Count(along_v) > 0 && of_u.solid.Count(along_u) == 0);
+  const int along_u = states_[Index(true)].Count(CellOf(uv.x(), uv.y(), true));
+  const int along_v = states_[Index(false)].Count(CellOf(uv.x(), uv.y(), false));
+  return along_u == kOpen || along_v == kOpen || (along_u == kMixed && along_v != kSolid) ||
+         (along_v == kMixed && along_u != kSolid);
 }
 
 bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
@@ -117,10 +113,9 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
 }
 
 void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings) {
-  using Cells = PlaneOpenings::Cells;
   counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
     if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
-      openings->Mark(cell, narrow_along_u, &Cells::open);
+      openings->Mark(cell, narrow_along_u, PlaneOpenings::kOpen);
     }
     return false;
   });
@@ -128,17 +123,18 @@ void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenin
   counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
     const int num_beams = passed + counts.hits.Count(cell);
     if (passed < kMinCount || !(passed > min_share * num_beams)) return false;
-    const auto cells = passed > kMixedShare * num_beams ? &Cells::open : &Cells::mixed;
+    const auto state =
+        passed > kMixedShare * num_beams ? PlaneOpenings::kOpen : PlaneOpenings::kMixed;
     if (narrow_along_u) {
       for (const int next : {cell.second - 1, cell.second + 1}) {
         const CellGrid::Cell along(cell.first, next);
         if (counts.hits.Count(along) < kContradiction * passed) {
-          openings->Mark(along, narrow_along_u, cells);
+          openings->Mark(along, narrow_along_u, state);
         }
       }
     }
     for (int aside = -1; aside <= 1; ++aside) {
-      openings->Mark(Beside(cell, aside, narrow_along_u), narrow_along_u, cells);
+      openings->Mark(Beside(cell, aside, narrow_along_u), narrow_along_u, state);
     }
     return false;
   });
@@ -147,14 +143,14 @@ void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenin
 void OpeningMap::MarkSolid(const Counts& counts,
                            bool narrow_along_u,
                            PlaneOpenings* openings) {
-  const PlaneOpenings::Cells& cells = openings->cells_[Index(narrow_along_u)];
+  const CellGrid& states = openings->states_[Index(narrow_along_u)];
   counts.hits.Any([&](const CellGrid::Cell& cell, int hits) {
     if (hits < kMinCount || !openings->IsNearby(cell, narrow_along_u)) return false;
     for (int aside = -1; aside <= 1; ++aside) {
       const CellGrid::Cell near = Beside(cell, aside, narrow_along_u);
-      if (cells.open.Count(near) > 0 || cells.mixed.Count(near) > 0) return false;
+      if (states.Count(near) > PlaneOpenings::kSolid) return false;
     }
-    openings->Mark(cell, narrow_along_u, &PlaneOpenings::Cells::solid);
+    openings->Mark(cell, narrow_along_u, PlaneOpenings::kSolid);
     return false;
   });
 }

@@ -33,13 +33,14 @@ class PlaneOpenings {
 
  private:
   friend class OpeningMap;
-  // Of the beams that met the plane in a cell ...
-  struct Cells {
-    CellGrid open;   // most did not stay on it
-    CellGrid mixed;  // some
-    CellGrid solid;  // all did, at the next cells too; close to openings only
+  // What has become of the beams that met the plane in a cell, as a grid's count.
+  enum State {
+    kUnknown = 0,
+    kSolid,  // all stayed on it, at the next cells too; close to openings only
+    kMixed,  // some did not
+    kOpen,   // most did not
   };
-  void Mark(const CellGrid::Cell& cell, bool narrow_along_u, CellGrid Cells::*cells);
+  void Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state);
   // Whether any opening lies where this cell does, or beside it.
   bool IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const;
   Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
@@ -51,8 +52,8 @@ class PlaneOpenings {
   Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
-  std::array<Cells, 2> cells_;  // narrow along u, along v
-  CellGrid nearby_;             // wide cells in which any open or mixed one lies
+  std::array<CellGrid, 2> states_;  // of the cells narrow along u, along v
+  CellGrid nearby_;                 // wide cells in which any open or mixed one lies
 };
 
 // Counts the beams of segments that were taken to lie on a plane, those beside their ends that

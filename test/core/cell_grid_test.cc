@@ -66,6 +66,13 @@ TEST(CellGrid, ACountStaysAtTheLargest) {
   EXPECT_EQ(grid.num_occupied(), 2);
 }
 
+TEST(CellGrid, RaisingNeverLowersACount) {
+  CellGrid grid;
+  for (const int count : {2, 3, 1}) grid.Raise({4, -1}, count);
+  EXPECT_EQ(grid.Count({4, -1}), 3);
+  EXPECT_EQ(grid.num_occupied(), 1);
+}
+
 TEST(CellGrid, AnAbsurdRectangleIsAnError) {
   CellGrid grid;
   grid.Add({0, 0}, 1);
