@@ -2,6 +2,7 @@
 
 #include "core/arrow_factor.h"
 #include "core/estimation_problem.h"
+#include "core/in_order.h"
 
 namespace plumbline {
 namespace {
@@ -38,14 +39,19 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
   };
   equations.cost = VisitProducts(layout, add);
   const BlockPositions positions = PositionsIn(layout);
+  struct Item {
+    const GroupTerm* term;
+    LinearisedGroup::Model model;
+  };
+  size_t next = 0;
   std::vector<int> rows;
   std::vector<int> columns;
-  for (const GroupTerm& term : groups_) {
-    const LinearisedGroup::Model model = term.group->ModelAt(term.blocks.data());
+  const auto take = [&](Item* item) {
+    const LinearisedGroup::Model& model = item->model;
     equations.cost += model.cost;
     rows.clear();
     columns.clear();
-    for (const Run& run : RunsOf(term, layout, positions)) {
+    for (const Run& run : RunsOf(*item->term, layout, positions)) {
       for (int i = 0; i < run.size; ++i) {
         rows.push_back(run.row + i);
         columns.push_back(run.column + i);
@@ -56,7 +62,15 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
     } else {
       add(columns, model.hessian(rows, rows), model.gradient(rows));
     }
-  }
+  };
+  ForEachInOrder<Item>(
+      [&](Item* item) {
+        if (next == groups_.size()) return false;
+        item->term = &groups_[next++];
+        return true;
+      },
+      [](Item* item) { item->model = item->term->group->ModelAt(item->term->blocks.data()); },
+      take);
   return equations;
 }
 

@@ -2,18 +2,17 @@
 
 #include <glog/logging.h>
 #include <sys/resource.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
-#include <optional>
 
 #include "core/config.h"
 #include "core/plane_covariance.h"
+#include "core/point_exporter.h"
 #include "core/result_writer.h"
-#include "core/scan_reader.h"
 #include "core/stopwatch.h"
 
 namespace plumbline {
@@ -25,166 +24,6 @@ double PeakMemoryMb() {
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
-
-// Share of points on planes over time, to tell where the pose is doubtful: where the estimate
-// went astray, segments no longer lie on the planes.
-class SupportOverTime {
- public:
-  void Add(double time_s, bool on_plane) {
-    const auto bin = static_cast<size_t>(std::max(0.0, time_s) / kBinSeconds);
-    if (bin >= bins_.size()) bins_.resize(bin + 1);
-    ++bins_[bin].num_points;
-    bins_[bin].num_on_planes += on_plane ? 1 : 0;
-  }
-
-  // One sentence for each stretch with less than half of the overall share.
-  std::vector<std::string> Warnings() const {
-    Bin total;
-    for (const Bin& bin : bins_) {
-      total.num_points += bin.num_points;
-      total.num_on_planes += bin.num_on_planes;
-    }
-    std::vector<std::string> warnings;
-    for (size_t i = 0; i < bins_.size(); ++i) {
-      if (!IsDoubtful(bins_[i], total)) continue;
-      const size_t first = i;
-      while (i + 1 < bins_.size() && IsDoubtful(bins_[i + 1], total)) ++i;
-      char text[160];
-      std::snprintf(
-          text,
-          sizeof(text),
-          "from %.2f to %.2f s less than half as many points as usual lie on planes: "
-          "the pose is doubtful there",
-          static_cast<double>(first) * kBinSeconds,
-          static_cast<double>(i + 1) * kBinSeconds);
-      warnings.emplace_back(text);
-    }
-    return warnings;
-  }
-
- private:
-  static constexpr double kBinSeconds = 0.25;
-  struct Bin {
-    int64_t num_points = 0;
-    int64_t num_on_planes = 0;
-  };
-
-  static bool IsDoubtful(const Bin& bin, const Bin& total) {
-    return 2 * bin.num_on_planes * total.num_points < bin.num_points * total.num_on_planes;
-  }
-
-  std::vector<Bin> bins_;
-};
-
-// Second pass over the recording: places every valid point, so that none had to be kept.
-class PointExporter {
- public:
-  PointExporter(const Rig& rig, const MapState& state, ResultWriter* writer)
-      : rig_(rig), state_(state), writer_(writer), sampler_(state.trajectory) {
-    for (const Landmark& landmark : state.landmarks) planes_.emplace_back(landmark);
-  }
-
-  void Run(const ProgressCallback& progress, RecordingReader* recording, Summary* summary) {
-    recording->Rewind();
-    ScanLine scan_line;
-    size_t next_observation = 0;
-    size_t next_run = 0;
-    const int num_scan_lines = recording->num_scan_lines();
-    for (int index = 0; recording->Next(&scan_line); ++index) {
-      if (index % 256 == 0) progress("writing", static_cast<double>(index) / num_scan_lines);
-      const auto& observations = state_.observations;
-      const size_t first = next_observation;
-      while (next_observation < observations.size() &&
-             observations[next_observation].scan_line_index == index) {
-        ++next_observation;
-      }
-      plane_of_beam_.assign(scan_line.ranges.size(), nullptr);
-      for (size_t i = first; i < next_observation; ++i) Assign(observations[i]);
-      for (; next_run < state_.short_runs.size() &&
-             state_.short_runs[next_run].scan_line_index == index;
-           ++next_run) {
-        Assign(state_.short_runs[next_run]);
-      }
-      Place(scan_line, recording->start_ns());
-    }
-    CHECK_EQ(next_observation, state_.observations.size()) << "observations out of order";
-    for (const std::string& warning : support_.Warnings()) {
-      LOG(WARNING) << warning;
-      summary->warnings.push_back(warning);
-    }
-    summary->points = num_points_;
-    summary->points_used = num_used_;
-    summary->residual_rms_m =
-        num_used_ > 0 ? std::sqrt(sum_squares_ / static_cast<double>(num_used_)) : 0.0;
-  }
-
- private:
-  // Notes the plane of an observation's beams.
-  void Assign(const Observation& observation) {
-    if (observation.landmark_id < 0) return;
-    const LandmarkCandidate* plane = &planes_[static_cast<size_t>(observation.landmark_id)];
-    for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
-      plane_of_beam_[static_cast<size_t>(beam)] = plane;
-    }
-    for (const int beam : observation.excluded_beams) {
-      plane_of_beam_[static_cast<size_t>(beam)] = nullptr;
-    }
-  }
-
-  void Place(const ScanLine& scan_line, int64_t start_ns) {
-    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-    const int64_t map_start_ns = state_.trajectory.start_ns();
-    const int64_t map_end_ns = state_.trajectory.end_ns();
-    int64_t span_end_ns = std::numeric_limits<int64_t>::min();
-    std::optional<ScanMotion> motion;
-    for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
-      const double range = scan_line.ranges[static_cast<size_t>(beam)];
-      if (!scanner.IsValidRange(range)) continue;
-      ++num_points_;
-      const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-      if (time_ns < map_start_ns || time_ns >= map_end_ns) continue;
-      if (time_ns > span_end_ns) {
-        const int last = scan_line.num_beams() - 1;
-        span_end_ns = std::min(
-            {BeamInstant(scan_line, last, rig_), time_ns + kMaxSpanNs, map_end_ns - 1});
-        motion = ObservationPoses(
-                     NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
-                     .motion;
-      }
-      const Eigen::Vector3d p_world =
-          motion->ToWorld(range * scan_line.BeamDirection(beam), time_ns);
-      MapPoint point;
-      point.p_world = p_world.cast<float>();
-      point.time_s = SecondsBetween(start_ns, time_ns);
-      point.scanner = scan_line.scanner_index;
-      point.residual_m = std::numeric_limits<float>::quiet_NaN();
-      if (const LandmarkCandidate* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
-        const double residual = plane->SignedDistance(p_world);
-        ++num_used_;
-        sum_squares_ += residual * residual;
-        point.plane_id = plane->landmark->id;
-        point.residual_m = static_cast<float>(residual);
-      }
-      support_.Add(point.time_s, point.plane_id >= 0);
-      writer_->AddMapPoint(point);
-    }
-  }
-
-  // Points in such a span are placed by the quadratic through three poses, to better than
-  // float's resolution.
-  static constexpr int64_t kMaxSpanNs = 25'000'000;
-
-  const Rig& rig_;
-  const MapState& state_;
-  ResultWriter* writer_;
-  PoseSampler sampler_;
-  std::vector<LandmarkCandidate> planes_;  // by landmark id
-  std::vector<const LandmarkCandidate*> plane_of_beam_;
-  SupportOverTime support_;
-  int64_t num_points_ = 0;
-  int64_t num_used_ = 0;
-  double sum_squares_ = 0.0;
-};
 
 std::vector<StampedPose> Poses(const MapResult& result) {
   std::vector<StampedPose> poses;
@@ -253,9 +92,8 @@ void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* s
   }
 }
 
-}  // namespace
-
-Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
+// On the threads of the caller's arena.
+Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch total_watch;
   Stopwatch reading_watch;
   Stopwatch writing_watch;
@@ -271,7 +109,7 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
             << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
   for (const std::string& warning : recording.warnings()) LOG(WARNING) << warning;
 
-  MapResult result = MapRecording(rig, options, job.threads, progress, &recording);
+  MapResult result = MapRecording(rig, options, progress, &recording);
   for (const std::string& warning : result.warnings) LOG(WARNING) << warning;
 
   auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
@@ -283,12 +121,16 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   writer.WriteTrajectoryCovariance(PoseCovariances(result));
   writer.WritePlaneCovariance(covariance);
   if (!result.window_statements.empty()) WriteWindow(result, &writer);
-  PointExporter(rig, result.state, &writer).Run(progress, &recording, &summary);
+  const PointReport points = ExportPoints(rig, result.state, progress, &recording, &writer);
+  for (const std::string& warning : points.warnings) LOG(WARNING) << warning;
   writer.WriteConfig(MapperOptionsToYaml(options));
   writing.reset();
   total.reset();
 
   summary.scans = static_cast<int>(result.scan_times_ns.size());
+  summary.points = points.num_points;
+  summary.points_used = points.num_used;
+  summary.residual_rms_m = points.residual_rms_m;
   summary.segments = static_cast<int>(std::count_if(
       result.state.observations.begin(),
       result.state.observations.end(),
@@ -309,12 +151,19 @@ Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
   summary.reference_plane_id = 0;
   std::vector<std::string> warnings = recording.warnings();
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
-  warnings.insert(warnings.end(), summary.warnings.begin(), summary.warnings.end());
+  warnings.insert(warnings.end(), points.warnings.begin(), points.warnings.end());
   summary.warnings = std::move(warnings);
   summary.peak_memory_mb = PeakMemoryMb();
   writer.WriteSummary(summary);
   writer.Commit();
   return summary;
+}
+
+}  // namespace
+
+Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
+  tbb::task_arena arena(job.threads);
+  return arena.execute([&] { return Run(job, progress); });
 }
 
 }  // namespace plumbline

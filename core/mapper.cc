@@ -1,13 +1,13 @@
 #include "core/mapper.h"
 
 #include <glog/logging.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "core/candidates.h"
 #include "core/duplicates.h"
@@ -30,15 +30,10 @@ constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the mod
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class Follower {
  public:
-  Follower(const Rig& rig,
-           bool planar,
-           const MapperOptions& options,
-           int num_threads,
-           double scan_period_s)
+  Follower(const Rig& rig, bool planar, const MapperOptions& options, double scan_period_s)
       : rig_(rig),
         planar_(planar),
         options_(options),
-        num_threads_(num_threads),
         scan_period_s_(scan_period_s),
         candidates_(planar, options) {}
 
@@ -66,7 +61,6 @@ class Follower {
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
-  int num_threads_;
   double scan_period_s_;
   CandidatePlanes candidates_;
   std::unique_ptr<MapState> state_;
@@ -104,7 +98,7 @@ std::vector<Observation> Follower::Observe(const Scan& scan) {
   const Stopwatch::Running running(&segmentation_watch_);
   const size_t num_lines = scan.scan_lines.size();
   std::vector<std::vector<Observation>> found(num_lines);
-  const auto observe = [&](size_t i) {
+  tbb::parallel_for(size_t{0}, num_lines, [&](size_t i) {
     const ScanLine& scan_line = scan.scan_lines[i];
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     for (const Segment& segment : SegmentScanLine(
@@ -113,17 +107,7 @@ std::vector<Observation> Follower::Observe(const Scan& scan) {
           scan_line, scanner, segment, options_.batch.factor == FactorKind::kPoint));
       found[i].back().scan_line_index = scan.scan_line_indices[i];
     }
-  };
-  // Scan lines are independent of each other: the result does not depend on the threads.
-  std::vector<std::thread> threads;
-  const size_t num_workers = std::min(num_lines, static_cast<size_t>(num_threads_));
-  for (size_t worker = 1; worker < num_workers; ++worker) {
-    threads.emplace_back([&, worker] {
-      for (size_t i = worker; i < num_lines; i += num_workers) observe(i);
-    });
-  }
-  for (size_t i = 0; i < num_lines; i += num_workers) observe(i);
-  for (std::thread& thread : threads) thread.join();
+  });
   std::vector<Observation> observations;
   for (std::vector<Observation>& line : found) {
     for (Observation& observation : line) {
@@ -368,7 +352,6 @@ PlaneCovariance PlanesOf(const std::vector<WindowStatement>& statements,
 
 MapResult MapRecording(const Rig& rig,
                        const MapperOptions& options,
-                       int num_threads,
                        const ProgressCallback& progress,
                        RecordingReader* recording) {
   const bool planar = IsPlanar(rig);
@@ -380,7 +363,7 @@ MapResult MapRecording(const Rig& rig,
   }
   Stopwatch tracking_watch;
   Stopwatch batch_watch;
-  Follower follower(rig, planar, options, num_threads, recording->scan_period_s());
+  Follower follower(rig, planar, options, recording->scan_period_s());
   {
     const Stopwatch::Running running(&tracking_watch);
     FollowRecording(rig, planar, options, progress, recording, &follower, &warnings);

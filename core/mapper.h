@@ -35,11 +35,11 @@ struct MapResult {
 using ProgressCallback = std::function<void(const std::string& stage, double share)>;
 
 // From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
-// scan tracking with the window, final batch (docs/architecture.md). num_threads changes the
-// time it takes, never the result. Throws Error when the motion can not be followed.
+// scan tracking with the window, final batch (docs/architecture.md). Works on the threads of
+// the caller's tbb::task_arena, by default all of the machine: they change the time it takes,
+// never the result. Throws Error when the motion can not be followed.
 MapResult MapRecording(const Rig& rig,
                        const MapperOptions& options,
-                       int num_threads,
                        const ProgressCallback& progress,
                        RecordingReader* recording);
 

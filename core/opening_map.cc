@@ -69,6 +69,25 @@ void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_w
   Count(landmark, p_world, 1, &Counts::blocks);
 }
 
+void OpeningMap::Add(OpeningMap other) {
+  if (counts_.empty()) {
+    counts_ = std::move(other.counts_);
+    return;
+  }
+  if (counts_.size() < other.counts_.size()) counts_.resize(other.counts_.size());
+  for (size_t id = 0; id < other.counts_.size(); ++id) {
+    for (size_t kind = 0; kind < other.counts_[id].size(); ++kind) {
+      for (const auto grid : {&Counts::hits, &Counts::passages, &Counts::blocks}) {
+        CellGrid& counts = counts_[id][kind].*grid;
+        (other.counts_[id][kind].*grid).Any([&](const CellGrid::Cell& cell, int count) {
+          counts.Add(cell, count);
+          return false;
+        });
+      }
+    }
+  }
+}
+
 void PlaneOpenings::Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state) {
   states_[Index(narrow_along_u)].Raise(cell, state);
   if (state == kSolid) return;

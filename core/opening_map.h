@@ -72,6 +72,8 @@ class OpeningMap {
                     const Eigen::Vector3d& p_world,
                     int num_beams = 1);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
+  // What another has counted of the same landmarks.
+  void Add(OpeningMap other);
   // Where more than a tenth of the beams (half of them, of a plane without height) went
   // through here or at the next cell, or more were stopped here than not; not where most
   // stayed and those that meet the plane in the other kind's cell all do. What is solid lets

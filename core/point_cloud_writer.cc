@@ -4,25 +4,10 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
-#include <cstring>
 #include <limits>
 
 namespace plumbline {
-
 namespace {
-
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "points are written as they lie");
-
-constexpr size_t kPointBytes =
-    3 * sizeof(float) + sizeof(double) + sizeof(uint8_t) + sizeof(int32_t) + sizeof(float);
-constexpr size_t kBufferBytes = 10'000 * kPointBytes;
-
-// Returns where the next value goes.
-template <typename Value>
-char* Put(Value value, char* at) {
-  std::memcpy(at, &value, sizeof(value));
-  return at + sizeof(value);
-}
 
 // Spaces for the digits that the largest number of points has more: headers are of the same
 // length for every number, so that they can be filled in at the end.
@@ -70,7 +55,7 @@ std::string PcdHeader(int64_t num_points) {
   add_field("scanner", pcl::PCLPointField::UINT8, sizeof(uint8_t));
   add_field("plane_id", pcl::PCLPointField::INT32, sizeof(int32_t));
   add_field("residual", pcl::PCLPointField::FLOAT32, sizeof(float));
-  CHECK_EQ(cloud.point_step, kPointBytes);
+  CHECK_EQ(cloud.point_step, PackedPoints::kPointBytes);
   cloud.row_step = cloud.point_step * cloud.width;
   // The number occurs twice, as width and as points.
   return pcl::PCDWriter().generateHeaderBinary(
@@ -81,7 +66,7 @@ std::string PcdHeader(int64_t num_points) {
 }  // namespace
 
 PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::string& pcd_path)
-    : ply_(ply_path), pcd_(pcd_path), buffer_(kBufferBytes) {
+    : ply_(ply_path), pcd_(pcd_path) {
   // The numbers are filled in at the end.
   ply_.Append(PlyHeader(0));
   pcd_.Append(PcdHeader(0));
@@ -90,33 +75,16 @@ PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::strin
 PointCloudWriter::File::File(const std::string& path)
     : file_(path), stream_(file_.temporary_path(), path) {}
 
-void PointCloudWriter::Flush() {
-  ply_.Append(buffer_.data(), num_buffered_);
-  pcd_.Append(buffer_.data(), num_buffered_);
-  num_buffered_ = 0;
-}
-
-void PointCloudWriter::Add(const MapPoint& point) {
+void PointCloudWriter::Add(const PackedPoints& points) {
   CHECK(!finished_) << "Add() after Finish()";
-  CHECK_GE(point.scanner, 0);
-  CHECK_LE(point.scanner, std::numeric_limits<uint8_t>::max());
-  char* at = buffer_.data() + num_buffered_;
-  at = Put(point.p_world.x(), at);
-  at = Put(point.p_world.y(), at);
-  at = Put(point.p_world.z(), at);
-  at = Put(point.time_s, at);
-  at = Put(static_cast<uint8_t>(point.scanner), at);
-  at = Put(static_cast<int32_t>(point.plane_id), at);
-  Put(point.residual_m, at);
-  num_buffered_ += kPointBytes;
-  ++num_points_;
-  if (num_buffered_ == kBufferBytes) Flush();
+  ply_.Append(points.data(), points.num_bytes());
+  pcd_.Append(points.data(), points.num_bytes());
+  num_points_ += points.num_points();
 }
 
 void PointCloudWriter::Finish() {
   CHECK(!finished_) << "Finish() twice";
   finished_ = true;
-  Flush();
   ply_.Finish(PlyHeader(num_points_));
   pcd_.Finish(PcdHeader(num_points_));
 }

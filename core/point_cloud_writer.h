@@ -3,11 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "core/atomic_file.h"
 #include "core/large_file.h"
-#include "core/result_writer.h"
+#include "core/packed_points.h"
 
 namespace plumbline {
 
@@ -18,7 +17,7 @@ class PointCloudWriter {
   // Throws Error naming the file when it can not be created.
   PointCloudWriter(const std::string& ply_path, const std::string& pcd_path);
 
-  void Add(const MapPoint& point);
+  void Add(const PackedPoints& points);
   // Completes both files under their temporary names. Call once, after the last point.
   void Finish();
   // Gives both files their names.
@@ -39,12 +38,8 @@ class PointCloudWriter {
     LargeFile stream_;
   };
 
-  void Flush();
-
   File ply_;
   File pcd_;
-  std::vector<char> buffer_;  // the first num_buffered_: packed points not yet in the files
-  size_t num_buffered_ = 0;
   int64_t num_points_ = 0;
   bool finished_ = false;
 };

@@ -6,18 +6,10 @@
 #include <vector>
 
 #include "core/map_types.h"
+#include "core/packed_points.h"
 #include "core/plane_covariance.h"
 
 namespace plumbline {
-
-// One point of map.ply and map.pcd.
-struct MapPoint {
-  Eigen::Vector3f p_world;
-  double time_s = 0.0;  // since the recording's first scan line
-  int scanner = 0;
-  int plane_id = -1;        // -1: on no plane
-  float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is -1
-};
 
 // The output directory of one run. Everything is written under temporary names inside it and
 // moved to the names of docs/outputs.md by Commit(), all or nothing: files of an earlier
@@ -37,9 +29,9 @@ class ResultWriter {
   void WriteWindow(const std::vector<StampedPose>& poses,
                    const std::vector<StampedCovariance>& covariances,
                    const PlaneCovariance& planes);
-  void AddMapPoint(const MapPoint& point);    // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);  // summary.json
-  void WriteConfig(const std::string& yaml);  // config_used.yaml
+  void AddMapPoints(const PackedPoints& points);  // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);      // summary.json
+  void WriteConfig(const std::string& yaml);      // config_used.yaml
   void Commit();
 
  private:

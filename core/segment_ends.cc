@@ -1,6 +1,7 @@
 #include "core/segment_ends.h"
 
 #include <glog/logging.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,8 @@
 
 #include "core/association.h"
 #include "core/first_planes.h"
+#include "core/in_order.h"
+#include "core/line_blocks.h"
 #include "core/scan_reader.h"
 #include "core/scan_trace.h"
 #include "core/segment_cutter.h"
@@ -55,23 +58,31 @@ float FarthestRange(const ScanLine& scan_line, const Scanner& scanner) {
   return *std::max_element(farthest.begin(), farthest.end());
 }
 
-// RecutSegments' way through the recording.
+// RecutSegments' work on single scan lines. Serves one thread.
 class Recutter {
  public:
+  // counts: whether openings are counted.
   Recutter(const Rig& rig,
            const MapperOptions& options,
            const std::vector<PlaneOpenings>& openings,
-           OpeningMap* counted,
+           bool counts,
            MapState* state)
       : rig_(rig),
         options_(options),
-        is_last_call_(counted == nullptr),
+        counts_(counts),
         state_(state),
         openings_(openings),
-        cutter_(rig, options, state->trajectory, &openings_, counted) {}
+        cutter_(rig, options, state->trajectory, &openings_, counts ? &counted_ : nullptr) {}
+  Recutter(const Recutter&) = delete;
+  Recutter& operator=(const Recutter&) = delete;
 
-  // The observations [first, last) of a scan line; returns how many changed.
-  int Recut(const ScanLine& scan_line, size_t first, size_t last);
+  // The observations [first, last) of a scan line; returns how many changed. Adds the short
+  // runs found to these.
+  int Recut(const ScanLine& scan_line,
+            size_t first,
+            size_t last,
+            std::vector<Observation>* short_runs);
+  OpeningMap TakeCounted() { return std::move(counted_); }
 
  private:
   void SetCandidates(const ScanLine& scan_line, const Observation& observation);
@@ -79,17 +90,20 @@ class Recutter {
   void AddRuns(const ScanLine& scan_line,
                const Observation& nearby,
                int first_beam,
-               int last_beam);
+               int last_beam,
+               std::vector<Observation>* short_runs);
   void AddRun(const ScanLine& scan_line,
               const Observation& nearby,
               int landmark_id,
-              const Ends& ends);
+              const Ends& ends,
+              std::vector<Observation>* short_runs);
 
   const Rig& rig_;
   const MapperOptions& options_;
-  bool is_last_call_;  // openings are counted no more
+  bool counts_;
   MapState* state_;
   const std::vector<PlaneOpenings>& openings_;
+  OpeningMap counted_;
   SegmentCutter cutter_;
   std::vector<LandmarkCandidate> within_gap_;
   int candidates_scan_ = -1;
@@ -115,7 +129,8 @@ void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& obser
 void Recutter::AddRuns(const ScanLine& scan_line,
                        const Observation& nearby,
                        int first_beam,
-                       int last_beam) {
+                       int last_beam,
+                       std::vector<Observation>* short_runs) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   for (int first = first_beam; first <= last_beam; first += kBeamsAtOnce) {
     const int last = std::min(first + kBeamsAtOnce - 1, last_beam);
@@ -129,7 +144,8 @@ void Recutter::AddRuns(const ScanLine& scan_line,
       AddRun(scan_line,
              nearby,
              landmark.id,
-             {{run.first_beam, run.trace, true}, {run.last_beam, run.trace, true}});
+             {{run.first_beam, run.trace, true}, {run.last_beam, run.trace, true}},
+             short_runs);
     }
   }
 }
@@ -138,7 +154,8 @@ void Recutter::AddRuns(const ScanLine& scan_line,
 void Recutter::AddRun(const ScanLine& scan_line,
                       const Observation& nearby,
                       int landmark_id,
-                      const Ends& ends) {
+                      const Ends& ends,
+                      std::vector<Observation>* short_runs) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   Observation run;
   run.landmark_id = landmark_id;
@@ -158,7 +175,7 @@ void Recutter::AddRun(const ScanLine& scan_line,
   Range beams;
   cutter_.LeaveOutHidden(scan_line, ends, &beams, &run);
   cutter_.Replace(scan_line, beams, Matrix6d::Zero(), &run);
-  if (run.landmark_id >= 0) state_->short_runs.push_back(std::move(run));
+  if (run.landmark_id >= 0) short_runs->push_back(std::move(run));
 }
 
 // Whether it changed.
@@ -168,13 +185,16 @@ bool Recutter::RecutOne(const ScanLine& scan_line,
   Range range;
   const bool is_another = cutter_.LeaveOutHidden(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.
-  if (is_another || (is_last_call_ && observation->taken_to != observation->landmark_id)) {
+  if (is_another || (!counts_ && observation->taken_to != observation->landmark_id)) {
     cutter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
   }
   return is_another;
 }
 
-int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
+int Recutter::Recut(const ScanLine& scan_line,
+                    size_t first,
+                    size_t last,
+                    std::vector<Observation>* short_runs) {
   const auto& observations = state_->observations;
   SetCandidates(scan_line, observations[first]);
   const std::vector<Ends> ends = cutter_.FindEnds(scan_line, observations, first, last);
@@ -185,10 +205,10 @@ int Recutter::Recut(const ScanLine& scan_line, size_t first, size_t last) {
     if (observation.landmark_id < 0) continue;
     if (RecutOne(scan_line, ends[i], &observation)) ++num_changed;
     if (observation.landmark_id < 0) continue;
-    AddRuns(scan_line, observations[first], next, observation.first_beam - 1);
+    AddRuns(scan_line, observations[first], next, observation.first_beam - 1, short_runs);
     next = observation.last_beam + 1;
   }
-  AddRuns(scan_line, observations[first], next, scan_line.num_beams() - 1);
+  AddRuns(scan_line, observations[first], next, scan_line.num_beams() - 1, short_runs);
   return num_changed;
 }
 
@@ -204,20 +224,40 @@ int RecutSegments(const Rig& rig,
   // None of the new runs is to be taken for an old one.
   const int revision = state->short_runs.empty() ? 1 : state->short_runs.front().revision + 1;
   state->short_runs.clear();
-  Recutter recutter(rig, options, openings, counted, state);
-  recording->Rewind();
-  ScanLine scan_line;
-  size_t next = 0;
+  struct Item {
+    LineBlock block;
+    std::vector<Observation> short_runs;
+    int num_changed = 0;
+  };
+  tbb::enumerable_thread_specific<Recutter> recutters(
+      [&] { return Recutter(rig, options, openings, counted != nullptr, state); });
+  LineBlockReader reader(recording, *state);
+  std::deque<Observation> short_runs;
   int num_changed = 0;
-  for (int index = 0; recording->Next(&scan_line); ++index) {
-    const size_t first = next;
-    while (next < state->observations.size() &&
-           state->observations[next].scan_line_index == index) {
-      ++next;
-    }
-    if (next > first) num_changed += recutter.Recut(scan_line, first, next);
+  ForEachInOrder<Item>([&](Item* item) { return reader.Next(&item->block); },
+                       [&](Item* item) {
+                         Recutter& recutter = recutters.local();
+                         item->num_changed = 0;
+                         for (const LineBlock::Line& line : item->block.lines) {
+                           if (line.first_observation == line.last_observation) continue;
+                           item->num_changed += recutter.Recut(line.scan_line,
+                                                               line.first_observation,
+                                                               line.last_observation,
+                                                               &item->short_runs);
+                         }
+                       },
+                       [&](Item* item) {
+                         num_changed += item->num_changed;
+                         for (Observation& run : item->short_runs) {
+                           run.revision = revision;
+                           short_runs.push_back(std::move(run));
+                         }
+                         item->short_runs.clear();
+                       });
+  state->short_runs = std::move(short_runs);
+  if (counted != nullptr) {
+    for (Recutter& recutter : recutters) counted->Add(recutter.TakeCounted());
   }
-  for (Observation& run : state->short_runs) run.revision = revision;
   return num_changed;
 }
 

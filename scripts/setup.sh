@@ -18,6 +18,7 @@ packages=(
   librosbag-storage-dev
   libsensor-msgs-dev
   libsuitesparse-dev
+  libtbb-dev
   libyaml-cpp-dev
   ninja-build
   nlohmann-json3-dev

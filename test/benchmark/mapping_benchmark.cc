@@ -224,15 +224,20 @@ BENCHMARK(ReadRecording)->Unit(benchmark::kMillisecond);
 // Both point clouds of a map.
 void ExportPoints(benchmark::State& state) {
   constexpr size_t kNumPoints = 100000;
+  constexpr size_t kPointsAtOnce = 5000;
   const std::filesystem::path path =
       std::filesystem::path(CorridorWalk().recording()).parent_path();
   MapPoint point;
   point.p_world = Eigen::Vector3f(1.0f, 2.0f, 3.0f);
+  PackedPoints points;
   for (auto _ : state) {
     PointCloudWriter writer((path / "map.ply").string(), (path / "map.pcd").string());
     for (size_t i = 0; i < kNumPoints; ++i) {
       point.time_s = 1e-4 * static_cast<double>(i);
-      writer.Add(point);
+      points.Add(point);
+      if ((i + 1) % kPointsAtOnce > 0) continue;
+      writer.Add(points);
+      points.Clear();
     }
     writer.Finish();
     writer.Commit();

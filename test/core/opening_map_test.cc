@@ -57,6 +57,22 @@ TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   EXPECT_FALSE(IsOpening(At(1.01, 0.6)));
 }
 
+TEST_F(OpeningMapTest, WhatAnotherHasCountedAddsUp) {
+  const auto openings_of = [&](int passages, int hits) {
+    OpeningMap map;
+    for (int i = 0; i < passages; ++i) map.CountPassage(wall_, At(1.01));
+    for (int i = 0; i < hits; ++i) map.CountHit(wall_, At(1.01));
+    return map;
+  };
+  OpeningMap sum;
+  sum.Add(openings_of(1, 0));
+  EXPECT_FALSE(sum.OpeningsOf(wall_).IsAt(At(1.01)));
+  sum.Add(openings_of(1, 0));
+  EXPECT_TRUE(sum.OpeningsOf(wall_).IsAt(At(1.01)));
+  sum.Add(openings_of(0, 30));
+  EXPECT_FALSE(sum.OpeningsOf(wall_).IsAt(At(1.01))) << "less than a tenth went through";
+}
+
 // A door's edge does not end where beams no longer tell of it.
 TEST_F(OpeningMapTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
   for (int i = 0; i < 5; ++i) openings_.CountPassage(wall_, At(1.01, 0.1));

@@ -73,7 +73,13 @@ class ResultWriterTest : public TemporaryDirectoryTest {
   void WriteAll(ResultWriter* writer, int num_points) {
     writer->WriteTrajectory({StampedPose()});
     writer->WritePlanes({PlanePatch()});
-    for (int i = 0; i < num_points; ++i) writer->AddMapPoint(MakePoint(i));
+    PackedPoints points;
+    for (int i = 0; i < num_points; ++i) {
+      points.Add(MakePoint(i));
+      if (i % 1000 < 999 && i + 1 < num_points) continue;
+      writer->AddMapPoints(points);
+      points.Clear();
+    }
     writer->WriteSummary(Summary());
     writer->WriteConfig("a: 1");
   }

@@ -76,8 +76,10 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
   int Recut(bool last = false) {
     const std::string path = (directory_ / "recording.bag").string();
     RecordingWriter writer(path, rig_);
-    for (int line = 0; line <= state_->observations.back().scan_line_index; ++line) {
-      writer.Write(line_);
+    ScanLine line = line_;
+    for (int index = 0; index <= state_->observations.back().scan_line_index; ++index) {
+      line.stamp_ns = line_.stamp_ns + index * 25'000'000;
+      writer.Write(line);
     }
     writer.Close();
     RecordingReader recording(path, rig_);
