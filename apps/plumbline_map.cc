@@ -20,7 +20,7 @@ DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well the
 DEFINE_string(config,
               "",
               "mapper settings (YAML) or a whole experiment; without it, defaults");
-DEFINE_int32(threads, 1, "threads; the result does not depend on them");
+DEFINE_int32(threads, 0, "0: as many as the machine has; the result does not depend on them");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 int main(int argc, char** argv) {
@@ -32,11 +32,11 @@ int main(int argc, char** argv) {
       __FILE__,
       {"recording", "rig", "output"},
       [] {
-        if (FLAGS_threads < 1) throw plumbline::Error("--threads must be at least 1");
+        if (FLAGS_threads < 0) throw plumbline::Error("--threads must be at least 0");
         plumbline::Progress progress("map");
         const plumbline::Summary summary = plumbline::RunMapJob(
             {FLAGS_recording, FLAGS_rig, FLAGS_config, FLAGS_output, FLAGS_threads},
-            [&](const std::string&, double share) { progress.Report(share); });
+            [&](double share) { progress.Report(share); });
         std::printf(
             "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time\n",
             summary.scans,

@@ -42,6 +42,10 @@ constexpr int64_t kMaxRunsShare = 3;
 // than a hundredth, but where there is no motion at all: that stays too large, which is the
 // safe side.
 constexpr int kNoiseSteps = 3;
+// Of the batch's time, when this is done: for progress, roughly.
+constexpr double kFirstEstimateShare = 0.1;
+constexpr double kFirstCutShare = 0.4;
+constexpr double kLastCutShare = 0.85;
 // Groups of two take more memory, of six hardly less; see also kTileControlPoints.
 constexpr int kIntervalsPerGroup = 4;
 
@@ -358,7 +362,7 @@ class Batch {
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,
-                          const std::function<void(const std::string&)>& progress,
+                          const ProgressCallback& progress,
                           RecordingReader* recording,
                           MapState* state) {
   Batch batch(rig, planar, options, state);
@@ -368,6 +372,7 @@ BatchReport EstimateBatch(const Rig& rig,
               kRoundTolerance,
               kMaxIterations,
               batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  double share_done = kFirstEstimateShare;
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();
@@ -377,9 +382,10 @@ BatchReport EstimateBatch(const Rig& rig,
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
     report.changed_associations = num_changed + num_dropped;
-    progress("batch round " + std::to_string(round) + ": " + std::to_string(num_changed) +
-             " associations changed, " + std::to_string(num_merged) + " planes merged, " +
-             std::to_string(num_dropped) + " segments taken from planes that are none");
+    LOG(INFO) << "batch round " << round << ": " << num_changed << " associations changed, "
+              << num_merged << " planes merged, " << num_dropped
+              << " segments taken from planes that are none";
+    progress(share_done);
     const double share = static_cast<double>(report.changed_associations) /
                          static_cast<double>(std::max<size_t>(1, state->observations.size()));
     // Openings are known from the second reading of the recording on.
@@ -392,6 +398,8 @@ BatchReport EstimateBatch(const Rig& rig,
       const int num_slants = batch.DropSlants();
       VLOG(1) << "ends of " << num_recut << " segments moved, " << num_slants
               << " segments taken from slants";
+      share_done = last ? kLastCutShare : kFirstCutShare;
+      progress(share_done);
     }
     if (last && options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
     if (last) batch.Refine();

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "core/map_covariance.h"
 #include "core/map_state.h"
 #include "core/mapper_options.h"
 #include "core/motion_noise.h"
+#include "core/progress.h"
 #include "core/recording.h"
 #include "core/rig.h"
 #include "core/stopwatch.h"
@@ -33,7 +31,7 @@ struct BatchReport {
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,
-                          const std::function<void(const std::string&)>& progress,
+                          const ProgressCallback& progress,
                           RecordingReader* recording,
                           MapState* state);
 

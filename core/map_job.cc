@@ -18,6 +18,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kMappingShare = 0.92;  // of the time, roughly; the rest is writing
+
 // Peak resident memory of this process.
 double PeakMemoryMb() {
   rusage usage{};
@@ -109,7 +111,8 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
             << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
   for (const std::string& warning : recording.warnings()) LOG(WARNING) << warning;
 
-  MapResult result = MapRecording(rig, options, progress, &recording);
+  MapResult result = MapRecording(
+      rig, options, [&](double share) { progress(kMappingShare * share); }, &recording);
   for (const std::string& warning : result.warnings) LOG(WARNING) << warning;
 
   auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
@@ -121,7 +124,12 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   writer.WriteTrajectoryCovariance(PoseCovariances(result));
   writer.WritePlaneCovariance(covariance);
   if (!result.window_statements.empty()) WriteWindow(result, &writer);
-  const PointReport points = ExportPoints(rig, result.state, progress, &recording, &writer);
+  const PointReport points = ExportPoints(
+      rig,
+      result.state,
+      [&](double share) { progress(kMappingShare + (1.0 - kMappingShare) * share); },
+      &recording,
+      &writer);
   for (const std::string& warning : points.warnings) LOG(WARNING) << warning;
   writer.WriteConfig(MapperOptionsToYaml(options));
   writing.reset();
@@ -162,7 +170,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
 }  // namespace
 
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress) {
-  tbb::task_arena arena(job.threads);
+  tbb::task_arena arena(job.threads > 0 ? job.threads : tbb::task_arena::automatic);
   return arena.execute([&] { return Run(job, progress); });
 }
 

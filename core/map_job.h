@@ -12,7 +12,7 @@ struct MapJob {
   std::string rig;        // YAML
   std::string config;     // YAML, empty: defaults
   std::string output;     // directory
-  int threads = 1;
+  int threads = 1;        // 0: as many as the machine has
 };
 
 // Maps and writes all files of docs/outputs.md, or none of them. Throws Error.

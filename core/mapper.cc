@@ -25,6 +25,7 @@ namespace {
 // Beyond these standard deviations, the planes given, the newest pose is lost.
 constexpr double kLostPosition = 0.5;                  // m
 constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
+constexpr double kFollowingShare = 0.5;                // of the time, roughly: for progress
 constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the model frame
 
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
@@ -298,7 +299,7 @@ void FollowRecording(const Rig& rig,
   int64_t previous_end_ns = 0;
   while (scans.Next(&scan)) {
     const double now_s = SecondsBetween(recording->start_ns(), scan.start_ns);
-    progress("following", now_s / duration_s);
+    progress(kFollowingShare * now_s / duration_s);
     if (!follower->started()) {
       if (!follower->Start(scan)) {
         ++num_skipped;
@@ -381,10 +382,7 @@ MapResult MapRecording(const Rig& rig,
         rig,
         planar,
         options,
-        [&](const std::string& text) {
-          LOG(INFO) << text;
-          progress(text, 0.0);
-        },
+        [&](double share) { progress(kFollowingShare + (1.0 - kFollowingShare) * share); },
         recording,
         &result.state);
   }

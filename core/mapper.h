@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "core/map_types.h"
 #include "core/mapper_options.h"
 #include "core/plane_covariance.h"
+#include "core/progress.h"
 #include "core/recording.h"
 #include "core/rig.h"
 #include "core/window.h"
@@ -30,9 +30,6 @@ struct MapResult {
   std::vector<std::pair<std::string, double>> stages;  // name, seconds
   std::vector<std::string> warnings;
 };
-
-// Called now and then with the stage and the share of it done, 0 to 1.
-using ProgressCallback = std::function<void(const std::string& stage, double share)>;
 
 // From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
 // scan tracking with the window, final batch (docs/architecture.md). Works on the threads of

@@ -208,8 +208,7 @@ PointReport ExportPoints(const Rig& rig,
             support.Add(count.time_s, count.num_placed, count.num_used);
           }
         }
-        progress("writing",
-                 static_cast<double>(item->block.end_index) / recording->num_scan_lines());
+        progress(static_cast<double>(item->block.end_index) / recording->num_scan_lines());
       });
   if (report.num_used > 0) {
     report.residual_rms_m = std::sqrt(sum_squares / static_cast<double>(report.num_used));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/map_state.h"
-#include "core/mapper.h"
+#include "core/progress.h"
 #include "core/recording.h"
 #include "core/result_writer.h"
 #include "core/rig.h"

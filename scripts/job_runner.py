@@ -395,7 +395,7 @@ def simulated_run(experiment, config, seed, binaries):
         (binaries / "plumbline_simulate", f"--experiment={experiment}", f"--seed={seed}",
          "--output=truth"),
         (binaries / "plumbline_map", "--recording=truth/recording.bag", "--rig=truth/rig.yaml",
-         f"--config={config}", "--output=result"),
+         f"--config={config}", "--threads=1", "--output=result"),
         (binaries / "plumbline_evaluate", "--result=result", "--truth=truth",
          "--output=result/evaluation.json"),
     )

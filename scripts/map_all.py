@@ -55,7 +55,7 @@ def rig_of(recording, rig):
 
 def make_job(name, recording, arguments):
     command = [arguments.binaries / "plumbline_map", f"--recording={recording}",
-               f"--rig={rig_of(recording, arguments.rig)}", "--output=result"]
+               f"--rig={rig_of(recording, arguments.rig)}", "--threads=1", "--output=result"]
     if arguments.config:
         command.append(f"--config={arguments.config}")
     return job_runner.Job(

@@ -57,7 +57,7 @@ MappedWalk::MappedWalk(const std::string& experiment, double length_m, FactorKin
   RecordingReader reader(recording(), rig_);
   scan_period_s_ = reader.scan_period_s();
   result_ = std::make_unique<MapResult>(MapRecording(
-      rig_, options_, [](const std::string&, double) {}, &reader));
+      rig_, options_, [](double) {}, &reader));
 }
 
 MappedWalk::~MappedWalk() {

@@ -34,7 +34,7 @@ class CovarianceTest : public MappingTest {
     rig_ = ReadRig(Path("rig.yaml"));
     RecordingReader recording(Path("recording.bag"), rig_);
     result_ = std::make_unique<MapResult>(MapRecording(
-        rig_, options_, [](const std::string&, double) {}, &recording));
+        rig_, options_, [](double) {}, &recording));
     MapState& state = result_->state;
     problem_ = std::make_unique<EstimationProblem>(
         rig_, result_->planar, &state.trajectory, &state.landmarks);

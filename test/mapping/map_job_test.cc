@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,16 @@ class MapJobTest : public MappingTest {
     return scenario;
   }
 };
+
+TEST_F(MapJobTest, ProgressGoesFromNothingToAllAndNeverBack) {
+  WriteRecording(Simulate(Base()));
+  std::vector<double> shares;
+  RunMapJob(Job("", 2), [&](double share_done) { shares.push_back(share_done); });
+  ASSERT_FALSE(shares.empty());
+  EXPECT_LT(shares.front(), 0.05);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
+}
 
 TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {
   const SimulatedRecording recording = Simulate(Base());

@@ -35,7 +35,7 @@ class MotionNoiseTest : public MappingTest {
   double NeesOfHeight(const MapperOptions& options) {
     RecordingReader reader(Path("recording.bag"), recording_.rig);
     const MapResult result = MapRecording(
-        recording_.rig, options, [](const std::string&, double) {}, &reader);
+        recording_.rig, options, [](double) {}, &reader);
     std::map<int64_t, double> true_height;
     for (const StampedPose& pose : recording_.truth_trajectory) {
       true_height[pose.time_ns] = pose.world_from_body.translation.z();

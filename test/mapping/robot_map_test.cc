@@ -18,7 +18,7 @@ TEST_F(RobotMapTest, HoldsTogether) {
   job.rig = PLUMBLINE_CONFIGS_DIR "/rigs/robot_three_scanners.yaml";
   job.config = PLUMBLINE_CONFIGS_DIR "/mapper/robot_three_scanners.yaml";
   job.output = (directory_ / "result").string();
-  const Summary summary = RunMapJob(job, [](const std::string&, double) {});
+  const Summary summary = RunMapJob(job, [](double) {});
   EXPECT_EQ(summary.motion, "planar");
   EXPECT_EQ(summary.scans, 435);
   EXPECT_EQ(summary.points, 727915);

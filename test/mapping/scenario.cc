@@ -134,7 +134,7 @@ MapJob MappingTest::Job(const std::string& config, int threads) {
 }
 
 Summary MappingTest::Map(const std::string& config, int threads) {
-  summary_ = RunMapJob(Job(config, threads), [](const std::string&, double) {});
+  summary_ = RunMapJob(Job(config, threads), [](double) {});
   return summary_;
 }
 
