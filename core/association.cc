@@ -136,9 +136,9 @@ void VisitPossible(const Observation& observation,
   const Eigen::Vector3d& scanner_world = poses.world_from_scanner.translation;
   // Within one scan line a turn moves far points by decimetres.
   const Eigen::Vector3d start_world =
-      poses.motion.ToWorld(observation.start(), observation.start_time_ns);
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns());
   const Eigen::Vector3d end_world =
-      poses.motion.ToWorld(observation.end(), observation.end_time_ns);
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns());
   const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
   const double pose_variance = MaxVariance(
       pose_covariance, (centroid_world - poses.world_from_body.translation).squaredNorm());

@@ -206,8 +206,8 @@ class Batch {
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
     const ScanMotion& motion = poses->Of(observation).motion;
     return !landmark.extent.OthersAreNear(
-        motion.ToWorld(observation.start(), observation.start_time_ns),
-        motion.ToWorld(observation.end(), observation.end_time_ns),
+        motion.ToWorld(observation.start(), observation.start_time_ns()),
+        motion.ToWorld(observation.end(), observation.end_time_ns()),
         options_.association.max_gap_m);
   }
 

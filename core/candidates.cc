@@ -48,7 +48,7 @@ void Record(const Observation& observation,
     candidate->clear_scans.insert(observation.scan_index);
   }
   candidate->last_position = poses.world_from_body.translation;
-  candidate->last_time_ns = observation.end_time_ns;
+  candidate->last_time_ns = observation.end_time_ns();
 }
 
 }  // namespace

@@ -198,15 +198,11 @@ Observation ObserveBeams(const ScanLine& scan_line,
   const Eigen::Vector2d end = point_of(segment.last_beam);
   observation.first_point = start.cast<float>();
   observation.last_point = end.cast<float>();
-  observation.start_time_ns = scan_line.BeamTime(segment.first_beam) + offset_ns;
-  observation.end_time_ns = scan_line.BeamTime(segment.last_beam) + offset_ns;
-  SegmentMoments moments(start, end, observation.start_time_ns, observation.end_time_ns);
+  const int64_t start_time_ns = scan_line.BeamTime(segment.first_beam) + offset_ns;
+  const int64_t end_time_ns = scan_line.BeamTime(segment.last_beam) + offset_ns;
+  SegmentMoments moments(start, end, start_time_ns, end_time_ns);
   std::vector<ObservedPoint> points;
-  BeamSums sums(scan_line,
-                scanner,
-                observation.start_time_ns,
-                &moments,
-                keep_points ? &points : nullptr);
+  BeamSums sums(scan_line, scanner, start_time_ns, &moments, keep_points ? &points : nullptr);
   int middle_beam = segment.first_beam;
   BeamBlock beams;
   const auto add = [&] {
@@ -239,10 +235,13 @@ Observation ObserveBeams(const ScanLine& scan_line,
   observation.num_points = segment.num_points;
   observation.out_of_plane_ratio =
       static_cast<float>(sums.out_of_plane() / segment.num_points);
+  const std::array<int64_t, 3> nodes_ns =
+      Nodes(scan_line, offset_ns, start_time_ns, end_time_ns);
   observation.measurement = StoredMeasurement(
-      moments.Compress(
-          Nodes(scan_line, offset_ns, observation.start_time_ns, observation.end_time_ns)),
-      {moments.Centroid().cast<float>(), tangent.cast<float>()});
+      moments.Compress(nodes_ns), {moments.Centroid().cast<float>(), tangent.cast<float>()});
+  // Within the nodes' span, which the measurement holds in 32 bits.
+  observation.start_ns = static_cast<int32_t>(start_time_ns - nodes_ns[0]);
+  observation.end_ns = static_cast<int32_t>(end_time_ns - nodes_ns[0]);
   return observation;
 }
 

@@ -29,8 +29,8 @@ struct Observation {
   StoredMeasurement measurement;
   Eigen::Vector2f first_point = Eigen::Vector2f::Zero();  // scanner frame, m
   Eigen::Vector2f last_point = Eigen::Vector2f::Zero();
-  int64_t start_time_ns = 0;  // of the first and last beam, time offset included
-  int64_t end_time_ns = 0;
+  int32_t start_ns = 0;  // of the first and last beam, time offset included, after the
+  int32_t end_ns = 0;    // measurement's first node
   int scan_index = 0;
   int scan_line_index = 0;  // position in the recording's sequence of scan lines
   int scanner_index = 0;
@@ -51,7 +51,11 @@ struct Observation {
   Eigen::Vector2d end() const { return last_point.cast<double>(); }
   Eigen::Vector2d centroid() const { return measurement.frame().origin.cast<double>(); }
   Eigen::Vector2d tangent() const { return measurement.frame().tangent.cast<double>(); }
-  int64_t middle_time_ns() const { return start_time_ns + (end_time_ns - start_time_ns) / 2; }
+  int64_t start_time_ns() const { return measurement.first_node_ns() + start_ns; }
+  int64_t end_time_ns() const { return measurement.first_node_ns() + end_ns; }
+  int64_t middle_time_ns() const {
+    return start_time_ns() + (end_time_ns() - start_time_ns()) / 2;
+  }
   double length_m() const { return (end() - start()).norm(); }
 };
 

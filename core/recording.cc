@@ -44,6 +44,9 @@ struct MessageBytes {
   }
 };
 
+// No scanner takes longer for a scan line; infinity and NaN are not less either.
+constexpr float kMaxScanSeconds = 2.0f;
+
 // The fields that LaserScan and MultiEchoLaserScan begin with.
 struct ScanHead {
   int64_t stamp_ns = 0;
@@ -54,7 +57,8 @@ struct ScanHead {
 
   bool IsUsable() const {
     return num_beams > 0 && std::isfinite(angle_min) && std::isfinite(angle_increment) &&
-           angle_increment != 0.0f && std::isfinite(time_increment) && time_increment >= 0.0f;
+           angle_increment != 0.0f && time_increment >= 0.0f &&
+           time_increment * static_cast<float>(num_beams) <= kMaxScanSeconds;
   }
 };
 

@@ -82,7 +82,7 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const ScanPlacement placement =
       poses_.Of(observation)
-          .motion.At(at_last ? observation.end_time_ns : observation.start_time_ns);
+          .motion.At(at_last ? observation.end_time_ns() : observation.start_time_ns());
   const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
   const Trace trace(placement, *own);
   const std::vector<PlaneMeeting> meetings = FindMeetings(

@@ -406,7 +406,7 @@ void Tracker::Track(int first_observation,
   recent_.clear();
   if (!unsteady) return;
   const int64_t now_ns =
-      state_->observations[static_cast<size_t>(last_observation)].end_time_ns;
+      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
   loose_until_ns_ = now_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
   Loosen();
 }

@@ -246,7 +246,6 @@ Eigen::Matrix3d SegmentMoments::Frame() const {
 SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_ns) const {
   CHECK_GE(num_points_, 1);
   SegmentMeasurement measurement;
-  measurement.num_points = num_points_;
   measurement.node_times_ns = nodes_ns;
   const int64_t node_half_span_ns = nodes_ns[2] - nodes_ns[1];
   CHECK_EQ(node_half_span_ns, nodes_ns[1] - nodes_ns[0]);

@@ -41,7 +41,6 @@ struct SegmentMeasurement {
 
   auto root() const { return rows.leftCols<9>(); }
   auto offset() const { return rows.col(9); }
-  int num_points = 0;
 };
 
 // What the plane in question makes of a measurement's whitening:

@@ -25,9 +25,10 @@ StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
                                      const SegmentFrame& frame)
     : frame_(frame),
       first_node_ns_(measurement.node_times_ns[0]),
-      half_span_ns_(measurement.node_times_ns[1] - measurement.node_times_ns[0]),
-      constant_(static_cast<float>(measurement.constant)),
-      num_points_(measurement.num_points) {
+      half_span_ns_(
+          static_cast<int32_t>(measurement.node_times_ns[1] - measurement.node_times_ns[0])),
+      constant_(static_cast<float>(measurement.constant)) {
+  CHECK_EQ(measurement.node_times_ns[1] - measurement.node_times_ns[0], half_span_ns_);
   CHECK_EQ(measurement.node_times_ns[2] - measurement.node_times_ns[1], half_span_ns_);
   CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
   const Eigen::Matrix3d to_own = frame.Matrix().inverse().transpose();
@@ -46,7 +47,6 @@ SegmentMeasurement StoredMeasurement::Unpack() const {
   measurement.node_times_ns = node_times_ns();
   measurement.num_nodes = num_nodes();
   measurement.constant = constant_;
-  measurement.num_points = num_points_;
   const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();
   measurement.rows = rows().cast<double>();
   for (Eigen::Index i = 0; i < measurement.rows.rows(); ++i) {

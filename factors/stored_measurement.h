@@ -40,13 +40,13 @@ class StoredMeasurement {
   Eigen::Map<const Rows> rows() const {
     return {rows_.begin(), static_cast<Eigen::Index>(rows_.size()) / 10, 10};
   }
+  int64_t first_node_ns() const { return first_node_ns_; }
   std::array<int64_t, 3> node_times_ns() const {
-    return {
-        first_node_ns_, first_node_ns_ + half_span_ns_, first_node_ns_ + 2 * half_span_ns_};
+    const int64_t half_span_ns = half_span_ns_;
+    return {first_node_ns_, first_node_ns_ + half_span_ns, first_node_ns_ + 2 * half_span_ns};
   }
   int num_nodes() const { return half_span_ns_ == 0 ? 1 : 3; }
   double constant() const { return constant_; }
-  int num_points() const { return num_points_; }
   // In the scanner's frame.
   SegmentMeasurement Unpack() const;
 
@@ -54,9 +54,8 @@ class StoredMeasurement {
   SegmentFrame frame_;
   CompactArray<float> rows_;
   int64_t first_node_ns_ = 0;
-  int64_t half_span_ns_ = 0;
+  int32_t half_span_ns_ = 0;  // up to 2 s
   float constant_ = 0.0F;
-  int num_points_ = 0;
 };
 
 }  // namespace plumbline

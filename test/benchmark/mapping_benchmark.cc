@@ -80,7 +80,7 @@ class WindowReplay {
     now_ns_ += mapped.knot_interval_ns();
     TakeControlPoints();
     while (next_observation_ < state_->observations.size() &&
-           state_->observations[next_observation_].end_time_ns <= now_ns_) {
+           state_->observations[next_observation_].end_time_ns() <= now_ns_) {
       if (state_->observations[next_observation_].landmark_id >= 0) {
         window_->Add(static_cast<int>(next_observation_));
       }

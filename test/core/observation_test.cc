@@ -78,10 +78,9 @@ TEST_F(ObservationTest, KeepsWhatTheSegmentSays) {
   const Observation observation = MakeObservation(line, scanner_, segment, true);
   EXPECT_EQ(observation.scanner_index, 2);
   EXPECT_EQ(observation.num_points, 7);
-  EXPECT_EQ(observation.measurement.num_points(), 7);
   EXPECT_EQ(observation.excluded_beams, segment.excluded_beams);
-  EXPECT_EQ(observation.start_time_ns, line.BeamTime(10) + 5'000'000);
-  EXPECT_EQ(observation.end_time_ns, line.BeamTime(19) + 5'000'000);
+  EXPECT_EQ(observation.start_time_ns(), line.BeamTime(10) + 5'000'000);
+  EXPECT_EQ(observation.end_time_ns(), line.BeamTime(19) + 5'000'000);
   EXPECT_EQ(observation.sigma_direction_rad, 0.07F);
   // Ranges without noise have single precision: that far the points lie off their line.
   EXPECT_LT((observation.start() - line.ranges[10] * line.BeamDirection(10)).norm(), 1e-6);

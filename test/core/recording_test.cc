@@ -361,6 +361,7 @@ TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
       [nan](auto* message) { message->angle_min = nan; },
       [](auto* message) { message->time_increment = -1e-5f; },
       [nan](auto* message) { message->time_increment = nan; },
+      [](auto* message) { message->time_increment = 1.0f; },
   };
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
@@ -374,9 +375,9 @@ TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
     Record(&bag, "/top_scan", MakeMessage(stamp_ns += kPeriod));
   }
   RecordingReader reader(path_, MakeRig({"top"}));
-  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 175));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 200));
   EXPECT_THAT(reader.warnings(),
-              ElementsAre("scanner 'top': 6 scan lines passed over: no ranges, or angles or "
+              ElementsAre("scanner 'top': 7 scan lines passed over: no ranges, or angles or "
                           "time increments that make no sense, first at 0.025 s"));
 }
 

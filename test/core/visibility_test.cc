@@ -34,8 +34,8 @@ class VisibilityTest : public testing::Test {
     for (int i = 0; i < count; ++i) {
       Observation& observation = state_.observations.emplace_back();
       observation.landmark_id = id;
-      observation.start_time_ns = NanosecondsFromSeconds(0.1);
-      observation.end_time_ns = NanosecondsFromSeconds(0.11);
+      observation.start_ns = 100'000'000;
+      observation.end_ns = 110'000'000;
       observation.first_point = Eigen::Vector2d(x, first_y).cast<float>();
       observation.last_point = Eigen::Vector2d(x, last_y).cast<float>();
       const Eigen::Vector2f middle = 0.5F * (observation.first_point + observation.last_point);

@@ -179,7 +179,6 @@ TEST(SegmentFactor, OnePointByHand) {
   const SegmentMeasurement measurement = CompressSegment(
       Eigen::Vector2d(2.0, 0.0), {50000000}, Eigen::VectorXd::Constant(1, 10.0));
   EXPECT_EQ(measurement.num_nodes, 1);
-  EXPECT_EQ(measurement.num_points, 1);
   const auto factor = CreateSegmentFactor(measurement,
                                           NodesOf(measurement),
                                           4,
@@ -438,7 +437,6 @@ TEST(CompressSegment, PointsOfOneInstantNeedOneNode) {
   const TestSegment segment = TestSegment::Line(40, 1000, 0, &random);
   const SegmentMeasurement measurement = segment.Compress();
   EXPECT_EQ(measurement.num_nodes, 1);
-  EXPECT_EQ(measurement.num_points, 40);
   EXPECT_LE(measurement.rows.rows(), 3);
   EXPECT_EQ(measurement.root().rightCols(6).norm(), 0.0);
   const Eigen::Vector3d g(0.6, 0.7, -2.0);
