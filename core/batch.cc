@@ -88,11 +88,7 @@ class Batch {
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
     auto problem = std::make_unique<EstimationProblem>(
         rig_, planar_, &state_->trajectory, &state_->landmarks);
-    problem->AddStartVelocityPrior(options_.trajectory);
-    problem->AddOrigin(state_->origin_time_ns);
-    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
-      problem->AddMotionPrior(i, motion_noise_);
-    }
+    problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
     std::vector<const Observation*> associated;
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;

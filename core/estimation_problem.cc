@@ -232,6 +232,14 @@ void EstimationProblem::AddOrigin(int64_t time_ns) {
             {blocks[4], blocks[5], blocks[6], blocks[7]});
 }
 
+void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
+                                           const MotionNoise& noise,
+                                           int64_t origin_time_ns) {
+  AddStartVelocityPrior(options);
+  AddOrigin(origin_time_ns);
+  for (int i = 0; i + 2 < trajectory_->num_control_points(); ++i) AddMotionPrior(i, noise);
+}
+
 void EstimationProblem::AddPrior(const Prior& prior) {
   if (prior.empty()) return;
   std::vector<double*> blocks;

@@ -125,6 +125,10 @@ class EstimationProblem {
   void AddStartVelocityPrior(const TrajectoryOptions& options);
   // Gauge: the position at this instant is the origin.
   void AddOrigin(int64_t time_ns);
+  // All of these for the whole trajectory: what there is besides observations.
+  void AddTrajectoryTerms(const TrajectoryOptions& options,
+                          const MotionNoise& noise,
+                          int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
 
   // Blocks that occur in residuals, in order.

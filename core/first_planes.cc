@@ -17,11 +17,8 @@ constexpr double kPassed = 0.5;  // m
 constexpr double kMargin = 0.02;  // m
 // By as much, and a little more, beams on what lies behind a free edge make the patch larger.
 constexpr double kEdge = 0.07;  // m
-// How near the seen part of another plane has to come to an edge that it makes: one cell of
-// its grid.
-constexpr double kReach = 0.25;  // m
-// Planes whose normals are nearer to each other make no edge.
-constexpr double kMaxCosine = 0.7;
+// How near the seen part of another plane has to come to an edge that it makes.
+constexpr double kReach = PatchExtent::kCellSize;
 
 }  // namespace
 
@@ -41,7 +38,7 @@ bool FirstPlanes::EndsBefore(const LandmarkCandidate& plane,
   planes_.ForEachWithin(p_world, kReach, [&](const LandmarkCandidate& other) {
     if (ends || other.landmark == plane.landmark) return;
     const double cosine = other.normal.dot(plane.normal);
-    if (std::abs(cosine) > kMaxCosine) return;
+    if (std::abs(cosine) > kMaxCornerCosine) return;
     const double in_front = other.SignedDistance(p_world);
     if (in_front <= 0.0) return;
     if (!other.landmark->extent.IsNear(p_world, p_world, kReach)) return;

@@ -18,10 +18,8 @@ constexpr double kSafeCosine = 0.06;  // the plane's turn as the scanner moves l
 // such a beam may count.
 constexpr double kGrazingCosine = 0.004;
 constexpr double kGrazingReach = 0.25;  // m
-// How near the walls' seen parts have to come to what they hide: one cell of their grids.
-constexpr double kReach = 0.25;  // m
-// Walls whose normals are nearer to each other form no corner.
-constexpr double kMaxCosine = 0.7;
+// How near the walls' seen parts have to come to what they hide.
+constexpr double kReach = PatchExtent::kCellSize;
 
 // Beams that are asked for openings together, before each alone.
 constexpr int kBeamsAtOnce = 16;
@@ -185,7 +183,7 @@ std::vector<int> HiddenBeams::BehindCorners(
   for (const WallCrossing& first : crossings.leaving) {
     for (const WallCrossing& second : crossings.entering) {
       if (first.at >= second.at) continue;
-      if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCosine) continue;
+      if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCornerCosine) continue;
       const Eigen::Vector3d middle = crossings.PointAt(0.5 * (first.at + second.at));
       const auto is_near = [&](const WallCrossing& crossing) {
         return crossing.wall->landmark->extent.IsNear(middle, middle, kReach);

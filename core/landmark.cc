@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kCellSize = 0.25;  // m
+constexpr double kCellSize = PatchExtent::kCellSize;
 
 std::pair<int, int> CellOf(const Eigen::Vector2d& p) {
   return {CellIndex(p.x() / kCellSize), CellIndex(p.y() / kCellSize)};

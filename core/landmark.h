@@ -12,6 +12,9 @@
 
 namespace plumbline {
 
+// Planes whose normals' cosine is larger form no corner: their crossing says hardly where.
+inline constexpr double kMaxCornerCosine = 0.7;
+
 // Where on its plane a landmark has been seen: occupied cells of a grid and the bounding
 // rectangle, in fixed axes through an anchor on the plane. The anchor lies where the landmark
 // was first seen, so that the coordinates stay put while the estimate of its direction
@@ -19,6 +22,7 @@ namespace plumbline {
 class PatchExtent {
  public:
   using Cell = CellGrid::Cell;
+  static constexpr double kCellSize = 0.25;  // m
 
   PatchExtent() = default;
   PatchExtent(const Eigen::Vector3d& anchor_world,

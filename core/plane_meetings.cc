@@ -7,8 +7,8 @@
 namespace plumbline {
 namespace {
 
-// How near a patch's seen part has to come to a crossing: one cell of its grid.
-constexpr double kReach = 0.25;  // m
+// How near a patch's seen part has to come to a crossing.
+constexpr double kReach = PatchExtent::kCellSize;
 // What lies farther behind a plane than this does not touch it: half of the thinnest wall.
 constexpr double kMinDepth = 0.05;  // m
 // Planes farther than this from a segment's end do not bound it.

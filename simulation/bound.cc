@@ -129,11 +129,8 @@ class BoundComputer {
   std::unique_ptr<EstimationProblem> MakeProblem() {
     auto problem = std::make_unique<EstimationProblem>(
         experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
-    problem->AddStartVelocityPrior(options_.trajectory);
-    problem->AddOrigin(state_->origin_time_ns);
-    for (int i = 0; i + 2 < state_->trajectory.num_control_points(); ++i) {
-      problem->AddMotionPrior(i, options_.trajectory);
-    }
+    problem->AddTrajectoryTerms(
+        options_.trajectory, MotionNoise::Of(options_.trajectory), state_->origin_time_ns);
     std::vector<const Observation*> observations;
     for (const Observation& observation : state_->observations) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];

@@ -64,7 +64,7 @@ TEST_F(ProgramsTest, MapperNamesBrokenFiles) {
                     " --config=" + Path("config.yaml") + " --output=" + Path("out"),
                 Path("config.yaml") + ":2");
   ExpectFailure("plumbline_map --recording=" + Path("broken.bag") + " --rig=" + RigFile() +
-                    " --threads=0 --output=" + Path("out"),
+                    " --threads=-1 --output=" + Path("out"),
                 "--threads");
 }
 

@@ -69,11 +69,8 @@ std::unique_ptr<EstimationProblem> MappedWalk::BatchProblem(FactorKind factor,
                                                             MapState* state) const {
   auto problem = std::make_unique<EstimationProblem>(
       rig_, result_->planar, &state->trajectory, &state->landmarks);
-  problem->AddStartVelocityPrior(options_.trajectory);
-  problem->AddOrigin(state->origin_time_ns);
-  for (int i = 0; i + 2 < state->trajectory.num_control_points(); ++i) {
-    problem->AddMotionPrior(i, options_.trajectory);
-  }
+  problem->AddTrajectoryTerms(
+      options_.trajectory, MotionNoise::Of(options_.trajectory), state->origin_time_ns);
   std::vector<const Observation*> associated;
   for (const Observation& observation : state->observations) {
     if (observation.landmark_id < 0) continue;

@@ -38,11 +38,8 @@ class CovarianceTest : public MappingTest {
     MapState& state = result_->state;
     problem_ = std::make_unique<EstimationProblem>(
         rig_, result_->planar, &state.trajectory, &state.landmarks);
-    problem_->AddStartVelocityPrior(options_.trajectory);
-    problem_->AddOrigin(state.origin_time_ns);
-    for (int i = 0; i + 2 < state.trajectory.num_control_points(); ++i) {
-      problem_->AddMotionPrior(i, options_.trajectory);
-    }
+    problem_->AddTrajectoryTerms(
+        options_.trajectory, MotionNoise::Of(options_.trajectory), state.origin_time_ns);
     std::vector<const Observation*> associated;
     for (const Observation& observation : state.observations) {
       if (observation.landmark_id >= 0) associated.push_back(&observation);
