@@ -67,9 +67,6 @@ class Batch {
     openings_ = counted.OpeningsOf(state_->landmarks);
     return num_recut;
   }
-  // For the final estimation.
-  void Refine() { groups_.set_validity(LinearisedGroup::kFine); }
-
   // The noise of the motion that the last estimation is to assume. The options' own is wide
   // enough for any rig that they are meant for: most are calmer, and their poses are known
   // better.
@@ -82,7 +79,6 @@ class Batch {
           motion_noise_, *problem, ArrowFactor(std::move(solution.equations.hessian)));
     }
   }
-  const MotionNoise& motion_noise() const { return motion_noise_; }
 
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width) {
@@ -134,6 +130,14 @@ class Batch {
                                          summary.num_effective_parameters_reduced};
     visit(ArrowFactor(solution.equations.hessian));
     return solution;
+  }
+
+  // While associations may still be wrong.
+  void EstimateRobustly(int max_iterations) {
+    Solve(FactorKind::kSegment,
+          kRoundTolerance,
+          max_iterations,
+          BuildProblem(FactorKind::kSegment, kHuberWidth).get());
   }
 
   // Extents, times and counts from the associations as they stand.
@@ -299,6 +303,27 @@ class Batch {
     return covariance;
   }
 
+  // Plain least squares, with its covariance.
+  void EstimateFinally(BatchReport* report) {
+    groups_.set_validity(LinearisedGroup::kFine);
+    const FactorKind factor = options_.batch.factor;
+    const auto problem = BuildProblem(factor, 0.0);
+    report->motion_noise = motion_noise_;
+    std::optional<MotionNoise> found;  // before the first step: little changes after it
+    EstimationProblem::Solution solution = Solve(
+        factor, kFinalTolerance, kMaxIterations, problem.get(), [&](const ArrowFactor& at) {
+          if (!found) found = ReestimateMotionNoise(motion_noise_, *problem, at);
+        });
+    VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
+            << " unknowns";
+    report->motion_found = found.value_or(motion_noise_);
+    report->variance_factor = VarianceFactor(solution, factor);
+    const Stopwatch::Running running(&report->covariance_watch);
+    report->covariance =
+        SetCovariances(*problem, report->motion_found, std::move(solution.equations));
+  }
+
+ private:
   double VarianceFactor(const EstimationProblem::Solution& solution, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
@@ -316,7 +341,6 @@ class Batch {
     return (2.0 * solution.equations.cost + constant) / (num_points - solution.num_unknowns);
   }
 
- private:
   // Leaves the observations of these landmarks without one; returns how many.
   int Release(const std::vector<bool>& landmarks) {
     int num_released = 0;
@@ -364,10 +388,7 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.Solve(FactorKind::kSegment,
-              kRoundTolerance,
-              kMaxIterations,
-              batch.BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  batch.EstimateRobustly(kMaxIterations);
   double share_done = kFirstEstimateShare;
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
@@ -389,6 +410,9 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool stands = may_stand && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments && (round == 1 || last)) {
+      // Where two copies of a plane have held poses, beams would be taken for what they are
+      // not, and hold the poses there.
+      if (round == 1 && num_merged > 0) batch.EstimateRobustly(kRoundIterations);
       batch.RecountLandmarks();
       const int num_recut = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();
@@ -397,27 +421,12 @@ BatchReport EstimateBatch(const Rig& rig,
       share_done = last ? kLastCutShare : kFirstCutShare;
       progress(share_done);
     }
-    if (last && options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
-    if (last) batch.Refine();
-    const FactorKind factor = last ? options.batch.factor : FactorKind::kSegment;
-    const auto problem = batch.BuildProblem(factor, last ? 0.0 : kHuberWidth);
     if (!last) {
-      batch.Solve(factor, kRoundTolerance, kRoundIterations, problem.get());
+      batch.EstimateRobustly(kRoundIterations);
       continue;
     }
-    report.motion_noise = batch.motion_noise();
-    std::optional<MotionNoise> found;  // before the first step: little changes after it
-    EstimationProblem::Solution solution = batch.Solve(
-        factor, kFinalTolerance, kMaxIterations, problem.get(), [&](const ArrowFactor& at) {
-          if (!found) found = ReestimateMotionNoise(report.motion_noise, *problem, at);
-        });
-    VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
-            << " unknowns";
-    report.motion_found = found.value_or(report.motion_noise);
-    report.variance_factor = batch.VarianceFactor(solution, factor);
-    const Stopwatch::Running running(&report.covariance_watch);
-    report.covariance =
-        batch.SetCovariances(*problem, report.motion_found, std::move(solution.equations));
+    if (options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
+    batch.EstimateFinally(&report);
     break;
   }
   batch.RebuildLandmarks();
