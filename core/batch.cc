@@ -67,6 +67,7 @@ class Batch {
     openings_ = counted.OpeningsOf(state_->landmarks);
     return num_recut;
   }
+
   // The noise of the motion that the last estimation is to assume. The options' own is wide
   // enough for any rig that they are meant for: most are calmer, and their poses are known
   // better.

@@ -25,8 +25,8 @@ namespace {
 // Beyond these standard deviations, the planes given, the newest pose is lost.
 constexpr double kLostPosition = 0.5;                  // m
 constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
-constexpr double kFollowingShare = 0.5;                // of the time, roughly: for progress
 constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the model frame
+constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
 
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class Follower {
