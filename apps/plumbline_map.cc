@@ -20,7 +20,7 @@ DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well the
 DEFINE_string(config,
               "",
               "mapper settings (YAML) or a whole experiment; without it, defaults");
-DEFINE_int32(threads, 0, "0: as many as the machine has; the result does not depend on them");
+DEFINE_int32(threads, 0, "0: as many as there are cores; the result does not depend on them");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 int main(int argc, char** argv) {

@@ -40,7 +40,7 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
   equations.cost = VisitProducts(layout, add);
   const BlockPositions positions = PositionsIn(layout);
   struct Item {
-    const GroupTerm* term;
+    const GroupTerm* term = nullptr;
     LinearisedGroup::Model model;
   };
   size_t next = 0;

@@ -33,7 +33,8 @@ namespace plumbline {
 // grazing angle as hundreds of others; those between two lines segmentation leaves out for
 // their noise and that of their neighbours, as an association refuses a segment that has a
 // beam or two of another surface. What is left to a plane then would lean one way. Reads the
-// recording once, from its beginning.
+// recording once, from its beginning, and works on the threads of the caller's
+// tbb::task_arena.
 int RecutSegments(const Rig& rig,
                   const MapperOptions& options,
                   RecordingReader* recording,

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 namespace plumbline {
 namespace {
