@@ -205,8 +205,8 @@ class BeamFan {
 
  private:
   int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
-  struct PairMeeting;
-  PairMeeting MeetPair(int i, const Eigen::Vector2d& q) const;
+  struct LanesMeeting;
+  LanesMeeting MeetLanes(int i, const Eigen::Vector2d& q) const;
 
   int num_beams_;
   double range_variance_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
+#include "factors/lanes.h"
 #include "factors/segment_factor.h"
 #include "factors/segment_moments.h"
 
@@ -22,29 +22,20 @@ constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-// Two points at a time: all x86-64 and ARM64 processors compute so.
-using Pair = double __attribute__((vector_size(16)));
-
-Pair Load(const double* from) {
-  Pair pair;
-  std::memcpy(&pair, from, sizeof(pair));
-  return pair;
-}
-
-// Sums of value(i) tau^j, j below num_powers; value(i) is that of the points i and i + 1.
+// Sums of value(i) tau^j, j below num_powers; value(i) is that of kLanes points, from i on.
 template <size_t num_powers, typename Value>
 std::array<double, num_powers> SumByPower(const double* tau, size_t end, const Value& value) {
-  std::array<Pair, num_powers> pairs{};
-  for (size_t i = 0; i < end; i += 2) {
-    const Pair tau_i = Load(tau + i);
-    Pair term = value(i);
-    for (Pair& sum : pairs) {
+  std::array<Lanes, num_powers> lanes{};
+  for (size_t i = 0; i < end; i += kLanes) {
+    const Lanes tau_i = LoadLanes(tau + i);
+    Lanes term = value(i);
+    for (Lanes& sum : lanes) {
       sum += term;
       term *= tau_i;
     }
   }
   std::array<double, num_powers> sums;
-  for (size_t j = 0; j < num_powers; ++j) sums[j] = pairs[j][0] + pairs[j][1];
+  for (size_t j = 0; j < num_powers; ++j) sums[j] = SumOf(lanes[j]);
   return sums;
 }
 
@@ -181,9 +172,8 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     offset[i] = points.offset[i];
   }
   size_t end = num_points;
-  if (end % 2 == 1) {  // a companion without weight
+  for (; end % kLanes != 0; ++end) {  // companions without weight
     along[end] = across[end] = tau[end] = weight[end] = offset[end] = 0.0;
-    ++end;
   }
   double most_across = 0.0;
   for (size_t i = 0; i < num_points; ++i) {
@@ -197,10 +187,10 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     const auto sums = SumByPower<3>(tau.data(), end, value);
     for (int j = 0; j < 3; ++j) with_offset_(row, j) += sums[static_cast<size_t>(j)];
   };
-  const auto a = [&](size_t i) { return Load(&along[i]); };
-  const auto b = [&](size_t i) { return Load(&across[i]); };
-  const auto w2 = [&](size_t i) { return Load(&weight[i]); };
-  const auto o = [&](size_t i) { return Load(&offset[i]); };
+  const auto a = [&](size_t i) { return LoadLanes(&along[i]); };
+  const auto b = [&](size_t i) { return LoadLanes(&across[i]); };
+  const auto w2 = [&](size_t i) { return LoadLanes(&weight[i]); };
+  const auto o = [&](size_t i) { return LoadLanes(&offset[i]); };
   // One group of sums after the other: the processor's registers hold a group, not all of the
   // forty.
   add(kOne, w2);
