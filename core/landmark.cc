@@ -20,8 +20,9 @@ template <typename Visit>
 bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
   const int steps = static_cast<int>(std::ceil((b - a).norm() / (0.5 * kCellSize)));
   if (visit(a)) return true;
+  const Eigen::Vector2d step = (b - a) / std::max(1, steps);
   for (int i = 1; i <= steps; ++i) {
-    if (visit(Eigen::Vector2d(a + (b - a) * (static_cast<double>(i) / steps)))) return true;
+    if (visit(Eigen::Vector2d(a + i * step))) return true;
   }
   return false;
 }

@@ -16,6 +16,20 @@ constexpr double kPassedShare = 0.5;   // of a landmark's cells
 // Beams that cross a cell for each segment on it. Well above one: railings and rows of chairs
 // are surfaces too, though many beams find their gaps.
 constexpr int kPassagesPerSegment = 10;
+// Of a segment's beams one is asked, the next scan another: it stands for the first, the one
+// in the middle and the last.
+constexpr int kBeamsPerSegment = 3;
+
+Eigen::Vector2d AskedPoint(const Observation& observation) {
+  switch (observation.scan_index % kBeamsPerSegment) {
+    case 0:
+      return observation.centroid();
+    case 1:
+      return observation.start();
+    default:
+      return observation.end();
+  }
+}
 
 // Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
 // ends.
@@ -29,7 +43,7 @@ void CountPassage(const LandmarkCandidate& plane,
   if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) return;
   const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
   const auto cell = plane.landmark->extent.MiddleCell(at, kMiddleShare);
-  if (cell) passages->Add(*cell, 1);
+  if (cell) passages->Add(*cell, kBeamsPerSegment);
 }
 
 // Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
@@ -80,19 +94,16 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
     const ScanPlacement placement =
         poses.Of(observation).motion.At(observation.middle_time_ns());
     const Eigen::Vector3d start_world = placement.col(2);
-    for (const Eigen::Vector2d& p :
-         {observation.start(), observation.centroid(), observation.end()}) {
-      const Eigen::Vector3d end_world = placement * p.homogeneous();
-      grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
-        const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
-        if (plane.landmark->id == observation.landmark_id) return;
-        CountPassage(plane,
-                     start_world,
-                     end_world,
-                     margin_m,
-                     &passages[static_cast<size_t>(plane.landmark->id)]);
-      });
-    }
+    const Eigen::Vector3d end_world = placement * AskedPoint(observation).homogeneous();
+    grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
+      const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
+      if (plane.landmark->id == observation.landmark_id) return;
+      CountPassage(plane,
+                   start_world,
+                   end_world,
+                   margin_m,
+                   &passages[static_cast<size_t>(plane.landmark->id)]);
+    });
   }
   std::vector<bool> passed_through;
   for (const Landmark& landmark : state.landmarks) {
