@@ -111,4 +111,20 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
   return {std::move(now), static_cast<int>(free.size())};
 }
 
+void EstimationProblem::TakeArrowStep() {
+  // Of a control point, in rad or m: what such a rotation moves in second order over 10 m is
+  // less than the noise of a range.
+  constexpr double kSmallStep = 0.05;
+  const BlockLayout layout = Layout();
+  ArrowEquations now = LineariseArrow(layout);
+  const ArrowFactor factor(std::move(now.hessian));
+  const Eigen::VectorXd step = -factor.Solve(now.gradient);
+  const auto of_poses = step.head(layout.NumControlPointColumns());
+  if (of_poses.size() > 0 && of_poses.lpNorm<Eigen::Infinity>() > kSmallStep) {
+    SolveArrow(1, 0.0);
+  } else {
+    Move(layout, step(layout.FreeColumns()));
+  }
+}
+
 }  // namespace plumbline

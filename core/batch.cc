@@ -29,9 +29,6 @@ constexpr double kHuberWidth = 5.0;
 constexpr double kRoundTolerance = 1e-3;
 constexpr double kFinalTolerance = 1e-9;
 constexpr int kMaxIterations = 30;
-// Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
-// associations will move.
-constexpr int kRoundIterations = 1;
 // Share of the segments that may still change sides before the last estimation: what wavers
 // then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
@@ -74,8 +71,7 @@ class Batch {
   void EstimateMotionNoise() {
     for (int step = 0; step < kNoiseSteps; ++step) {
       const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-      EstimationProblem::Solution solution =
-          Solve(FactorKind::kSegment, kRoundTolerance, kRoundIterations, problem.get());
+      EstimationProblem::Solution solution = problem->SolveArrow(1, kRoundTolerance);
       motion_noise_ = ReestimateMotionNoise(
           motion_noise_, *problem, ArrowFactor(std::move(solution.equations.hessian)));
     }
@@ -134,12 +130,13 @@ class Batch {
   }
 
   // While associations may still be wrong.
-  void EstimateRobustly(int max_iterations) {
-    Solve(FactorKind::kSegment,
-          kRoundTolerance,
-          max_iterations,
-          BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  void EstimateRobustly() {
+    BuildProblem(FactorKind::kSegment, kHuberWidth)
+        ->SolveArrow(kMaxIterations, kRoundTolerance);
   }
+  // Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
+  // associations will move.
+  void StepRobustly() { BuildProblem(FactorKind::kSegment, kHuberWidth)->TakeArrowStep(); }
 
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
@@ -389,7 +386,7 @@ BatchReport EstimateBatch(const Rig& rig,
   Batch batch(rig, planar, options, state);
   BatchReport report;
   // A robust estimate first: associations made on the way may be wrong.
-  batch.EstimateRobustly(kMaxIterations);
+  batch.EstimateRobustly();
   double share_done = kFirstEstimateShare;
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
@@ -413,7 +410,7 @@ BatchReport EstimateBatch(const Rig& rig,
     if (options.batch.recut_segments && (round == 1 || last)) {
       // Where two copies of a plane have held poses, beams would be taken for what they are
       // not, and hold the poses there.
-      if (round == 1 && num_merged > 0) batch.EstimateRobustly(kRoundIterations);
+      if (round == 1 && num_merged > 0) batch.StepRobustly();
       batch.RecountLandmarks();
       const int num_recut = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();
@@ -423,7 +420,7 @@ BatchReport EstimateBatch(const Rig& rig,
       progress(share_done);
     }
     if (!last) {
-      batch.EstimateRobustly(kRoundIterations);
+      batch.StepRobustly();
       continue;
     }
     if (options.batch.estimate_motion_noise) batch.EstimateMotionNoise();

@@ -158,6 +158,9 @@ class EstimationProblem {
       int max_iterations,
       double function_tolerance,
       const FactorVisitor& visit = [](const ArrowFactor&) {});
+  // Its first step alone. One so small that it can not raise the cost is not verified: that
+  // would take as long as the step.
+  void TakeArrowStep();
 
   // Normal equations of all the residuals.
   ArrowEquations LineariseArrow(const BlockLayout& layout) const;
