@@ -146,6 +146,31 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
   }
 }
 
+// Verified or not: in both cases towards the solution.
+TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
+  MapScenario(TiltedRig());
+  const std::vector<double> mapped = Values();
+  const double least = problem_->Linearise().cost;
+  MoveAway(mapped);
+  const double moved_away = problem_->Linearise().cost;
+  problem_->SolveArrow(1, 0.0);
+  const std::vector<double> first_step = Values();
+  MoveAway(mapped);
+  problem_->TakeArrowStep();
+  // Groups that were near enough have kept their linearisations.
+  EXPECT_LT(LargestDifference(Values(), first_step), 1e-4);
+  EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (moved_away - least));
+
+  // So far that the steps are verified.
+  MoveAway(mapped);
+  for (const BlockId& block : problem_->Blocks()) {
+    if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.2;
+  }
+  const double raised = problem_->Linearise().cost;
+  problem_->TakeArrowStep();
+  EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (raised - least));
+}
+
 TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   MapScenario(TiltedRig());
   const MapCovariance covariance = MapCovariance::Of(*problem_);
