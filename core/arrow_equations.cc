@@ -3,6 +3,7 @@
 #include "core/arrow_factor.h"
 #include "core/estimation_problem.h"
 #include "core/in_order.h"
+#include "core/step_length.h"
 
 namespace plumbline {
 namespace {
@@ -82,6 +83,8 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
   const BlockLayout layout = Layout();
   const std::vector<int> free = layout.FreeColumns();
   ArrowEquations now = LineariseArrow(layout);
+  Eigen::VectorXd last_step;
+  double lengthening = 1.0;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const int num_linearisations = NumLinearisations();
     const double cost = now.cost;
@@ -92,8 +95,13 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
       visit(factor);
       step = -factor.Solve(now.gradient);
     }
+    lengthening =
+        iteration == 0 ? 1.0 : LengtheningOf(step, last_step, lengthening, now.diagonal);
+    last_step = step;
+    step *= lengthening;
     const auto is_higher = [&] { return !(now.cost <= (1.0 + kRounding) * cost); };
-    for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
+    for (int halvings = 0; halvings <= kMaxHalvings;
+         ++halvings, step *= 0.5, lengthening *= 0.5) {
       Move(layout, step(free));
       now = LineariseArrow(layout);
       if (!is_higher()) break;
