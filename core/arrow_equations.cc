@@ -75,20 +75,37 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
   return equations;
 }
 
+bool EstimationProblem::MoveDown(const BlockLayout& layout,
+                                 Eigen::VectorXd step,
+                                 ArrowEquations* now,
+                                 double* share) {
+  constexpr int kMaxHalvings = 4;
+  constexpr double kRounding = 1e-12;  // of a cost
+  const std::vector<int> free = layout.FreeColumns();
+  const double cost = now->cost;
+  const Values values = ValuesOf(layout);
+  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
+    Move(layout, step(free));
+    *now = LineariseArrow(layout);
+    if (now->cost <= (1.0 + kRounding) * cost) return true;
+    SetValues(layout, values);
+    step *= 0.5;
+    *share *= 0.5;
+  }
+  *now = LineariseArrow(layout);
+  return false;
+}
+
 EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
                                                           double function_tolerance,
                                                           const FactorVisitor& visit) {
-  constexpr int kMaxHalvings = 4;
-  constexpr double kRounding = 1e-12;  // of a cost
   const BlockLayout layout = Layout();
-  const std::vector<int> free = layout.FreeColumns();
   ArrowEquations now = LineariseArrow(layout);
   Eigen::VectorXd last_step;
   double lengthening = 1.0;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const int num_linearisations = NumLinearisations();
     const double cost = now.cost;
-    const Values values = ValuesOf(layout);
     Eigen::VectorXd step;
     {
       const ArrowFactor factor(std::move(now.hessian));
@@ -98,25 +115,13 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
     lengthening =
         iteration == 0 ? 1.0 : LengtheningOf(step, last_step, lengthening, now.diagonal);
     last_step = step;
-    step *= lengthening;
-    const auto is_higher = [&] { return !(now.cost <= (1.0 + kRounding) * cost); };
-    for (int halvings = 0; halvings <= kMaxHalvings;
-         ++halvings, step *= 0.5, lengthening *= 0.5) {
-      Move(layout, step(free));
-      now = LineariseArrow(layout);
-      if (!is_higher()) break;
-      SetValues(layout, values);
-    }
-    if (is_higher()) {  // the values are those before the step again
-      now = LineariseArrow(layout);
-      break;
-    }
+    if (!MoveDown(layout, lengthening * step, &now, &lengthening)) break;
     if (cost - now.cost <= function_tolerance * cost ||
         NumLinearisations() == num_linearisations) {
       break;  // or the problem was linear
     }
   }
-  return {std::move(now), static_cast<int>(free.size())};
+  return {std::move(now), static_cast<int>(layout.FreeColumns().size())};
 }
 
 void EstimationProblem::TakeArrowStep() {
@@ -125,11 +130,11 @@ void EstimationProblem::TakeArrowStep() {
   constexpr double kSmallStep = 0.05;
   const BlockLayout layout = Layout();
   ArrowEquations now = LineariseArrow(layout);
-  const ArrowFactor factor(std::move(now.hessian));
-  const Eigen::VectorXd step = -factor.Solve(now.gradient);
+  const Eigen::VectorXd step = -ArrowFactor(std::move(now.hessian)).Solve(now.gradient);
   const auto of_poses = step.head(layout.NumControlPointColumns());
   if (of_poses.size() > 0 && of_poses.lpNorm<Eigen::Infinity>() > kSmallStep) {
-    SolveArrow(1, 0.0);
+    double share = 1.0;
+    MoveDown(layout, step, &now, &share);
   } else {
     Move(layout, step(layout.FreeColumns()));
   }

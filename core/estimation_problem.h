@@ -230,6 +230,13 @@ class EstimationProblem {
   void SetValues(const BlockLayout& layout, const Values& values);
   // Moves the blocks by their parts of a step in the free columns.
   void Move(const BlockLayout& layout, const Eigen::VectorXd& step);
+  // Likewise by a step in all columns, halved for as long as it would raise the cost of `now`;
+  // share: multiplied by what was taken of it. Gives the equations there. False, and all as it
+  // was, where a sixteenth of it would still raise the cost.
+  bool MoveDown(const BlockLayout& layout,
+                Eigen::VectorXd step,
+                ArrowEquations* now,
+                double* share);
 
   const Rig& rig_;
   bool planar_;
