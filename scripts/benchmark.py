@@ -356,7 +356,7 @@ def main():
     arguments = parse_arguments()
     versions = job_runner.check_binaries(arguments.binaries,
                                          ("plumbline_simulate", "plumbline_map"))
-    document = job_runner.read_text(arguments.document)
+    job_runner.read_text(arguments.document)  # an error now rather than after an hour
     cases = [case for case in make_cases(arguments.long, arguments.dense)
              if case.group in arguments.groups]
     setup = {**describe_machine(arguments.binaries), "programs": versions,
@@ -368,6 +368,7 @@ def main():
     write_atomically(arguments.output / "benchmark.json", json.dumps(
         {"setup": setup, "cases": results,
          "failed": {case.name: error for case, error in errors.items()}}, indent=2) + "\n")
+    document = job_runner.read_text(arguments.document)  # it may have been edited meanwhile
     for group, table in make_tables(setup, results).items():
         print(table + "\n")
         document, count = re.subn(
