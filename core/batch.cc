@@ -105,12 +105,11 @@ class Batch {
   // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
   // the weakly determined directions, the shape of a long loop above all. visit: as
   // SolveArrow's; with single beams called once, at the solution.
-  EstimationProblem::Solution Solve(
-      FactorKind factor,
-      double function_tolerance,
-      int max_iterations,
-      EstimationProblem* problem,
-      const EstimationProblem::FactorVisitor& visit = [](const ArrowFactor&) {}) {
+  EstimationProblem::Solution Solve(FactorKind factor,
+                                    double function_tolerance,
+                                    int max_iterations,
+                                    EstimationProblem* problem,
+                                    const EstimationProblem::FactorVisitor& visit) {
     if (factor == FactorKind::kSegment) {
       return problem->SolveArrow(max_iterations, function_tolerance, visit);
     }

@@ -158,8 +158,8 @@ class EstimationProblem {
       int max_iterations,
       double function_tolerance,
       const FactorVisitor& visit = [](const ArrowFactor&) {});
-  // Its first step alone. One so small that it can not raise the cost is not verified: that
-  // would take as long as the step.
+  // Its first step alone. Whether that lowers the cost is verified only where it moves a
+  // control point far: it takes as long as the step.
   void TakeArrowStep();
 
   // Normal equations of all the residuals.
