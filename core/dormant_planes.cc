@@ -185,8 +185,7 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   for (const Plane& plane : planes_) {
     if (landmark_ids.count(plane.id) == 0) continue;
     const Landmark& landmark = landmarks[static_cast<size_t>(plane.id)];
-    const Eigen::VectorXd value =
-        Eigen::Map<const Eigen::VectorXd>(landmark.parameters.data(), plane.size);
+    const Eigen::VectorXd value = AnchoredParameters(landmark);
     residual.segment(row, plane.size) = value - mean_.segment(plane.row, plane.size);
     part.blocks.push_back(LandmarkBlock(plane.id));
     part.offsets.push_back(part.offsets.back() + plane.size);
@@ -251,7 +250,11 @@ void DormantPlanes::Rebase(const History& history, const Eigen::VectorXd& moved)
   mean_ += gain_ * moved(GivenRows(history));
 }
 
-void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift, bool hold_first) {
+void DormantPlanes::Merge(int into,
+                          int from,
+                          const Eigen::VectorXd& shift,
+                          const Eigen::MatrixXd& by_into,
+                          bool hold_first) {
   const auto find = [&](int id) {
     return static_cast<size_t>(std::find(given_.begin(), given_.end(), LandmarkBlock(id)) -
                                given_.begin());
@@ -260,6 +263,7 @@ void DormantPlanes::Merge(int into, int from, const Eigen::VectorXd& shift, bool
   if (from_at == given_.size()) return;
   const int size = given_offsets_[from_at + 1] - given_offsets_[from_at];
   mean_ += gain_.middleCols(given_offsets_[from_at], size) * shift;
+  gain_.middleCols(given_offsets_[from_at], size) *= by_into;
   // Planes that are given back must not make a direction free that is held.
   if (hold_first) gain_.col(given_offsets_[from_at]).setZero();
   const size_t into_at = find(into);
@@ -289,14 +293,11 @@ void DormantPlanes::Update(const History& history,
   const Eigen::MatrixXd spread = gain_ * of_given;
   for (const Plane& plane : planes_) {
     Landmark& landmark = (*landmarks)[static_cast<size_t>(plane.id)];
-    for (int k = 0; k < plane.size; ++k) {
-      landmark.parameters[static_cast<size_t>(k)] = estimate[plane.row + k];
-    }
-    landmark.covariance.setZero();
-    landmark.covariance.topLeftCorner(plane.size, plane.size) =
-        covariance_.block(plane.row, plane.row, plane.size, plane.size) +
-        spread.middleRows(plane.row, plane.size) *
-            gain_.middleRows(plane.row, plane.size).transpose();
+    SetFromAnchored(estimate.segment(plane.row, plane.size), &landmark);
+    SetCovarianceFromAnchored(covariance_.block(plane.row, plane.row, plane.size, plane.size) +
+                                  spread.middleRows(plane.row, plane.size) *
+                                      gain_.middleRows(plane.row, plane.size).transpose(),
+                              &landmark);
   }
 }
 

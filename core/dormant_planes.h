@@ -46,9 +46,13 @@ class DormantPlanes {
   void Rebase(const History& history, const Eigen::VectorXd& moved);
 
   // Plane `from` of the history becomes part of its plane `into`; from's parameters are
-  // into's, measured from values that are `shift` larger. hold_first: into's first parameter
-  // never moves.
-  void Merge(int into, int from, const Eigen::VectorXd& shift, bool hold_first);
+  // measured from values that are `shift` larger, and by_into is their derivative by into's.
+  // hold_first: into's first parameter never moves.
+  void Merge(int into,
+             int from,
+             const Eigen::VectorXd& shift,
+             const Eigen::MatrixXd& by_into,
+             bool hold_first);
 
   // Sets the landmarks' parameters and covariances as they follow from the history's blocks:
   // their steps from the history's values, their joint covariance.

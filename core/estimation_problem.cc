@@ -88,7 +88,12 @@ int EstimationProblem::AmbientSize(const BlockId& block) const {
 }
 
 LinearPrior::Kind EstimationProblem::KindOf(const BlockId& block) const {
-  if (block.kind != BlockId::Kind::kRotation) return LinearPrior::Kind::kEuclidean;
+  if (block.kind == BlockId::Kind::kPosition) return LinearPrior::Kind::kEuclidean;
+  if (block.kind == BlockId::Kind::kLandmark) {
+    const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
+    return landmark.model == PlaneModel::kVertical ? LinearPrior::Kind::kVerticalPlane
+                                                   : LinearPrior::Kind::kEuclidean;
+  }
   return planar_ ? LinearPrior::Kind::kYawRotation : LinearPrior::Kind::kRotation;
 }
 

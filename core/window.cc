@@ -78,6 +78,9 @@ std::set<int> Window::LandmarksInWindow() const {
 Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) const {
   const BlockId& id = history_.equations.blocks[block];
   const Eigen::VectorXd& at = history_.at[block];
+  if (IsLandmark(id)) {
+    return AnchoredParameters(state_->landmarks[static_cast<size_t>(id.index)]) - at;
+  }
   const double* now = problem.Data(id);
   if (id.kind != BlockId::Kind::kRotation) {
     return Eigen::Map<const Eigen::VectorXd>(now, at.size()) - at;
@@ -139,6 +142,9 @@ void Window::AddHistory(const Passive& passive, EstimationProblem* problem) cons
     prior.blocks.push_back(block);
     prior.linear.blocks.push_back(
         {problem->KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
+    if (!IsLandmark(block)) continue;
+    prior.linear.blocks.back().anchor =
+        AnchorOf(state_->landmarks[static_cast<size_t>(block.index)]);
   }
   const MarginalisedSystem root = plumbline::Marginalise(
       passive.elimination->hessian(), passive.elimination->gradient(), 0);
@@ -150,7 +156,7 @@ void Window::AddHistory(const Passive& passive, EstimationProblem* problem) cons
 void Window::MovePassive(const Passive& passive,
                          const EstimationProblem& problem,
                          const NormalEquations& equations,
-                         const Eigen::MatrixXd& covariance,
+                         Eigen::MatrixXd covariance,
                          bool dormant_too) {
   if (passive.blocks.empty() && !dormant_too) return;
   const NormalEquations& past = history_.equations;
@@ -166,6 +172,7 @@ void Window::MovePassive(const Passive& passive,
   steps(passive_rows) = passive.elimination->BackSubstitute(steps(active_rows));
   const Eigen::MatrixXd gain = passive.elimination->Gain();
   const Eigen::MatrixXd root = passive.elimination->ConditionalRoot();
+  CovarianceToAnchored(state_->landmarks, equations, &covariance);
   const Eigen::MatrixXd of_active = covariance(solved_rows, solved_rows);
   const Eigen::MatrixXd spread = gain * of_active;
   Eigen::MatrixXd joint(past.size(), past.size());
@@ -175,10 +182,8 @@ void Window::MovePassive(const Passive& passive,
     const int row = past.offsets[i];
     const int size = BlockSize(past, i);
     Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
-    for (int k = 0; k < size; ++k) {
-      landmark.parameters[static_cast<size_t>(k)] = history_.at[i][k] + steps[row + k];
-    }
-    SetCovariance(joint.block(row, row, size, size), &landmark);
+    SetFromAnchored(history_.at[i] + steps.segment(row, size), &landmark);
+    SetCovarianceFromAnchored(joint.block(row, row, size, size), &landmark);
   }
   if (!dormant_too) return;
   joint(active_rows, active_rows) = of_active;
@@ -209,7 +214,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   if (options_.window.keep_statements) KeepStatement(equations, newest, now_ns);
 
   // What the planes' uncertainty is to somebody who stands at the newest pose.
-  const Eigen::MatrixXd covariance =
+  Eigen::MatrixXd covariance =
       InverseOn(equations, RowsOf(equations, [&](const BlockId& block) {
                   return IsLandmark(block) || block.index < newest;
                 }));
@@ -223,7 +228,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   MovePassive(passive,
               problem,
               equations,
-              covariance,
+              std::move(covariance),
               !dormant_.empty() && (woken || num_solves_ % kDormantPeriod == 0));
   const int64_t oldest_ns =
       std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
@@ -315,7 +320,8 @@ void Window::Marginalise(int new_start) {
     }
   }
   leaving.AddSegments(gone, kHuberWidth, &groups_);
-  const NormalEquations added = leaving.Linearise();
+  NormalEquations added = leaving.Linearise();
+  EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);
 
   // The history's gradient where its blocks stand now.
@@ -353,6 +359,11 @@ void Window::Marginalise(int new_start) {
     if (leaves(block)) continue;
     past.blocks.push_back(block);
     past.offsets.push_back(past.offsets.back() + BlockSize(all, i));
+    if (IsLandmark(block)) {
+      history_.at.push_back(
+          AnchoredParameters(state_->landmarks[static_cast<size_t>(block.index)]));
+      continue;
+    }
     history_.at.emplace_back(
         Eigen::Map<const Eigen::VectorXd>(leaving.Data(block), leaving.AmbientSize(block)));
   }
@@ -369,42 +380,13 @@ void Window::MergeLandmarks(int into, int from) {
   }
   dormant_.GiveBack(waking, state_->landmarks, &history_);
   for (const int id : waking) last_in_view_[id] = num_solves_;
-  NormalEquations& past = history_.equations;
-  const size_t from_at = FindBlock(past, LandmarkBlock(from));
-  if (from_at == past.blocks.size()) return;
-  const size_t into_at = FindBlock(past, LandmarkBlock(into));
-  Eigen::VectorXd value = history_.at[from_at];
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(value.size());
-  if (into_at < past.blocks.size()) {
-    // Both about the same values first.
-    value = history_.at[into_at];
-    shift = value - history_.at[from_at];
-    if (shift.size() == 2) shift[0] = std::remainder(shift[0], 2.0 * M_PI);
-    past.gradient += past.hessian.middleCols(past.offsets[from_at], shift.size()) * shift;
+  if (FindBlock(history_.equations, LandmarkBlock(from)) == history_.equations.blocks.size()) {
+    return;
   }
   const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
-  dormant_.Merge(into, from, shift, landmark.heading_fixed);
-  std::vector<BlockId> names = past.blocks;
-  names[from_at] = LandmarkBlock(into);
-  std::map<BlockId, Eigen::VectorXd> at;
-  std::map<BlockId, int> sizes;
-  for (size_t i = 0; i < names.size(); ++i) {
-    at[names[i]] = history_.at[i];
-    sizes[names[i]] = BlockSize(past, i);
-  }
-  at[LandmarkBlock(into)] = value;
-  NormalEquations merged = ZeroSystem(sizes);
-  AddTo(past, names, &merged);
-  history_.at.clear();
-  for (size_t i = 0; i < merged.blocks.size(); ++i) {
-    const BlockId& block = merged.blocks[i];
-    history_.at.push_back(at.at(block));
-    if (!(block == LandmarkBlock(into)) || !landmark.heading_fixed) continue;
-    merged.hessian.row(merged.offsets[i]).setZero();  // a held direction has no say
-    merged.hessian.col(merged.offsets[i]).setZero();
-    merged.gradient[merged.offsets[i]] = 0.0;
-  }
-  past = std::move(merged);
+  const Reanchoring moved =
+      MergePlanes(landmark, state_->landmarks[static_cast<size_t>(from)], &history_);
+  dormant_.Merge(into, from, moved.shift, moved.by_into, landmark.heading_fixed);
 }
 
 }  // namespace plumbline

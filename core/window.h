@@ -81,7 +81,7 @@ class Window {
   void MovePassive(const Passive& passive,
                    const EstimationProblem& problem,
                    const NormalEquations& equations,
-                   const Eigen::MatrixXd& covariance,
+                   Eigen::MatrixXd covariance,
                    bool dormant_too);
   void AddStart(EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <utility>
 
+#include "factors/anchored_plane.h"
 #include "factors/manifolds.h"
 #include "factors/so3.h"
 
@@ -14,6 +15,21 @@ namespace {
 
 using ConstQuaternion = Eigen::Map<const Eigen::Quaterniond>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Of the parameter block of this kind.
+int SizeOf(const LinearPrior::Block& block) {
+  switch (block.kind) {
+    case LinearPrior::Kind::kEuclidean:
+      return block.size;  // any
+    case LinearPrior::Kind::kVerticalPlane:
+      return 2;
+    case LinearPrior::Kind::kRotation:
+    case LinearPrior::Kind::kYawRotation:
+    case LinearPrior::Kind::kGeneralPlane:
+      break;
+  }
+  return 4;
+}
 
 // Tangent that takes the block from x0 to x.
 Eigen::VectorXd Difference(const LinearPrior::Block& block, const double* x) {
@@ -25,6 +41,8 @@ Eigen::VectorXd Difference(const LinearPrior::Block& block, const double* x) {
       return Eigen::VectorXd::Constant(1, YawDifference(x, x0));
     case LinearPrior::Kind::kGeneralPlane:
       return GeneralPlaneDifference(x, x0, nullptr);
+    case LinearPrior::Kind::kVerticalPlane:
+      return AnchoredFromPlane(Eigen::Vector2d(x[0], x[1]), block.anchor) - block.x0;
     case LinearPrior::Kind::kEuclidean:
       break;
   }
@@ -45,6 +63,8 @@ Eigen::MatrixXd DifferenceJacobian(const LinearPrior::Block& block, const double
       GeneralPlaneDifference(x, x0, &jacobian);
       return jacobian;
     }
+    case LinearPrior::Kind::kVerticalPlane:
+      return PlaneByAnchored(x[0], -block.anchor);
     case LinearPrior::Kind::kEuclidean:
       break;
   }
@@ -57,7 +77,7 @@ class LinearPriorCost final : public ceres::CostFunction {
     Eigen::Index tangent_size = 0;
     for (const LinearPrior::Block& block : prior_.blocks) {
       CHECK_EQ(block.x0.size(), block.size);
-      CHECK(block.kind == LinearPrior::Kind::kEuclidean || block.size == 4) << block.size;
+      CHECK_EQ(block.size, SizeOf(block));
       mutable_parameter_block_sizes()->push_back(block.size);
       tangent_size += block.tangent_size();
     }

@@ -15,18 +15,30 @@ namespace plumbline {
 // Jacobians: x0 never moves).
 struct LinearPrior {
   enum class Kind {
-    kEuclidean,     // size n, tangent n
-    kRotation,      // quaternion (x, y, z, w), left tangent of 3
-    kYawRotation,   // the same, turned about the world's z axis only: tangent of 1
-    kGeneralPlane,  // (nx, ny, nz, d), tangent of 3 of CreateGeneralPlaneManifold()
+    kEuclidean,      // size n, tangent n
+    kRotation,       // quaternion (x, y, z, w), left tangent of 3
+    kYawRotation,    // the same, turned about the world's z axis only: tangent of 1
+    kGeneralPlane,   // (nx, ny, nz, d), tangent of 3 of CreateGeneralPlaneManifold()
+    kVerticalPlane,  // (a, d), tangent of 2: that of (a, e) about its anchor
   };
   struct Block {
     Kind kind = Kind::kEuclidean;
-    int size = 0;        // of the parameter block: 4 for all but kEuclidean
-    Eigen::VectorXd x0;  // size numbers
+    int size = 0;        // of the parameter block
+    Eigen::VectorXd x0;  // size numbers; of kVerticalPlane (a, e), see anchored_plane.h
+    Eigen::Vector2d anchor = Eigen::Vector2d::Zero();  // of kVerticalPlane: x, y of the world
 
     int tangent_size() const {
-      return kind == Kind::kEuclidean ? size : (kind == Kind::kYawRotation ? 1 : 3);
+      switch (kind) {
+        case Kind::kEuclidean:
+        case Kind::kVerticalPlane:
+          return size;
+        case Kind::kYawRotation:
+          return 1;
+        case Kind::kRotation:
+        case Kind::kGeneralPlane:
+          break;
+      }
+      return 3;
     }
   };
   std::vector<Block> blocks;

@@ -37,9 +37,14 @@ class DormantPlanesTest : public testing::Test {
   // Where a block is linearised: for planes their parameters.
   Eigen::VectorXd Value(const BlockId& block) {
     if (!IsLandmark(block)) return Eigen::VectorXd::Constant(4, 0.5);
-    const Landmark& landmark = landmarks_[static_cast<size_t>(block.index)];
-    return Eigen::Map<const Eigen::VectorXd>(landmark.parameters.data(),
-                                             landmark.num_parameters());
+    return AnchoredParameters(landmarks_[static_cast<size_t>(block.index)]);
+  }
+
+  // Of a landmark's parameters, from that of the history's coordinates.
+  static Eigen::MatrixXd CovarianceOf(const Landmark& landmark,
+                                      const Eigen::MatrixXd& anchored) {
+    const Eigen::MatrixXd by_anchored = ParametersByAnchored(landmark);
+    return by_anchored * anchored * by_anchored.transpose();
   }
 
   Eigen::MatrixXd Random(Eigen::Index rows, Eigen::Index columns) {
@@ -100,7 +105,10 @@ class DormantPlanesTest : public testing::Test {
       if (dormant_.Contains(block.index)) {
         const Landmark& landmark = landmarks_[static_cast<size_t>(block.index)];
         EXPECT_LT((Value(block) - value).norm(), 1e-9) << block.index;
-        EXPECT_LT((landmark.covariance.topLeftCorner(size, size) - spread).norm(), 1e-9);
+        EXPECT_LT(
+            (landmark.covariance.topLeftCorner(size, size) - CovarianceOf(landmark, spread))
+                .norm(),
+            1e-9);
       } else {
         const size_t at = FindBlock(some_.equations, block);
         ASSERT_LT(at, some_.equations.blocks.size());
@@ -180,6 +188,7 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
     if (!both_given) dormant.GiveBack({5}, landmarks_, &some);
     const Eigen::VectorXd shift = all.at[FindBlock(all.equations, LandmarkBlock(2))] -
                                   all.at[FindBlock(all.equations, LandmarkBlock(5))];
+    const Eigen::Matrix2d by_into = (Eigen::Matrix2d() << 1.0, 0.0, 1.7, 1.0).finished();
     const auto merge = [&](History* history) {
       NormalEquations& equations = history->equations;
       const size_t from = FindBlock(equations, LandmarkBlock(5));
@@ -187,6 +196,11 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
           history->at[FindBlock(equations, LandmarkBlock(2))] - history->at[from];
       equations.gradient +=
           equations.hessian.middleCols(equations.offsets[from], 2) * own_shift;
+      equations.hessian.middleCols(equations.offsets[from], 2) *= by_into;
+      equations.hessian.middleRows(equations.offsets[from], 2)
+          .applyOnTheLeft(by_into.transpose());
+      equations.gradient.segment(equations.offsets[from], 2)
+          .applyOnTheLeft(by_into.transpose());
       std::vector<BlockId> names = equations.blocks;
       names[from] = LandmarkBlock(2);
       std::map<BlockId, int> sizes;
@@ -198,7 +212,7 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
     };
     merge(&all);
     merge(&some);
-    dormant.Merge(2, 5, shift, false);
+    dormant.Merge(2, 5, shift, by_into, false);
     const Eigen::MatrixXd expected = all.equations.hessian.inverse();
     const Eigen::VectorXd minimum = -expected * all.equations.gradient;
     const Eigen::MatrixXd covariance = some.equations.hessian.inverse();
@@ -206,9 +220,12 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
     dormant.Update(some, -covariance * some.equations.gradient, covariance, &landmarks);
     const size_t at = FindBlock(all.equations, LandmarkBlock(1));
     const int row = all.equations.offsets[at];
-    EXPECT_NEAR(landmarks[1].parameters[0], all.at[at][0] + minimum[row], 1e-9);
-    EXPECT_NEAR(landmarks[1].parameters[1], all.at[at][1] + minimum[row + 1], 1e-9);
-    EXPECT_LT((landmarks[1].covariance - expected.block<2, 2>(row, row)).norm(), 1e-9);
+    EXPECT_LT((AnchoredParameters(landmarks[1]) - all.at[at] - minimum.segment(row, 2)).norm(),
+              1e-9);
+    EXPECT_LT(
+        (landmarks[1].covariance - CovarianceOf(landmarks[1], expected.block<2, 2>(row, row)))
+            .norm(),
+        1e-9);
   }
 }
 
@@ -224,7 +241,7 @@ TEST_F(DormantPlanesTest, HeldDirectionsStayHeld) {
   };
   hold();
   dormant_.TakeIn({1, 3}, 0, &some_);
-  dormant_.Merge(2, 5, Eigen::Vector2d(0.01, 0.02), true);
+  dormant_.Merge(2, 5, Eigen::Vector2d(0.01, 0.02), Eigen::Matrix2d::Identity(), true);
   dormant_.GiveBack({1, 3}, landmarks_, &some_);
   EXPECT_EQ(some_.equations.hessian.row(held()).norm(), 0.0);
   EXPECT_EQ(some_.equations.hessian.col(held()).norm(), 0.0);

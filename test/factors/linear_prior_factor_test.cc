@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "factors/anchored_plane.h"
 #include "factors/manifolds.h"
 #include "factors/so3.h"
 #include "test/factors/factor_testing.h"
@@ -84,6 +85,25 @@ TEST(LinearPriorFactor, SignOfTheQuaternionDoesNotMatter) {
   blocks[0] *= -1.0;
   blocks[1] *= -1.0;
   EXPECT_LT((blocks.Residuals(*factor) - residuals).norm(), 1e-13);
+}
+
+// What is known of a wall 60 m away from the origin, of whose direction hardly anything is, is
+// where its one segment lies.
+TEST(LinearPriorFactor, VerticalPlanesTurnAboutTheirAnchor) {
+  const Eigen::Vector2d anchor(30.0, -52.0);
+  const Eigen::Vector2d x0(0.4, 0.02);
+  LinearPrior prior;
+  prior.blocks.push_back({Kind::kVerticalPlane, 2, x0, anchor});
+  prior.root = Eigen::Vector2d(0.1, 1000.0).asDiagonal();
+  prior.offset = Eigen::Vector2d::Zero();
+  const auto factor = CreateLinearPriorFactor(prior);
+  for (const double turn : {0.0, 1e-3, 0.3}) {
+    TestBlocks blocks;
+    blocks.AddEuclidean(
+        PlaneFromAnchored(Eigen::Vector2d(x0 + Eigen::Vector2d(turn, 0.001)), anchor));
+    EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector2d(0.1 * turn, 1.0)).norm(), 1e-9);
+    blocks.ExpectGradientsCorrect(*factor);
+  }
 }
 
 }  // namespace
