@@ -14,6 +14,8 @@ constexpr double kCoarseMargin = 4.0;
 // For the motion during a scan and cells that reach beyond what was seen.
 constexpr double kReachMargin = 1.0;  // m
 constexpr double kRounding = 1e-6;    // m
+// Of squared deviations, two of which are expected: planes have 0.9 to 3.7, slants 4 to 18.
+constexpr double kMaxMeanDeviation = 4.0;
 
 // The centroid on the straight line between the ends, where they were measured.
 Eigen::Vector3d CentroidWorld(const Observation& observation,
@@ -38,6 +40,14 @@ double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
   return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&
                              landmark.first_scan - scan_index <= options.max_gap_scans);
+}
+
+bool MayBeTakenUp(const Landmark& landmark,
+                  int scan_index,
+                  const LoopClosureOptions& options) {
+  return IsWithinGap(landmark, scan_index, options) &&
+         (scan_index - landmark.last_scan <= options.max_gap_scans ||
+          landmark.AgreesWithin(kMaxMeanDeviation));
 }
 
 std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
@@ -106,7 +116,7 @@ std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
   std::vector<LandmarkCandidate> within;
   for (const Landmark& landmark : landmarks.landmarks) {
     if (landmark.num_segments == 0 ||
-        !IsWithinGap(landmark, landmarks.scan_index, landmarks.options)) {
+        !MayBeTakenUp(landmark, landmarks.scan_index, landmarks.options)) {
       continue;
     }
     const PatchExtent& extent = landmark.extent;
@@ -169,6 +179,7 @@ void VisitPossible(const Observation& observation,
     visit(PossibleLandmark{candidate.landmark->id,
                            deviation,
                            noise,
+                           distance2,
                            distance2 + std::log(covariance.determinant())});
   }
 }

@@ -19,6 +19,10 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 // off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
+// Likewise on the way, where a pose may rest on few segments: one that was unseen for longer
+// is taken up again only if its segments agreed with it.
+bool MayBeTakenUp(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
+
 // The landmarks with segments that observations of a scan may belong to. For a single scan,
 // which reaches a few of hundreds: no more is computed of the others than how far they are.
 struct LandmarksWithinGap {
@@ -76,6 +80,7 @@ struct PossibleLandmark {
   LineDeviation deviation;
   Eigen::Matrix2d noise =
       Eigen::Matrix2d::Identity();  // of the deviation, the pose's left out
+  double distance2 = 0.0;           // squared Mahalanobis distance
   double score = 0.0;               // -2 ln of the deviation's density, up to a constant
 };
 

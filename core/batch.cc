@@ -35,6 +35,9 @@ constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
 constexpr int64_t kMaxRunsShare = 3;
+// A plane's segments deviate by this many times what is expected: furniture's on a real robot
+// by two and a half.
+constexpr double kContradicted = 3.0;
 // Steps to the noise of the motion (ReestimateMotionNoise). The third moves it by less
 // than a hundredth, but where there is no motion at all: that stays too large, which is the
 // safe side.
@@ -240,6 +243,23 @@ class Batch {
   // Takes the observations from landmarks that other beams pass through.
   int DropPassedThrough() { return Release(FindPassedThrough(rig_, *state_)); }
 
+  // Landmarks that their own segments contradicted on the way: slants across corners. Where
+  // noise is more than stated, all planes' segments deviate.
+  int DropContradicted() {
+    double sum = 0.0;
+    int num_judged = 0;
+    for (const Landmark& landmark : state_->landmarks) {
+      sum += landmark.sum_deviations;
+      num_judged += landmark.num_judged;
+    }
+    const double expected = std::max(2.0, sum / std::max(1, num_judged));
+    std::vector<bool> is_contradicted;
+    for (const Landmark& landmark : state_->landmarks) {
+      is_contradicted.push_back(!landmark.AgreesWithin(kContradicted * expected));
+    }
+    return Release(is_contradicted);
+  }
+
   // Landmarks that fewer scans support than a new plane needs.
   int DropWeak() {
     std::vector<int> num_scans(state_->landmarks.size(), 0);
@@ -384,6 +404,8 @@ BatchReport EstimateBatch(const Rig& rig,
                           MapState* state) {
   Batch batch(rig, planar, options, state);
   BatchReport report;
+  const int num_contradicted = batch.DropContradicted();
+  VLOG(1) << num_contradicted << " segments taken from planes that contradict them";
   // A robust estimate first: associations made on the way may be wrong.
   batch.EstimateRobustly();
   double share_done = kFirstEstimateShare;
@@ -407,9 +429,6 @@ BatchReport EstimateBatch(const Rig& rig,
     const bool stands = may_stand && share < kStandingShare;
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments && (round == 1 || last)) {
-      // Where two copies of a plane have held poses, beams would be taken for what they are
-      // not, and hold the poses there.
-      if (round == 1 && num_merged > 0) batch.StepRobustly();
       batch.RecountLandmarks();
       const int num_recut = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();

@@ -133,6 +133,8 @@ void MergeInto(int into_id, int from_id, MapState* state) {
   into.last_time_ns = std::max(into.last_time_ns, from.last_time_ns);
   into.num_segments += from.num_segments;
   into.num_points += from.num_points;
+  into.sum_deviations += from.sum_deviations;
+  into.num_judged += from.num_judged;
   from.num_segments = 0;
   from.num_points = 0;
   from.extent = from.EmptyExtent();

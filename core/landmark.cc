@@ -193,6 +193,16 @@ std::vector<Eigen::Vector2d> PatchExtent::Outline() const {
   return {min_, {max_.x(), min_.y()}, max_, {min_.x(), max_.y()}};
 }
 
+bool Landmark::IsJudged() const {
+  constexpr int kMaxJudged = 200;
+  return num_judged >= kMaxJudged;
+}
+
+bool Landmark::AgreesWithin(double mean_deviation) const {
+  constexpr double kExpected = 2.0;  // so that one alone, or none, does not decide
+  return sum_deviations <= mean_deviation * num_judged + kExpected;
+}
+
 Eigen::Vector3d Landmark::Normal() const {
   switch (model) {
     case PlaneModel::kHorizontal:

@@ -127,7 +127,19 @@ struct Landmark {
   int64_t last_time_ns = 0;
   int num_segments = 0;
   int64_t num_points = 0;
+  // How the first segments that were found on it agreed with it: the sum of their squared
+  // deviations over the variances then stated, two degrees of freedom each.
+  double sum_deviations = 0.0;
+  int num_judged = 0;
 
+  bool IsJudged() const;  // enough of them are known
+  void Judge(double squared_deviation) {
+    sum_deviations += squared_deviation;
+    ++num_judged;
+  }
+  // Whether they agree by no more than this mean, where two is expected. A slant across a
+  // corner, which short segments make believe, lies elsewhere as soon as the rig does.
+  bool AgreesWithin(double mean_deviation) const;
   // An empty extent with its axes on the plane as it is estimated now.
   PatchExtent EmptyExtent() const;
   int num_parameters() const { return PlaneModelSize(model); }

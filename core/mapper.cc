@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/association.h"
 #include "core/candidates.h"
 #include "core/duplicates.h"
 #include "core/error.h"
@@ -53,6 +54,7 @@ class Follower {
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
   void Accept(int observation_index, bool tracked);
+  void Judge(const Observation& observation);
   void StartPlanes(int min_scans);
   bool ShadowsLandmark(const PlaneCandidate& candidate) const;
   void AddLandmark(PlaneCandidate candidate);
@@ -171,6 +173,20 @@ void Follower::Accept(int observation_index, bool tracked) {
   if (!tracked) tracker_->Add(observation_index);
 }
 
+// Takes down how an observation agrees with its landmark.
+void Follower::Judge(const Observation& observation) {
+  Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+  if (landmark.IsJudged()) return;
+  for (const PossibleLandmark& on : PossibleLandmarks(
+           observation,
+           poses_->Of(observation),
+           tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()),
+           {LandmarkCandidate(landmark)},
+           options_.association)) {
+    landmark.Judge(on.distance2);
+  }
+}
+
 void Follower::AddLandmark(PlaneCandidate candidate) {
   candidate.landmark.id = static_cast<int>(state_->landmarks.size());
   state_->landmarks.push_back(std::move(candidate.landmark));
@@ -211,7 +227,9 @@ void Follower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
   for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
-    if (state_->landmarks[static_cast<size_t>(into)].num_segments == 0) continue;
+    const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
+    if (older.num_segments == 0) continue;
+    if (!MayBeTakenUp(older, last_solved_scan_, options_.loop_closure)) continue;
     window_->MergeLandmarks(into, from);
     MergeInto(into, from, state_.get());
   }
@@ -264,6 +282,7 @@ void Follower::Follow(const Scan& scan) {
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     if (observation.landmark_id >= 0) {
+      Judge(observation);
       Accept(index, true);
     } else if (observation.num_points > 0) {  // has beams left
       candidates_.Offer(

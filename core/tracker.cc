@@ -29,6 +29,15 @@ constexpr int kLooseIntervals = 2;
 // A share of associated segments (by length) that drops below this part of the usual one.
 constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
+// A segment that knows its direction to no better than this (a right angle is five of them)
+// may lie on a wall or across it. Where nothing else is in sight, as in a doorway, its plane
+// would decide where the rig is.
+constexpr double kMaxDirectionSigma = 0.3;  // rad
+
+bool TellsDirection(const Observation& observation) {
+  return observation.sigma_direction_rad < kMaxDirectionSigma;
+}
+
 // In empty rooms more than nine tenths of the segments, by length, have planes, in a room of
 // furniture three quarters and at times a quarter.
 constexpr double kGoodShare = 0.9;
@@ -262,12 +271,12 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
                                                int last_observation,
                                                const LandmarksWithinGap& landmarks) const {
   std::vector<int> order;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    order.push_back(index);
-  }
   const auto at = [&](int index) -> const Observation& {
     return state_->observations[static_cast<size_t>(index)];
   };
+  for (int index = first_observation; index <= last_observation; ++index) {
+    if (TellsDirection(at(index))) order.push_back(index);
+  }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return at(a).length_m() > at(b).length_m();
   });
@@ -434,7 +443,10 @@ bool Tracker::Associate(int first_observation,
       middle_ns = poses.times_ns[1];
       covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
     }
-    const int id = FindLandmark(observation, poses, covariance, near, options_.association);
+    const int id =
+        TellsDirection(observation)
+            ? FindLandmark(observation, poses, covariance, near, options_.association)
+            : -1;
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

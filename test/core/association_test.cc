@@ -25,6 +25,24 @@ TEST(GapRuleTest, HoldsOnlyWithoutLoopClosure) {
   EXPECT_TRUE(IsWithinGap(landmark, 100'000, options));
 }
 
+// On the way, what was seen a lap ago counts only if its segments lay on one plane.
+TEST(GapRuleTest, ContradictedPlanesAreNotTakenUpAgain) {
+  LoopClosureOptions options;
+  options.max_gap_scans = 100;
+  Landmark landmark;
+  landmark.last_scan = 60;
+  EXPECT_TRUE(MayBeTakenUp(landmark, 160, options));  // still in sight, or nearly
+  landmark.num_judged = 50;
+  landmark.sum_deviations = 1.5 * landmark.num_judged;
+  EXPECT_TRUE(MayBeTakenUp(landmark, 161, options));
+  landmark.sum_deviations = 4.5 * landmark.num_judged;
+  EXPECT_FALSE(MayBeTakenUp(landmark, 161, options));
+  EXPECT_TRUE(MayBeTakenUp(landmark, 160, options));
+  landmark.sum_deviations = 0.0;
+  options.enabled = false;
+  EXPECT_FALSE(MayBeTakenUp(landmark, 161, options));
+}
+
 TEST(FlatnessTest, ShortSegmentsSayLittleOfTheDirection) {
   const Eigen::Matrix2d longer = FlatnessCovariance(2.0, 0.004);
   EXPECT_NEAR(std::sqrt(longer(0, 0)), 0.004, 1e-12);

@@ -234,6 +234,19 @@ TEST(LandmarkTest, PassesThroughItsPoint) {
   }
 }
 
+TEST(LandmarkTest, SegmentsContradictAPlaneTogether) {
+  const auto agrees = [](int count, double squared_deviation) {
+    Landmark landmark;
+    for (int i = 0; i < count; ++i) landmark.Judge(squared_deviation);
+    return landmark.AgreesWithin(4.0);
+  };
+  EXPECT_TRUE(agrees(0, 0.0));
+  EXPECT_TRUE(agrees(1, 5.5));
+  EXPECT_FALSE(agrees(1, 6.5));
+  EXPECT_TRUE(agrees(100, 4.0));
+  EXPECT_FALSE(agrees(100, 4.1));
+}
+
 TEST(LandmarkTest, DeviationJacobianAgreesWithFiniteDifferences) {
   const Eigen::Vector3d p(3.0, -1.0, 0.5);
   const Eigen::Vector3d direction = Eigen::Vector3d(0.4, 0.7, -0.5).normalized();
