@@ -1,5 +1,7 @@
 #include "core/line_grower.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -73,6 +75,7 @@ bool LineGrower::Seed(int first) {
 // Each step waits for the line that the step before leaves. Hence the scaled line, and the
 // sums outside the array.
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
+  CHECK_GE(step * (end - begin), 0);  // else it would leave the fan
   const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
   LineEquations sum = sums_[num_points_];
   ScaledLine line = line_;

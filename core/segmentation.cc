@@ -105,7 +105,9 @@ void Segmenter::GrowAll() {
       ++next;
       continue;
     }
-    grower_.Grow(grower_.PointBeam(grower_.num_points() - 1) + 1, end, 1, 2);
+    const int begin = grower_.PointBeam(grower_.num_points() - 1) + 1;
+    // A seed that reaches beyond the end has passed the change.
+    grower_.Grow(begin, begin > end ? num_beams : end, 1, 2);
     bool next_starts_at_change = false;
     int run_begin = 0;
     int run_end = 0;
