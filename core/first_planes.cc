@@ -56,15 +56,13 @@ bool FirstPlanes::IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d
 
 bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) const {
   const Trace trace(placement_, plane);
-  const auto point_of = [&](int i) -> Eigen::Vector2d {
-    const Eigen::Vector2d direction = scan_line_.BeamDirection(i);
-    return trace.RangeAlong(direction) * direction;
-  };
-  const Eigen::Vector2d p = point_of(beam);
-  const Eigen::Vector2d next = point_of(beam + step);
-  if (!next.allFinite()) return false;
-  const Eigen::Vector3d beyond =
-      placement_ * (p + kEdge * (next - p).normalized()).homogeneous();
+  const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
+  const Eigen::Vector2d p = trace.RangeAlong(direction) * direction;
+  // Beams that turn counter-clockwise go along it so, seen from the side that it faces.
+  const double turn = step * scan_line_.angle_increment * trace.distance;
+  const Eigen::Vector2d along(-trace.normal.y(), trace.normal.x());
+  const Eigen::Vector2d outwards = std::copysign(1.0, turn) * along.normalized();
+  const Eigen::Vector3d beyond = placement_ * (p + kEdge * outwards).homogeneous();
   return IsSolidAt(plane, beyond, kMargin) || EndsBefore(plane, beyond);
 }
 

@@ -36,6 +36,13 @@ constexpr double kMinPassageDepth = 0.05;  // m
 // behind a wall, it may be the floor of the next room.
 constexpr double kMaxBlockDistance = 0.4;  // m
 
+// Where a beam meets the plane at a segment's end, p in the scanner's frame; nothing where
+// that is out of range.
+std::optional<Eigen::Vector3d> MeetingPoint(const SegmentEnd& end, const Eigen::Vector2d& p) {
+  if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
+  return end.placement * p.homogeneous();
+}
+
 }  // namespace
 
 HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
@@ -241,12 +248,17 @@ void HiddenBeams::CountHits(OpeningMap* openings) const {
   }
 }
 
-void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
-  // Where a beam meets the plane; nothing where that is out of range.
-  const auto meeting_point = [&](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector3d> {
-    if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
-    return end.placement * p.homogeneous();
-  };
+void CountHitsAtEnd(const SegmentEnd& end, OpeningMap* openings) {
+  for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
+    const std::optional<Eigen::Vector3d> at =
+        MeetingPoint(end, end.trace.RangeAlong(direction) * direction);
+    if (!at) break;
+    openings->CountHit(end.landmark, *at);
+  }
+}
+
+void CountPassages(const SegmentEnd& end, OpeningMap* openings) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   bool is_opening = false;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
@@ -268,7 +280,7 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
                        beyond_m > -kMaxBlockDistance;
     if (!is_close && !passes) break;
     if (!passes && !stops) continue;
-    const std::optional<Eigen::Vector3d> at = meeting_point(on_plane_m * direction);
+    const std::optional<Eigen::Vector3d> at = MeetingPoint(end, on_plane_m * direction);
     if (!at) continue;
     if (!passes) {
       openings->CountBlock(end.landmark, *at);
@@ -282,13 +294,6 @@ void CountOpenings(const SegmentEnd& end, OpeningMap* openings) {
     openings->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
     last = *at;
     last_k = k;
-  }
-  for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
-    const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
-    const std::optional<Eigen::Vector3d> at =
-        meeting_point(end.trace.RangeAlong(direction) * direction);
-    if (!at) break;
-    openings->CountHit(end.landmark, *at);
   }
 }
 

@@ -108,7 +108,9 @@ struct SegmentEnd {
   int middle;  // of the segment
 };
 
-// Counts what the beams on both sides of the end tell of openings in its plane.
-void CountOpenings(const SegmentEnd& end, OpeningMap* openings);
+// Counts the segment's last beams, which lie on the plane.
+void CountHitsAtEnd(const SegmentEnd& end, OpeningMap* openings);
+// Counts what the beams beyond the end tell of openings in its plane.
+void CountPassages(const SegmentEnd& end, OpeningMap* openings);
 
 }  // namespace plumbline

@@ -104,6 +104,24 @@ bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) cons
   return Contains(uv, margin_m) && cells_.Count(CellOf(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
 }
 
+bool PatchExtent::GoesOnBeyond(const Eigen::Vector3d& p_world,
+                               const Eigen::Vector3d& direction_world) const {
+  constexpr double kFrom = 0.3;  // m, past an edge's own cell
+  constexpr double kTo = 3.0;    // m, more than a door is wide
+  constexpr int kMinShare = 10;  // of the segments before the point, one in so many
+  const Eigen::Vector2d p = Project(p_world);
+  const Eigen::Vector2d direction(u_axis_.dot(direction_world), v_axis_.dot(direction_world));
+  const auto count_at = [&](double away_m) {
+    return cells_.Count(CellOf(p + away_m * direction));
+  };
+  const int before = std::max(count_at(-0.5 * kCellSize), count_at(-1.5 * kCellSize));
+  for (double away_m = kFrom; away_m < kTo; away_m += kCellSize) {
+    if (!Contains(p + away_m * direction, 0.0)) return false;
+    if (kMinShare * count_at(away_m) > before) return true;
+  }
+  return false;
+}
+
 bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
                                 const Eigen::Vector3d& b_world,
                                 double max_gap_m) const {

@@ -69,6 +69,10 @@ class PatchExtent {
     const double across2 = from_anchor.squaredNorm() - p.matrix().squaredNorm();
     return away2 + across2 <= reach_m * reach_m;
   }
+  // Whether the patch goes on beyond a point on it along a unit vector: within three metres
+  // many segments have been seen again. A few that went on past an edge do not count.
+  bool GoesOnBeyond(const Eigen::Vector3d& p_world,
+                    const Eigen::Vector3d& direction_world) const;
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
   // The occupied cell that the point lies on, within the given middle share of the bounding

@@ -13,6 +13,8 @@ constexpr double kReach = PatchExtent::kCellSize;
 constexpr double kMinDepth = 0.05;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
+// Within this of its own rim a wall has not been seen beyond a floor or ceiling.
+constexpr double kRim = 0.3;  // m
 
 // Whether all that was seen of the other plane lies behind this one without touching it.
 bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
@@ -48,16 +50,25 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   const double beyond = end.step * turn / scan_line.angle_increment;
   const bool is_free = beyond < end.step * (end.limit - end.beam);
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
+  Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);
+  // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
+  if (own.plane.is_vertical && other.is_vertical) outwards.z() = 0.0;
+  outwards.normalize();
+  const PatchExtent& own_extent = own.plane.landmark->extent;
   if (IsBehind(other, own.plane)) {
     // Unless this one ends where they would meet.
-    const Eigen::Vector3d from = to_world(own.trace.RangeAlong(middle) * middle);
-    Eigen::Vector3d outwards = at_world - from;
-    // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
-    if (own.plane.is_vertical && other.is_vertical) outwards.z() = 0.0;
-    const Eigen::Vector3d beyond = at_world + kReach * outwards.normalized();
-    if (own.plane.landmark->extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
+    const Eigen::Vector3d beyond = at_world + kReach * outwards;
+    if (own_extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
   }
-  return PlaneMeeting{static_cast<int>(std::floor(beyond)), other_trace, &other};
+  const bool at_upright_edge = own.plane.is_vertical && other.is_vertical;
+  const bool goes_on = at_upright_edge ? own_extent.GoesOnBeyond(at_world, outwards)
+                                       : own_extent.IsWithin(at_world, -kRim);
+  const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
+  return PlaneMeeting{static_cast<int>(std::floor(beyond)),
+                      other_trace,
+                      &other,
+                      goes_on,
+                      at_upright_edge && is_turned_away && !goes_on};
 }
 
 }  // namespace

@@ -34,6 +34,12 @@ struct PlaneMeeting {
   int last;  // beam before it, counted outwards from the segment's end; inside: negative
   Trace other;
   const LandmarkCandidate* plane;
+  // Whether the segment's plane has been seen beyond, by more than segments that went on past
+  // an edge for a few beams.
+  bool goes_on;
+  // It ends there, and the scanner does not see the face round the corner: beams beyond pass
+  // both, to whatever lies behind.
+  bool is_edge;
 };
 
 // Where a segment's plane meets those of the others that have been seen there, beyond the

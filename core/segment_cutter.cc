@@ -17,22 +17,6 @@ constexpr double kOutlierSigmas = 5.0;
 // The last one at a free end within so many: a beam past the edge may end on something close
 // behind. Cut on both sides of the plane, the good ones' noise keeps its mean.
 constexpr double kFreeEndSigmas = 3.0;
-// Before its segments' ends are known, a wall seems to reach up to so far round its corners.
-constexpr double kRoundCorners = 0.3;  // m
-
-// Whether the plane has been seen farther out than where the beam meets it.
-bool IsInside(const ScanLine& scan_line,
-              const ScanPlacement& placement,
-              const Trace& trace,
-              const LandmarkCandidate& plane,
-              int beam) {
-  const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-  const double range = trace.RangeAlong(direction);
-  if (!std::isfinite(range)) return false;
-  return plane.landmark->extent.IsWithin(placement * (range * direction).homogeneous(),
-                                         -kRoundCorners);
-}
-
 }  // namespace
 
 SegmentCutter::SegmentCutter(const Rig& rig,
@@ -105,27 +89,31 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
       const double range = nearer.RangeAlong(direction);
       if (range > own_range) other_range = std::min(other_range, range);
     }
-    if (std::abs(own_range - other_range) < far_m) last = meeting.last;
+    if (meeting.is_edge || std::abs(own_range - other_range) < far_m) last = meeting.last;
   }
   NewEnd result{end.beam + end.step * last, trace};
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
-  result.is_met =
-      std::any_of(meetings.begin(), meetings.end(), [&](const PlaneMeeting& meeting) {
-        return std::abs(end.beam + end.step * meeting.last - result.beam) <= 1;
-      });
-  // Walls hide the floor beyond them: for floors, ends at walls tell something too. So do a
-  // wall's ends at the jambs of its doors.
-  const bool is_counted =
-      counted_ != nullptr &&
-      (!result.is_met || own->landmark->model == PlaneModel::kHorizontal ||
-       IsInside(scan_line, placement, trace, *own, result.beam + end.step));
-  if (is_counted) {
-    int on_plane = result.beam;
-    while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
-    CountOpenings(
-        {scan_line, scanner, placement, trace, *own->landmark, on_plane, end.step, end.middle},
-        counted_);
+  bool goes_on = false;    // the plane, beyond what it meets
+  bool at_corner = false;  // of two walls
+  for (const PlaneMeeting& meeting : meetings) {
+    if (std::abs(end.beam + end.step * meeting.last - result.beam) > 1) continue;
+    result.is_met = true;
+    goes_on = goes_on || meeting.goes_on;
+    at_corner = at_corner || meeting.plane->is_vertical;
   }
+  if (counted_ == nullptr) return result;
+  int on_plane = result.beam;
+  while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
+  const SegmentEnd counted_end{
+      scan_line, scanner, placement, trace, *own->landmark, on_plane, end.step, end.middle};
+  // Walls hide the floor beyond them: for floors, what lies beyond ends at walls tells
+  // something too. So it does beyond a wall's ends at the jambs of its doors.
+  const bool tells_of_openings =
+      !result.is_met || goes_on || own->landmark->model == PlaneModel::kHorizontal;
+  if (tells_of_openings) CountPassages(counted_end, counted_);
+  // At a ceiling, beams past a wall's free edge may be among a segment's last; at a corner it
+  // is known where the wall ends.
+  if (tells_of_openings || at_corner) CountHitsAtEnd(counted_end, counted_);
   return result;
 }
 

@@ -97,5 +97,21 @@ TEST_F(FirstPlanesTest, InACornerAllBeamsCount) {
   EXPECT_EQ(runs[0].last_beam + 1, runs[1].first_beam);
 }
 
+// A beam that meets the wall at half a degree tells as much of it as thousands of others. The
+// next one passes by: where the wall goes on, its trace tells.
+TEST_F(FirstPlanesTest, ABeamAlmostAlongAWallCounts) {
+  line_.angle_min = -0.5 * kDegree;
+  line_.angle_increment = kDegree;
+  line_.ranges = {9.0f, static_cast<float>(0.02 / std::sin(0.5 * kDegree)), 9.0f};
+  const Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 0.02, -0.1}, {4.0, 0.02, -0.1});
+  const Landmark elsewhere = Wall({-1.0, 0.0, 0.0}, {20.0, 5.0, -0.1}, {20.0, 6.0, -0.1});
+  const std::vector<Run> runs = Runs(wall, elsewhere);
+  ASSERT_EQ(runs.size(), 1u);
+  EXPECT_EQ(runs[0].first_beam, 1);
+  EXPECT_EQ(runs[0].last_beam, 1);
+  const Landmark ends_there = Wall({0.0, -1.0, 0.0}, {1.0, 0.02, -0.1}, {2.3, 0.02, -0.1});
+  EXPECT_TRUE(Runs(ends_there, elsewhere).empty()) << "7 cm from a free edge";
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -212,8 +212,10 @@ TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
   const ScanPlacement placement = PlacementOf(poses_->world_from_scanner);
   const Trace trace(placement, Candidate(wall));
   OpeningMap counted;
+  const SegmentEnd end{line_, scanner_, placement, trace, wall, last_below, 1, 200};
   for (int i = 0; i < 2; ++i) {
-    CountOpenings({line_, scanner_, placement, trace, wall, last_below, 1, 200}, &counted);
+    CountPassages(end, &counted);
+    CountHitsAtEnd(end, &counted);
   }
   const PlaneOpenings openings = counted.OpeningsOf(wall);
   for (double height = kLow + 0.03; height < kHigh; height += 0.01) {
@@ -238,7 +240,7 @@ TEST_F(HiddenBeamsTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
   const Trace trace(placement, Candidate(floor));
   OpeningMap counted;
   for (int i = 0; i < 2; ++i) {
-    CountOpenings({line_, scanner_, placement, trace, floor, 33, 1, 15}, &counted);
+    CountPassages({line_, scanner_, placement, trace, floor, 33, 1, 15}, &counted);
   }
   const PlaneOpenings openings = counted.OpeningsOf(floor);
   EXPECT_TRUE(openings.IsAt({0.01, kHeight * std::tan(38 * kDegree), 0.0}));

@@ -59,6 +59,21 @@ TEST(PatchExtentTest, IsSeenOnItsCellsAndAMarginBeside) {
   EXPECT_FALSE(extent.IsSeenAt({3.021, 0.0, 1.0}, 0.02));
 }
 
+// To an edge at 4 m, past which one segment in twenty went on by mistake, and to a door that
+// begins there.
+TEST(PatchExtentTest, GoesOnWhereManySegmentsAreSeenAgain) {
+  PatchExtent extent = WallExtent();
+  for (int i = 0; i < 20; ++i) {
+    extent.AddSegment({0.0, 0.0, 1.0}, {i == 0 ? 5.0 : 4.0, 0.0, 1.0});
+  }
+  const Eigen::Vector3d edge(4.0, 0.0, 1.0);
+  EXPECT_FALSE(extent.GoesOnBeyond(edge, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(extent.GoesOnBeyond(edge, -Eigen::Vector3d::UnitX()));
+  for (int i = 0; i < 5; ++i) extent.AddSegment({5.3, 0.0, 1.0}, {7.0, 0.0, 1.0});
+  EXPECT_TRUE(extent.GoesOnBeyond(edge, Eigen::Vector3d::UnitX()));
+  EXPECT_FALSE(extent.GoesOnBeyond({7.0, 0.0, 1.0}, Eigen::Vector3d::UnitX()));
+}
+
 // From a point 3 m in front of the plane and 4 m beside what was seen of it: 5 m.
 TEST(PatchExtentTest, ReachIsThatOfTheRectangle) {
   PatchExtent extent = ExtentOf({0.0, 0.0, 0.0}, {2.0, 0.0, 0.0});

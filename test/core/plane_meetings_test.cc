@@ -81,6 +81,22 @@ TEST_F(PlaneMeetingsTest, FaceRoundACornerDoes) {
   EXPECT_EQ(Find(Ahead(1.0), Across(2.1, 3.0)).size(), 1u) << "was seen from 0.1 m on";
 }
 
+// The face round the corner, seen at other times, is turned away from the scanner.
+TEST_F(PlaneMeetingsTest, AFaceTurnedAwayIsTheWallsEdgeWhereThatEnds) {
+  const Landmark away = Wall(1, {1.0, 0.0, 0.0}, {1.0, 2.0, 0.0}, {1.0, 3.0, 0.0});
+  const auto edge = Find(Ahead(1.0), away);
+  ASSERT_EQ(edge.size(), 1u);
+  EXPECT_TRUE(edge[0].is_edge);
+  EXPECT_FALSE(edge[0].goes_on);
+  const auto before_door = Find(Ahead(3.0), away);
+  ASSERT_EQ(before_door.size(), 1u);
+  EXPECT_FALSE(before_door[0].is_edge);
+  EXPECT_TRUE(before_door[0].goes_on);
+  const auto facing = Find(Ahead(1.0), Across(2.0, 3.0));
+  ASSERT_EQ(facing.size(), 1u);
+  EXPECT_FALSE(facing[0].is_edge);
+}
+
 TEST_F(PlaneMeetingsTest, WhatWasNotSeenThereDoesNot) {
   EXPECT_TRUE(Find(Ahead(3.0), Across(-3.0, 1.0)).empty());
 }

@@ -143,6 +143,43 @@ TEST_F(SegmentEndsTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
   EXPECT_EQ(observation(0).last_beam, 150);
 }
 
+// Past a wall's edge beams go on to a floor, which is close behind at first. The face round
+// the corner, which the scanner does not see, tells where the wall ends, however far its plane
+// is.
+TEST_F(SegmentEndsTest, BeamsPastAnEdgeGo) {
+  AddWall({0.0, 1.0, 0.0}, {2.0, 1.0, 0.0}, {4.0, 1.0, 0.0});
+  for (int beam = kLast + 1; beam <= kLast + 4; ++beam) {
+    line_.ranges[static_cast<size_t>(beam)] =
+        static_cast<float>(2.0 / std::cos((beam - 90) * kDegree) + 0.02 * (beam - kLast));
+  }
+  AddObservation(kFront, 40, kLast + 4);
+  EXPECT_EQ(Recut(), 1);
+  EXPECT_EQ(observation(0).last_beam, kLast);
+  state_->landmarks[kFront].extent.AddSegment({2.0, 1.5, 0.0}, {2.0, 3.0, 0.0});
+  state_->observations.clear();
+  AddObservation(kFront, 40, kLast + 4);
+  EXPECT_EQ(Recut(), 0);
+  EXPECT_EQ(observation(0).last_beam, kLast + 4) << "a door in a wall that goes on";
+}
+
+// Two passages near a corner of two walls are noise where hundreds of beams end on the wall.
+TEST_F(SegmentEndsTest, BeamsAtACornerAreHits) {
+  AddSideWall(2.0);
+  state_->trajectory.ExtendTo(kStart + 1'000'000'000);
+  for (int line = 0; line < 30; ++line) {
+    AddObservation(kFront, 40, kLast);
+    state_->observations.back().scan_line_index = line;
+  }
+  const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
+  const Landmark& wall = state_->landmarks[kFront];
+  Recut();
+  for (const bool with_hits : {true, false}) {
+    if (!with_hits) openings_ = OpeningMap();
+    for (int i = 0; i < 2; ++i) openings_.CountPassage(wall, at_last);
+    EXPECT_EQ(openings_.OpeningsOf(wall).IsAt(at_last), !with_hits);
+  }
+}
+
 TEST_F(SegmentEndsTest, WhatIsLeftOffItsPlaneLosesIt) {
   AddSideWall(2.0);
   for (int beam = kLast - 4; beam <= kLast; ++beam) {
@@ -191,7 +228,7 @@ TEST_F(SegmentEndsTest, JambsDoNotHideTheirOpening) {
   for (const double end_y : {1.0, edge.y()}) {
     Landmark& front = state_->landmarks[kFront];
     front.extent = front.EmptyExtent();
-    for (const double z : {-0.5, 0.5}) {
+    for (const double z : {-0.5, 0.0, 0.5}) {
       front.extent.AddSegment({2.0, -3.0, z}, {2.0, end_y, z});
     }
     Recut();
