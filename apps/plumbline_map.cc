@@ -9,10 +9,9 @@
 #include "core/error.h"
 #include "core/map_job.h"
 
-// Read by jemalloc: memory that is free for a second goes back to the system. Kept for ten, as
-// by default, what one stage has freed would add to what the next one takes.
+// Read by jemalloc: free memory is kept, but see core/free_memory.h.
 extern "C" {
-const char* malloc_conf = "dirty_decay_ms:1000";
+const char* malloc_conf = "dirty_decay_ms:-1";
 }
 
 DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");

@@ -142,15 +142,23 @@ class Batch {
 
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
-    for (Landmark& landmark : state_->landmarks) Empty(&landmark);
+    RebuildLandmarks(std::vector<bool>(state_->landmarks.size(), true));
+  }
+  // The same of some, by id.
+  void RebuildLandmarks(const std::vector<bool>& which) {
+    for (Landmark& landmark : state_->landmarks) {
+      if (which[static_cast<size_t>(landmark.id)]) Empty(&landmark);
+    }
     SharedPoses poses(rig_, state_->trajectory);
     for (const Observation& observation : state_->observations) {
-      if (observation.landmark_id < 0) continue;
+      const int id = observation.landmark_id;
+      if (id < 0 || !which[static_cast<size_t>(id)]) continue;
       CountObservation(observation, poses.Of(observation), state_);
     }
     for (const Observation& run : state_->short_runs) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(run.landmark_id)];
-      if (landmark.num_segments > 0) landmark.num_points += run.num_points;
+      if (!which[static_cast<size_t>(run.landmark_id)] || landmark.num_segments == 0) continue;
+      landmark.num_points += run.num_points;
     }
   }
 
@@ -211,7 +219,9 @@ class Batch {
         options_.association.max_gap_m);
   }
 
-  int MergeDuplicates() {
+  // The landmarks that others were merged into, one entry for each of these.
+  std::vector<int> MergeDuplicates() {
+    std::vector<int> merged_into;
     const auto pairs = FindDuplicates(rig_, *state_, options_, 0);
     // A landmark that was itself merged away passes its share on.
     std::vector<int> target(state_->landmarks.size());
@@ -220,8 +230,9 @@ class Batch {
       const int end = target[static_cast<size_t>(into)];
       target[static_cast<size_t>(from)] = end;
       MergeInto(end, from, state_);
+      merged_into.push_back(end);
     }
-    return static_cast<int>(pairs.size());
+    return merged_into;
   }
 
   // Takes the observations from landmarks that only repeat a stronger one (IsShadow).
@@ -412,14 +423,18 @@ BatchReport EstimateBatch(const Rig& rig,
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();
-    const int num_merged = batch.MergeDuplicates();
+    const std::vector<int> merged_into = batch.MergeDuplicates();
     int num_dropped = batch.DropShadows() + batch.DropPassedThrough();
-    if (num_merged > 0) batch.RebuildLandmarks();
+    if (!merged_into.empty()) {
+      std::vector<bool> which(state->landmarks.size(), false);
+      for (const int id : merged_into) which[static_cast<size_t>(id)] = true;
+      batch.RebuildLandmarks(which);
+    }
     const int num_changed = batch.Reassociate();
     num_dropped += batch.DropWeak();
     report.changed_associations = num_changed + num_dropped;
     LOG(INFO) << "batch round " << round << ": " << num_changed << " associations changed, "
-              << num_merged << " planes merged, " << num_dropped
+              << merged_into.size() << " planes merged, " << num_dropped
               << " segments taken from planes that are none";
     progress(share_done);
     const double share = static_cast<double>(report.changed_associations) /

@@ -13,6 +13,7 @@
 #include "core/candidates.h"
 #include "core/duplicates.h"
 #include "core/error.h"
+#include "core/free_memory.h"
 #include "core/initialisation.h"
 #include "core/scan_reader.h"
 #include "core/segment_ends.h"
@@ -397,6 +398,7 @@ MapResult MapRecording(const Rig& rig,
   result.warnings = std::move(warnings);
   {
     const Stopwatch::Running running(&batch_watch);
+    ReturnFreeMemoryOfLargeJob();
     result.batch = EstimateBatch(
         rig,
         planar,

@@ -17,6 +17,7 @@ constexpr double kOutlierSigmas = 5.0;
 // The last one at a free end within so many: a beam past the edge may end on something close
 // behind. Cut on both sides of the plane, the good ones' noise keeps its mean.
 constexpr double kFreeEndSigmas = 3.0;
+
 }  // namespace
 
 SegmentCutter::SegmentCutter(const Rig& rig,

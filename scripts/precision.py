@@ -19,6 +19,7 @@ import numpy as np
 
 MIN_POINTS = 2000  # of a plane that takes part: the paper's walls have many thousands
 WIDE = 2.0  # m, of a wall: faces of pillars and jambs are told apart from it
+NUM_SIGN_FLIPS = 2000
 
 
 def read_json(path):
@@ -378,6 +379,34 @@ def summarise_pairs(runs, bound):
     return result
 
 
+def mean_errors_in_standard_errors(errors):
+    """Of each column, over the rows that have a number there."""
+    count = np.sum(~np.isnan(errors), axis=0)
+    return np.nanmean(errors, axis=0) / (np.nanstd(errors, axis=0, ddof=1) / np.sqrt(count))
+
+
+def judge_largest_bias(runs, bound):
+    """The largest mean error of all quantities, in its standard errors, and how large it comes
+    out by chance: errors that are no bias have either sign, so that runs with their signs drawn
+    anew, all errors of a run together, show what noise alone makes of so many quantities and of
+    their correlations. None where too few runs have any of them."""
+    keys = sorted({key for pairs in runs for key in pairs if key in bound})
+    errors = np.array([[pairs[key][0] if key in pairs else np.nan for key in keys]
+                       for pairs in runs])
+    often = np.sum(~np.isnan(errors), axis=0) > 2
+    if not often.any():
+        return None
+    errors = errors[:, often]
+    largest = np.abs(mean_errors_in_standard_errors(errors)).max()
+    random = np.random.default_rng(1)
+    by_chance = [np.abs(mean_errors_in_standard_errors(
+        errors * random.choice([-1.0, 1.0], size=(len(errors), 1)))).max()
+                 for _ in range(NUM_SIGN_FLIPS)]
+    return {"quantities": int(often.sum()), "largest": largest,
+            "limit": np.quantile(by_chance, 0.95),
+            "chance": np.mean(np.array(by_chance) >= largest)}
+
+
 def growth_exponent(summary, prefix, suffix):
     """Exponent of the growth of a standard deviation with the number of corners or loops."""
     points = [(int(name[len(prefix):].split()[0]), figures["stddev"])
@@ -457,6 +486,7 @@ def main():
     except KeyError as error:
         sys.exit(f"precision.py: an input file has no {error}")
     summary = summarise_pairs([run[0] for run in runs], bound)
+    bias = judge_largest_bias([run[0] for run in runs], bound)
     plane_values = np.array([run[1] for run in runs])
     pose_values = np.array([run[2] for run in runs])
     nees = [nees_line("all planes of a run", plane_values[:, 0], plane_values[:, 1]),
@@ -484,13 +514,17 @@ def main():
     for line in nees:
         print("NEES of {what}: {mean:.3f} per degree of freedom, 95 % interval "
               "{low:.3f} to {high:.3f}".format(**line))
+    if bias is not None:
+        print("largest mean error of all {quantities} quantities: {largest:.1f} standard errors; "
+              "by chance, over {limit:.1f} in 5 % of such series, over this in {percent:.0f} %"
+              .format(percent=100 * bias["chance"], **bias))
     for what, exponent in growth.items():
         if exponent is not None:
             print(f"growth of {what}: exponent {exponent:.2f}")
     if arguments.output:
         temporary = arguments.output.with_name(arguments.output.name + ".part")
-        temporary.write_text(json.dumps({"pairs": summary, "nees": nees, "growth": growth},
-                                        indent=1) + "\n")
+        temporary.write_text(json.dumps({"pairs": summary, "nees": nees, "bias": bias,
+                                         "growth": growth}, indent=1) + "\n")
         temporary.rename(arguments.output)
 
 

@@ -3,6 +3,7 @@
 
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -73,10 +74,12 @@ class PrecisionTest(unittest.TestCase):
         (directory / "planes.json").write_text(json.dumps(planes))
         (directory / "plane_covariance.csv").write_text(covariance_text(8))
 
-    def write_run(self, number, scale):
+    def write_run(self, number, scale, bias_rad=0.0):
+        """bias_rad: of the first wall's angle."""
         directory = self.directory / "runs" / f"run_{number:04d}"
-        self.write_planes(directory, scale * self.random.normal(size=(8, 2)) *
-                          [SIGMA_RAD, SIGMA_M])
+        errors = scale * self.random.normal(size=(8, 2)) * [SIGMA_RAD, SIGMA_M]
+        errors[0, 0] += bias_rad
+        self.write_planes(directory, errors)
         truth = [plane(number, normal, distance, 0.0)
                  for number, (normal, distance) in enumerate(WALLS)]
         (directory / "truth_planes.json").write_text(json.dumps(truth))
@@ -153,6 +156,24 @@ class PrecisionTest(unittest.TestCase):
         pair = figures["pairs"]["angle, outer, 1 corners"]
         self.assertLess(abs(pair["ratio"] - 2), 4 * pair["ratio_error"])
         self.assertFalse(figures["nees"][0]["inside"])
+
+    def test_a_bias_is_told_from_chance(self):
+        for bias_rad in (0.0, SIGMA_RAD):
+            shutil.rmtree(self.directory / "runs", ignore_errors=True)
+            for number in range(40):
+                self.write_run(number, 1.0, bias_rad)
+            if not (self.directory / "bound").exists():
+                self.write_bound()
+            result = self.run_script()
+            self.assertEqual(result.returncode, 0, result.stderr)
+            bias = json.loads((self.directory / "precision.json").read_text())["bias"]
+            self.assertEqual(bias["quantities"], 40)  # 28 angles, 12 distances
+            # For 40 independent ones it would be 3.4.
+            self.assertGreater(bias["limit"], 2.5)
+            self.assertLess(bias["limit"], 3.6)
+            self.assertEqual(bias["largest"] > bias["limit"], bias_rad > 0.0, bias)
+            self.assertEqual(bias["chance"] < 0.05, bias_rad > 0.0)
+            self.assertIn("of all 40 quantities", result.stdout)
 
     def test_best_estimate_of_the_same_seeds(self):
         for number in range(10):
