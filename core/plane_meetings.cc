@@ -60,7 +60,9 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
     const Eigen::Vector3d beyond = at_world + kReach * outwards;
     if (own_extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
   }
-  const bool at_upright_edge = own.plane.is_vertical && other.is_vertical;
+  // The middle beam of a segment that does not belong there may pass its plane by.
+  const bool at_upright_edge =
+      own.plane.is_vertical && other.is_vertical && outwards.allFinite();
   const bool goes_on = at_upright_edge ? own_extent.GoesOnBeyond(at_world, outwards)
                                        : own_extent.IsWithin(at_world, -kRim);
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
