@@ -162,7 +162,7 @@ TEST_F(SegmentEndsTest, BeamsPastAnEdgeGo) {
   EXPECT_EQ(observation(0).last_beam, kLast + 4) << "a door in a wall that goes on";
 }
 
-// Two passages near a corner of two walls are noise where hundreds of beams end on the wall.
+// Two passages near a corner of two walls are noise where thirty beams end on the wall there.
 TEST_F(SegmentEndsTest, BeamsAtACornerAreHits) {
   AddSideWall(2.0);
   state_->trajectory.ExtendTo(kStart + 1'000'000'000);
