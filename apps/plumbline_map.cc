@@ -11,7 +11,7 @@
 
 // Read by jemalloc: free memory is kept, but see core/free_memory.h.
 extern "C" {
-const char* malloc_conf = "dirty_decay_ms:-1";
+const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
 }
 
 DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");

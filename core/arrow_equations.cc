@@ -1,3 +1,5 @@
+#include <glog/logging.h>
+
 #include <utility>
 
 #include "core/arrow_factor.h"
@@ -116,6 +118,9 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
         iteration == 0 ? 1.0 : LengtheningOf(step, last_step, lengthening, now.diagonal);
     last_step = step;
     if (!MoveDown(layout, lengthening * step, &now, &lengthening)) break;
+    VLOG(1) << "step " << iteration + 1 << " of length " << lengthening << ": cost " << now.cost
+            << ", " << cost - now.cost << " less, "
+            << NumLinearisations() - num_linearisations << " groups linearised anew";
     if (cost - now.cost <= function_tolerance * cost ||
         NumLinearisations() == num_linearisations) {
       break;  // or the problem was linear

@@ -78,6 +78,21 @@ bool Reach::Takes(const PatchExtent& extent,
          extent.IsWithinReach(p_world_, reach_m_);
 }
 
+ScanSlab::ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m)
+    : origin_(motion.nodes()[1].col(2)), half_width_m_(margin_m) {
+  const auto normal_of = [](const ScanPlacement& placement) -> Eigen::Vector3d {
+    return placement.col(0).cross(placement.col(1));
+  };
+  normal_ = normal_of(motion.nodes()[1]);
+  double motion_m = 0.0;
+  for (const ScanPlacement& placement : motion.nodes()) {
+    motion_m = std::max(motion_m,
+                        std::abs(normal_.dot(placement.col(2) - origin_)) +
+                            (normal_of(placement) - normal_).norm() * farthest_m);
+  }
+  half_width_m_ += motion_m;
+}
+
 Reach ReachOfScan(const Rig& rig,
                   const std::deque<Observation>& observations,
                   size_t first,
@@ -104,9 +119,7 @@ std::vector<LandmarkCandidate> CandidatesWithin(
   std::vector<LandmarkCandidate> within;
   within.reserve(candidates.size());
   for (const LandmarkCandidate& candidate : candidates) {
-    if (reach.Takes(candidate.landmark->extent, candidate.centre_world, candidate.radius_m)) {
-      within.push_back(candidate);
-    }
+    if (reach.Takes(candidate)) within.push_back(candidate);
   }
   return within;
 }

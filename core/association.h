@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <deque>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/observation.h"
 #include "core/observation_poses.h"
 #include "core/rig.h"
+#include "core/scan_motion.h"
 
 namespace plumbline {
 
@@ -46,10 +48,33 @@ class Reach {
   // Whether the extent comes into the ball; centre and radius of a sphere around the extent
   // tell most that do not.
   bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const;
+  bool Takes(const LandmarkCandidate& candidate) const {
+    return Takes(candidate.landmark->extent, candidate.centre_world, candidate.radius_m);
+  }
 
  private:
   Eigen::Vector3d p_world_;
   double reach_m_;
+};
+
+// Where the beams of a scan line pass, the scanner's motion included: a slab around its plane.
+class ScanSlab {
+ public:
+  // Of beams up to this long; it is wider by a margin on both sides.
+  ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m);
+
+  // Whether the rectangle around what was seen of a plane comes into it.
+  bool Touches(const LandmarkCandidate& candidate) const {
+    const double across = normal_.dot(candidate.centre_world - origin_);
+    const double half =
+        std::abs(normal_.dot(candidate.half_u)) + std::abs(normal_.dot(candidate.half_v));
+    return std::abs(across) <= half + half_width_m_;
+  }
+
+ private:
+  Eigen::Vector3d origin_;
+  Eigen::Vector3d normal_;
+  double half_width_m_;
 };
 
 // Takes all that PossibleLandmarks may find for the observations of one scan: that of

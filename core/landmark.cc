@@ -259,6 +259,8 @@ LandmarkCandidate::LandmarkCandidate(const Landmark& of)
       distance(of.Distance()),
       centre_world(of.extent.Centre()),
       radius_m(of.extent.radius_m()),
+      half_u(0.5 * of.extent.size().x() * of.extent.u_axis()),
+      half_v(0.5 * of.extent.size().y() * of.extent.v_axis()),
       is_vertical(of.model == PlaneModel::kVertical),
       heading_fixed(of.heading_fixed),
       covariance(of.covariance) {}

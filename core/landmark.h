@@ -89,7 +89,8 @@ class PatchExtent {
   Eigen::Vector3d ToWorld(const Eigen::Vector2d& uv) const {
     return anchor_ + uv.x() * u_axis_ + uv.y() * v_axis_;
   }
-  // Middle of the bounding rectangle, and half its diagonal.
+  // Of the bounding rectangle: sides, middle, and half the diagonal.
+  Eigen::Vector2d size() const { return max_ - min_; }
   Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
   double radius_m() const { return 0.5 * (max_ - min_).norm(); }
   const Eigen::Vector3d& anchor() const { return anchor_; }
@@ -168,6 +169,9 @@ struct LandmarkCandidate {
   // and most others are told by it, without a look at the landmark itself.
   Eigen::Vector3d centre_world;
   double radius_m;
+  // Halves of the sides of the rectangle around it.
+  Eigen::Vector3d half_u;
+  Eigen::Vector3d half_v;
   bool is_vertical;
   bool heading_fixed;
   Eigen::Matrix2d covariance;

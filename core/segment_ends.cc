@@ -27,6 +27,9 @@ namespace {
 constexpr int kGapFactor = 10;
 // Of beams that no segment has, so many are placed together: a few milliseconds.
 constexpr int kBeamsAtOnce = 32;
+// Planes so far beside a scan line's beams have nothing to do with them: more than a cell of
+// what was seen, and how near a plane has to come to what it bounds.
+constexpr double kBesideBeams = 1.0;  // m
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 using Range = SegmentCutter::Range;
@@ -85,7 +88,8 @@ class Recutter {
   OpeningMap TakeCounted() { return std::move(counted_); }
 
  private:
-  void SetCandidates(const ScanLine& scan_line, const Observation& observation);
+  // For the observations [first, last) of a scan line.
+  void SetCandidates(const ScanLine& scan_line, size_t first, size_t last);
   bool RecutOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
   void AddRuns(const ScanLine& scan_line,
                const Observation& nearby,
@@ -109,20 +113,37 @@ class Recutter {
   int candidates_scan_ = -1;
 };
 
-// What lies beyond the farthest beam of the scan line can not bound its segments.
-void Recutter::SetCandidates(const ScanLine& scan_line, const Observation& observation) {
-  if (observation.scan_index != candidates_scan_) {
+// What lies beyond the farthest beam of the scan line, or beside all of them, can not bound
+// its segments. Their own planes stay, wherever these have been seen so far.
+void Recutter::SetCandidates(const ScanLine& scan_line, size_t first, size_t last) {
+  const std::deque<Observation>& observations = state_->observations;
+  const Observation& front = observations[first];
+  if (front.scan_index != candidates_scan_) {
     const LoopClosureOptions gap = BoundingGap(options_.loop_closure);
     if (candidates_scan_ < 0 || !gap.enabled) {
-      within_gap_ = CandidatesWithinGap(state_->landmarks, observation.scan_index, gap);
+      within_gap_ = CandidatesWithinGap(state_->landmarks, front.scan_index, gap);
     }
-    candidates_scan_ = observation.scan_index;
+    candidates_scan_ = front.scan_index;
   }
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const Reach reach(cutter_.poses()->Of(observation).world_from_scanner.translation,
-                    FarthestRange(scan_line, scanner),
-                    options_.association);
-  cutter_.SetCandidates(CandidatesWithin(reach, within_gap_));
+  const double farthest_m = FarthestRange(scan_line, scanner);
+  const ObservationPoses& poses = cutter_.poses()->Of(front);
+  const Reach reach(
+      poses.world_from_scanner.translation, farthest_m, options_.association);
+  const ScanSlab slab(poses.motion, farthest_m, kBesideBeams);
+  const auto is_own = [&](const LandmarkCandidate& candidate) {
+    for (size_t i = first; i < last; ++i) {
+      if (observations[i].landmark_id == candidate.landmark->id) return true;
+    }
+    return false;
+  };
+  std::vector<LandmarkCandidate> candidates;
+  for (const LandmarkCandidate& candidate : within_gap_) {
+    if (reach.Takes(candidate) && (slab.Touches(candidate) || is_own(candidate))) {
+      candidates.push_back(candidate);
+    }
+  }
+  cutter_.SetCandidates(std::move(candidates));
 }
 
 // Of beams that no segment has, adds those that the planes explain one by one.
@@ -196,7 +217,7 @@ int Recutter::Recut(const ScanLine& scan_line,
                     size_t last,
                     std::vector<Observation>* short_runs) {
   const auto& observations = state_->observations;
-  SetCandidates(scan_line, observations[first]);
+  SetCandidates(scan_line, first, last);
   const std::vector<Ends> ends = cutter_.FindEnds(scan_line, observations, first, last);
   int num_changed = 0;
   int next = 0;  // beam that no segment has taken
