@@ -1,5 +1,7 @@
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/arrow_factor.h"
@@ -99,7 +101,7 @@ bool EstimationProblem::MoveDown(const BlockLayout& layout,
 }
 
 EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
-                                                          double function_tolerance,
+                                                          const Tolerance& tolerance,
                                                           const FactorVisitor& visit) {
   const BlockLayout layout = Layout();
   ArrowEquations now = LineariseArrow(layout);
@@ -114,14 +116,21 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
       visit(factor);
       step = -factor.Solve(now.gradient);
     }
+    const double slope = step.dot(now.gradient);
     lengthening =
         iteration == 0 ? 1.0 : LengtheningOf(step, last_step, lengthening, now.diagonal);
     last_step = step;
     if (!MoveDown(layout, lengthening * step, &now, &lengthening)) break;
-    VLOG(1) << "step " << iteration + 1 << " of length " << lengthening << ": cost " << now.cost
-            << ", " << cost - now.cost << " less, "
+    const double decrease = cost - now.cost;
+    // Of the quadratic model. What the cost differs from it by is about what another step
+    // would find.
+    const double expected = -lengthening * (1.0 - 0.5 * lengthening) * slope;
+    const double limit = std::max(tolerance.cost, tolerance.share * cost);
+    VLOG(1) << "step " << iteration + 1 << ": cost " << now.cost << ", " << decrease
+            << " less, " << std::abs(decrease - expected) << " off the model, "
             << NumLinearisations() - num_linearisations << " groups linearised anew";
-    if (cost - now.cost <= function_tolerance * cost ||
+    const bool was_whole = lengthening >= 1.0;
+    if (decrease <= limit || (was_whole && std::abs(decrease - expected) <= limit) ||
         NumLinearisations() == num_linearisations) {
       break;  // or the problem was linear
     }

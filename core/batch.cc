@@ -23,14 +23,16 @@ namespace plumbline {
 namespace {
 
 constexpr double kHuberWidth = 5.0;
-// Share of the cost by which the last iteration may still lower it. The cost is half the
-// number of points: the final tolerance leaves far less than one standard deviation of any
-// unknown. What outliers still give way before the rounds, they do in them.
-constexpr double kRoundTolerance = 1e-3;
-constexpr double kFinalTolerance = 1e-9;
+// Of the cost, which is half the number of points: what outliers still give way before the
+// rounds, they do in them.
+constexpr EstimationProblem::Tolerance kRoundTolerance = {1e-3, 0.0};
+// The last estimate ends within a seventh of a standard deviation of the solution, all its
+// thousands of unknowns together: half the square of that is the cost.
+constexpr EstimationProblem::Tolerance kFinalTolerance = {0.0, 1e-2};
+constexpr double kCeresTolerance = 1e-9;  // of the cost
 constexpr int kMaxIterations = 30;
-// Share of the segments that may still change sides before the last estimation: what wavers
-// then lies at the limit of its test and weighs next to nothing.
+// Share of the segments that might still change sides in another round before the last
+// estimation: what wavers then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
 // Points in short runs over points in segments, at most: for a plane it is below one half, for
 // the underside of a door's lintel, which is mostly edges, three halves.
@@ -108,19 +110,17 @@ class Batch {
   // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
   // the weakly determined directions, the shape of a long loop above all. visit: as
   // SolveArrow's; with single beams called once, at the solution.
-  EstimationProblem::Solution Solve(FactorKind factor,
-                                    double function_tolerance,
-                                    int max_iterations,
-                                    EstimationProblem* problem,
-                                    const EstimationProblem::FactorVisitor& visit) {
+  EstimationProblem::Solution SolveFinally(FactorKind factor,
+                                           EstimationProblem* problem,
+                                           const EstimationProblem::FactorVisitor& visit) {
     if (factor == FactorKind::kSegment) {
-      return problem->SolveArrow(max_iterations, function_tolerance, visit);
+      return problem->SolveArrow(kMaxIterations, kFinalTolerance, visit);
     }
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = max_iterations;
-    options.function_tolerance = function_tolerance;
+    options.max_num_iterations = kMaxIterations;
+    options.function_tolerance = kCeresTolerance;
     options.initial_trust_region_radius = 1e12;
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
@@ -338,8 +338,8 @@ class Batch {
     const auto problem = BuildProblem(factor, 0.0);
     report->motion_noise = motion_noise_;
     std::optional<MotionNoise> found;  // before the first step: little changes after it
-    EstimationProblem::Solution solution = Solve(
-        factor, kFinalTolerance, kMaxIterations, problem.get(), [&](const ArrowFactor& at) {
+    EstimationProblem::Solution solution =
+        SolveFinally(factor, problem.get(), [&](const ArrowFactor& at) {
           if (!found) found = ReestimateMotionNoise(motion_noise_, *problem, at);
         });
     VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
@@ -407,6 +407,10 @@ class Batch {
 
 }  // namespace
 
+double ChangesToCome(int now, int before) {
+  return now < before ? static_cast<double>(now) * now / before : now;
+}
+
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,
@@ -420,6 +424,7 @@ BatchReport EstimateBatch(const Rig& rig,
   // A robust estimate first: associations made on the way may be wrong.
   batch.EstimateRobustly();
   double share_done = kFirstEstimateShare;
+  int last_changes = 0;
   for (int round = 1; round <= options.batch.max_rounds; ++round) {
     report.rounds = round;
     batch.RebuildLandmarks();
@@ -437,11 +442,12 @@ BatchReport EstimateBatch(const Rig& rig,
               << merged_into.size() << " planes merged, " << num_dropped
               << " segments taken from planes that are none";
     progress(share_done);
-    const double share = static_cast<double>(report.changed_associations) /
-                         static_cast<double>(std::max<size_t>(1, state->observations.size()));
+    const double next = ChangesToCome(report.changed_associations, last_changes);
+    last_changes = report.changed_associations;
     // Openings are known from the second reading of the recording on.
     const bool may_stand = round > 1 || !options.batch.recut_segments;
-    const bool stands = may_stand && share < kStandingShare;
+    const bool stands =
+        may_stand && next < kStandingShare * static_cast<double>(state->observations.size());
     const bool last = stands || round == options.batch.max_rounds;
     if (options.batch.recut_segments && (round == 1 || last)) {
       batch.RecountLandmarks();

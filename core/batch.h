@@ -21,6 +21,10 @@ struct BatchReport {
   Stopwatch covariance_watch;    // the time it took, part of the batch's
 };
 
+// How many segments another round of associations would change, by the rate at which they have
+// become fewer from the round before the last to the last; before: 0 where there was none.
+double ChangesToCome(int now, int before);
+
 // The final estimation: all segments, control points and planes together, no marginalised
 // history. Estimates and associates anew until the associations stand, merges planes that turn
 // out to be one, drops those that too few scans support, cuts the segments anew where the

@@ -145,9 +145,13 @@ class EstimationProblem {
   NormalEquations SolveNormalEquations(int max_iterations, double function_tolerance);
 
   // By Gauss-Newton as well, on the equations in the batch's shape, which its covariances come
-  // from too; a step that would raise the cost is halved. Ends after an iteration that lowers
-  // it by no more than this share, or that no group had to be linearised anew for: the problem
-  // was linear. Throws Error when the unknowns are not determined.
+  // from too; a step that would raise the cost is halved. Ends after a step that lowers it by
+  // no more than the tolerance, or by what its linear model told to within the tolerance: the
+  // next one would lower it no further. Throws Error when the unknowns are not determined.
+  struct Tolerance {
+    double share = 0.0;  // of the cost
+    double cost = 0.0;   // or this, whichever is more
+  };
   struct Solution {
     ArrowEquations equations;  // at the solution
     int num_unknowns;
@@ -156,7 +160,7 @@ class EstimationProblem {
   using FactorVisitor = std::function<void(const ArrowFactor&)>;
   Solution SolveArrow(
       int max_iterations,
-      double function_tolerance,
+      const Tolerance& tolerance,
       const FactorVisitor& visit = [](const ArrowFactor&) {});
   // Its first step alone. Whether that lowers the cost is verified only where it moves a
   // control point far: it takes as long as the step.

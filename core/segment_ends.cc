@@ -61,6 +61,28 @@ float FarthestRange(const ScanLine& scan_line, const Scanner& scanner) {
   return *std::max_element(farthest.begin(), farthest.end());
 }
 
+// Of those that for_each visits the planes that may bound the observations [first, last) of a
+// scan line: what lies beside all of its beams can not. Their own planes stay, wherever these
+// have been seen so far.
+template <typename ForEach>
+std::vector<LandmarkCandidate> CandidatesOfLine(const ScanSlab& slab,
+                                                const std::deque<Observation>& observations,
+                                                size_t first,
+                                                size_t last,
+                                                const ForEach& for_each) {
+  const auto is_own = [&](const LandmarkCandidate& candidate) {
+    for (size_t i = first; i < last; ++i) {
+      if (observations[i].landmark_id == candidate.landmark->id) return true;
+    }
+    return false;
+  };
+  std::vector<LandmarkCandidate> candidates;
+  for_each([&](const LandmarkCandidate& candidate) {
+    if (slab.Touches(candidate) || is_own(candidate)) candidates.push_back(candidate);
+  });
+  return candidates;
+}
+
 // RecutSegments' work on single scan lines. Serves one thread.
 class Recutter {
  public:
@@ -113,11 +135,8 @@ class Recutter {
   int candidates_scan_ = -1;
 };
 
-// What lies beyond the farthest beam of the scan line, or beside all of them, can not bound
-// its segments. Their own planes stay, wherever these have been seen so far.
 void Recutter::SetCandidates(const ScanLine& scan_line, size_t first, size_t last) {
-  const std::deque<Observation>& observations = state_->observations;
-  const Observation& front = observations[first];
+  const Observation& front = state_->observations[first];
   if (front.scan_index != candidates_scan_) {
     const LoopClosureOptions gap = BoundingGap(options_.loop_closure);
     if (candidates_scan_ < 0 || !gap.enabled) {
@@ -128,22 +147,14 @@ void Recutter::SetCandidates(const ScanLine& scan_line, size_t first, size_t las
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double farthest_m = FarthestRange(scan_line, scanner);
   const ObservationPoses& poses = cutter_.poses()->Of(front);
-  const Reach reach(
-      poses.world_from_scanner.translation, farthest_m, options_.association);
+  const Reach reach(poses.world_from_scanner.translation, farthest_m, options_.association);
   const ScanSlab slab(poses.motion, farthest_m, kBesideBeams);
-  const auto is_own = [&](const LandmarkCandidate& candidate) {
-    for (size_t i = first; i < last; ++i) {
-      if (observations[i].landmark_id == candidate.landmark->id) return true;
-    }
-    return false;
-  };
-  std::vector<LandmarkCandidate> candidates;
-  for (const LandmarkCandidate& candidate : within_gap_) {
-    if (reach.Takes(candidate) && (slab.Touches(candidate) || is_own(candidate))) {
-      candidates.push_back(candidate);
-    }
-  }
-  cutter_.SetCandidates(std::move(candidates));
+  cutter_.SetCandidates(
+      CandidatesOfLine(slab, state_->observations, first, last, [&](const auto& visit) {
+        for (const LandmarkCandidate& candidate : within_gap_) {
+          if (reach.Takes(candidate)) visit(candidate);
+        }
+      }));
 }
 
 // Of beams that no segment has, adds those that the planes explain one by one.
@@ -299,8 +310,8 @@ void RecutScan(const Rig& rig,
                                   cutter.poses()->Of(front).world_from_body.translation,
                                   pose_covariance,
                                   options.association);
-  cutter.SetCandidates(
-      CandidatesWithin(reach, LandmarksWithinGap{state->landmarks, front.scan_index, gap}));
+  const std::vector<LandmarkCandidate> of_scan =
+      CandidatesWithin(reach, LandmarksWithinGap{state->landmarks, front.scan_index, gap});
   size_t last = first_observation;
   for (size_t line = 0; line < scan.scan_lines.size(); ++line) {
     const ScanLine& scan_line = scan.scan_lines[line];
@@ -309,6 +320,15 @@ void RecutScan(const Rig& rig,
            observations[last].scan_line_index == scan.scan_line_indices[line]) {
       ++last;
     }
+    if (first == last) continue;
+    const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const ScanSlab slab(cutter.poses()->Of(observations[first]).motion,
+                        FarthestRange(scan_line, scanner),
+                        kBesideBeams);
+    cutter.SetCandidates(
+        CandidatesOfLine(slab, observations, first, last, [&](const auto& visit) {
+          for (const LandmarkCandidate& candidate : of_scan) visit(candidate);
+        }));
     const std::vector<Ends> ends = cutter.FindEnds(scan_line, observations, first, last);
     for (size_t i = first; i < last; ++i) {
       Observation& observation = observations[i];

@@ -149,7 +149,7 @@ void TimeBatchIteration(benchmark::State& state, const MappedWalk& walk, FactorK
     Stopwatch watch;
     {
       const Stopwatch::Running running(&watch);
-      problem->SolveArrow(1, 0.0);
+      problem->SolveArrow(1, {});
     }
     state.SetIterationTime(watch.seconds());
   }

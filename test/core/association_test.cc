@@ -149,6 +149,46 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   EXPECT_EQ(found(0), (std::vector<int>{0, 1, 2, 3}));
 }
 
+// The scan plane tilts about its x axis: its beams sweep past much that it does not hold in
+// the middle of the scan line.
+TEST(ScanSlab, TouchesWhatBeamsPassWithinItsMargin) {
+  constexpr double kFarthest = 10.0;
+  constexpr double kMargin = 1.0;
+  const auto pose_at = [](double seconds) -> Rigid3d {
+    return {RotationFromRollPitchYaw(0.3 + 5.0 * seconds, 0.0, 0.0),
+            Eigen::Vector3d(1.0, 2.0, 0.8 * seconds)};
+  };
+  const ScanSlab slab(ScanMotion({kStart, kStart + 10'000'000, kStart + 20'000'000},
+                                 {pose_at(0.0), pose_at(0.01), pose_at(0.02)}),
+                      kFarthest,
+                      kMargin);
+  // A piece of wall, half a metre long, around a place.
+  const auto touches = [&](const Eigen::Vector3d& p_world) {
+    Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, p_world);
+    wall.extent.AddSegment(p_world - 0.25 * Eigen::Vector3d::UnitX(),
+                           p_world + 0.25 * Eigen::Vector3d::UnitX());
+    return slab.Touches(LandmarkCandidate(wall));
+  };
+  for (const double seconds : {0.0, 0.005, 0.01, 0.017, 0.02}) {
+    const Rigid3d pose = pose_at(seconds);
+    const Eigen::Vector3d normal = pose.rotation * Eigen::Vector3d::UnitZ();
+    for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.1) {
+      for (const double range : {0.0, 4.0, kFarthest}) {
+        const Eigen::Vector3d p =
+            pose * Eigen::Vector3d(range * std::cos(angle), range * std::sin(angle), 0.0);
+        for (const double beside : {-kMargin, 0.0, kMargin}) {
+          EXPECT_TRUE(touches(p + 0.999 * beside * normal)) << seconds << " " << angle;
+        }
+      }
+    }
+  }
+  // Along the axis little moves.
+  const Rigid3d middle = pose_at(0.01);
+  for (const double beside : {-2.0, 2.0}) {
+    EXPECT_FALSE(touches(middle * Eigen::Vector3d(8.0, 0.0, beside)));
+  }
+}
+
 TEST_F(AssociationTest, FindsTheWall) {
   EXPECT_EQ(Find(), -1);
   const int id = AddWall(0.0, 0.0, -1.0, 1.0);

@@ -137,13 +137,33 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
               1e-6 * equations.hessian.norm());
     MoveAway(mapped);
     EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
-    const EstimationProblem::Solution solution = problem_->SolveArrow(50, 1e-14);
+    const EstimationProblem::Solution solution = problem_->SolveArrow(50, {1e-14, 0.0});
     EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
     EXPECT_NEAR(solution.equations.cost, equations.cost, 1e-9 * equations.cost);
     const BlockLayout layout = problem_->Layout();
     EXPECT_EQ(solution.num_unknowns,
               std::count(layout.is_free.begin(), layout.is_free.end(), true));
   }
+}
+
+// So far that groups are linearised anew, so near that the model tells the cost.
+TEST_F(CovarianceTest, EndsWhereAnotherStepWouldFindLittle) {
+  MapScenario(TiltedRig());
+  const double least = problem_->Linearise().cost;
+  const std::vector<double> mapped = Values();
+  const auto num_steps = [&](const EstimationProblem::Tolerance& tolerance) {
+    MoveAway(mapped);
+    for (const BlockId& block : problem_->Blocks()) {
+      if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.05;
+    }
+    int num = 0;
+    problem_->SolveArrow(50, tolerance, [&](const ArrowFactor&) { ++num; });
+    return num;
+  };
+  EXPECT_GE(num_steps({}), 2);
+  EXPECT_EQ(num_steps({0.0, 0.01}), 1);
+  EXPECT_LT(problem_->Linearise().cost, least + 0.01);
+  EXPECT_EQ(num_steps({1e-4, 0.0}), 1);
 }
 
 // Verified or not: in both cases towards the solution.
@@ -153,7 +173,7 @@ TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
   const double least = problem_->Linearise().cost;
   MoveAway(mapped);
   const double moved_away = problem_->Linearise().cost;
-  problem_->SolveArrow(1, 0.0);
+  problem_->SolveArrow(1, {});
   const std::vector<double> first_step = Values();
   MoveAway(mapped);
   problem_->TakeArrowStep();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/batch.h"
 #include "core/error.h"
 #include "core/mapper.h"
 #include "core/result_writer.h"
@@ -22,6 +23,13 @@ Scenario Base() {
   scenario.scanners = TiltedRig();
   scenario.path = PillarWalk(3.0, 1.0);
   return scenario;
+}
+
+TEST(Batch, ExpectsAssociationsToSettleAtTheRateTheyDo) {
+  EXPECT_EQ(ChangesToCome(100, 0), 100.0) << "no round before";
+  EXPECT_EQ(ChangesToCome(100, 1000), 10.0);
+  EXPECT_EQ(ChangesToCome(100, 50), 100.0) << "they become more";
+  EXPECT_EQ(ChangesToCome(0, 0), 0.0);
 }
 
 const char* const kFiles[] = {
