@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/map_job.h"
 
-// Read by jemalloc: free memory is kept, but see core/free_memory.h.
+// Read by jemalloc: free memory is kept (but see core/free_memory.h), in huge pages.
 extern "C" {
 const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
 }

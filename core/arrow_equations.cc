@@ -122,15 +122,15 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
     last_step = step;
     if (!MoveDown(layout, lengthening * step, &now, &lengthening)) break;
     const double decrease = cost - now.cost;
-    // Of the quadratic model. What the cost differs from it by is about what another step
-    // would find.
+    // Of the quadratic model. What the cost differs from it by is several times what another
+    // step would find.
     const double expected = -lengthening * (1.0 - 0.5 * lengthening) * slope;
     const double limit = std::max(tolerance.cost, tolerance.share * cost);
     VLOG(1) << "step " << iteration + 1 << ": cost " << now.cost << ", " << decrease
             << " less, " << std::abs(decrease - expected) << " off the model, "
             << NumLinearisations() - num_linearisations << " groups linearised anew";
-    const bool was_whole = lengthening >= 1.0;
-    if (decrease <= limit || (was_whole && std::abs(decrease - expected) <= limit) ||
+    const bool is_halved = lengthening < 1.0;
+    if (decrease <= limit || (!is_halved && std::abs(decrease - expected) <= limit) ||
         NumLinearisations() == num_linearisations) {
       break;  // or the problem was linear
     }

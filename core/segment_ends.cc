@@ -61,6 +61,23 @@ float FarthestRange(const ScanLine& scan_line, const Scanner& scanner) {
   return *std::max_element(farthest.begin(), farthest.end());
 }
 
+// Around all beams of a scan line. The spans of a slow scanner's observations are shorter than
+// the line (Observation::measurement); front: one of them.
+ScanSlab SlabOf(const ScanLine& scan_line,
+                const Rig& rig,
+                const Observation& front,
+                double farthest_m,
+                SegmentCutter* cutter) {
+  const std::array<int64_t, 3> times_ns = NodesOfSpan(
+      BeamInstant(scan_line, 0, rig), BeamInstant(scan_line, scan_line.num_beams() - 1, rig));
+  if (front.measurement.node_times_ns() == times_ns) {
+    return {cutter->poses()->Of(front).motion, farthest_m, kBesideBeams};
+  }
+  const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const ObservationPoses poses(times_ns, scanner.body_from_scanner, cutter->sampler());
+  return {poses.motion, farthest_m, kBesideBeams};
+}
+
 // Of those that for_each visits the planes that may bound the observations [first, last) of a
 // scan line: what lies beside all of its beams can not. Their own planes stay, wherever these
 // have been seen so far.
@@ -146,9 +163,10 @@ void Recutter::SetCandidates(const ScanLine& scan_line, size_t first, size_t las
   }
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double farthest_m = FarthestRange(scan_line, scanner);
-  const ObservationPoses& poses = cutter_.poses()->Of(front);
-  const Reach reach(poses.world_from_scanner.translation, farthest_m, options_.association);
-  const ScanSlab slab(poses.motion, farthest_m, kBesideBeams);
+  const Reach reach(cutter_.poses()->Of(front).world_from_scanner.translation,
+                    farthest_m,
+                    options_.association);
+  const ScanSlab slab = SlabOf(scan_line, rig_, front, farthest_m, &cutter_);
   cutter_.SetCandidates(
       CandidatesOfLine(slab, state_->observations, first, last, [&](const auto& visit) {
         for (const LandmarkCandidate& candidate : within_gap_) {
@@ -322,9 +340,8 @@ void RecutScan(const Rig& rig,
     }
     if (first == last) continue;
     const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
-    const ScanSlab slab(cutter.poses()->Of(observations[first]).motion,
-                        FarthestRange(scan_line, scanner),
-                        kBesideBeams);
+    const ScanSlab slab = SlabOf(
+        scan_line, rig, observations[first], FarthestRange(scan_line, scanner), &cutter);
     cutter.SetCandidates(
         CandidatesOfLine(slab, observations, first, last, [&](const auto& visit) {
           for (const LandmarkCandidate& candidate : of_scan) visit(candidate);

@@ -38,6 +38,22 @@ TEST_F(SegmentEndsTest, BeamsUpToTheCornerCome) {
   EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
+// The scanner rises by 8 m/s during a scan line of 0.36 s: where its first segment is seen, the
+// wall that bounds its second one is out of all beams' way.
+TEST_F(SegmentEndsTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
+  line_.time_increment_s = 0.002;
+  state_->trajectory.ExtendTo(kStart + 400'000'000);
+  for (int i = 0; i < state_->trajectory.num_control_points(); ++i) {
+    state_->trajectory.control_point(i).position[2] = 8.0 * 0.125 * (i - 1);
+  }
+  AddWall({0.0, -1.0, 0.0}, {-2.0, 1.0, 2.0}, {2.0, 1.0, 2.0});
+  AddObservation(kFront, 40, 50);
+  AddObservation(kFront, 90, kLast + 2);
+  Recut();
+  EXPECT_EQ(observation(1).landmark_id, kFront);
+  EXPECT_EQ(observation(1).last_beam, kLast);
+}
+
 TEST_F(SegmentEndsTest, NeighboursMeetAtTheCorner) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 2);
