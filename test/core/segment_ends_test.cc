@@ -38,8 +38,8 @@ TEST_F(SegmentEndsTest, BeamsUpToTheCornerCome) {
   EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
-// The scanner rises by 8 m/s during a scan line of 0.36 s: where its first segment is seen, the
-// wall that bounds its second one is out of all beams' way.
+// The scanner rises by 8 m/s during a scan line of 0.36 s: where its first segment is seen,
+// the wall that bounds its second one is out of all beams' way.
 TEST_F(SegmentEndsTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
   line_.time_increment_s = 0.002;
   state_->trajectory.ExtendTo(kStart + 400'000'000);
