@@ -6,8 +6,8 @@
 
 #include "apps/app.h"
 #include "apps/progress.h"
-#include "core/config.h"
-#include "simulation/bound.h"
+#include "core/options/config.h"
+#include "simulation/bound/bound.h"
 
 DEFINE_string(experiment, "", "experiment file (YAML)");
 DEFINE_string(config, "", "mapper settings (YAML), in place of the experiment's own");

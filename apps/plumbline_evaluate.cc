@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "apps/app.h"
-#include "simulation/evaluation.h"
+#include "simulation/evaluation/evaluation.h"
 
 DEFINE_string(result, "", "directory that plumbline_map wrote");
 DEFINE_string(truth, "", "directory that plumbline_simulate wrote");

@@ -6,10 +6,10 @@
 
 #include "apps/app.h"
 #include "apps/progress.h"
-#include "core/error.h"
-#include "core/map_job.h"
+#include "core/mapping/map_job.h"
+#include "core/util/error.h"
 
-// Read by jemalloc: free memory is kept (but see core/free_memory.h), in huge pages.
+// Read by jemalloc: free memory is kept (but see core/util/free_memory.h), in huge pages.
 extern "C" {
 const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
 }

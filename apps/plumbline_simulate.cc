@@ -4,7 +4,7 @@
 
 #include "apps/app.h"
 #include "apps/progress.h"
-#include "simulation/simulate_recording.h"
+#include "simulation/sensing/simulate_recording.h"
 
 DEFINE_string(experiment, "", "experiment file (YAML)");
 DEFINE_uint64(seed, 1, "of the random numbers; the same seed gives the same recording");

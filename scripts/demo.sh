@@ -35,7 +35,7 @@ if $real; then
     --rig="$root/configs/rigs/robot_three_scanners.yaml" \
     --config="$root/configs/mapper/robot_three_scanners.yaml" \
     --output="$out"
-  "$root/scripts/floor_plan.py" "$out" --output "$out/floor_plan.png"
+  "$root/scripts/figures/floor_plan.py" "$out" --output "$out/floor_plan.png"
   echo
   echo "Map:        $out/map.ply"
   echo "Floor plan: $out/floor_plan.png"
@@ -58,7 +58,7 @@ echo "== Comparing with the truth"
   --result="$out/result" \
   --truth="$out/simulation" \
   --output="$out/evaluation.json" > "$out/evaluation.txt"
-"$root/scripts/floor_plan.py" "$out/result" \
+"$root/scripts/figures/floor_plan.py" "$out/result" \
   --truth "$out/simulation" \
   --evaluation "$out/evaluation.json" \
   --output "$out/floor_plan.png"

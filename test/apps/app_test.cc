@@ -3,7 +3,7 @@
 #include <gflags/gflags.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/util/error.h"
 
 DEFINE_string(recording, "", "a flag that has to be given");
 DEFINE_int32(threads, 1, "a number");

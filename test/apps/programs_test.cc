@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "test/core/temporary_directory.h"
+#include "test/testing/temporary_directory.h"
 
 namespace plumbline {
 namespace {
@@ -72,9 +72,8 @@ TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
   ExpectFailure(
       "plumbline_simulate --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
       Path("no.yaml"));
-  ExpectFailure(
-      "plumbline_bound --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
-      Path("no.yaml"));
+  ExpectFailure("plumbline_bound --experiment=" + Path("no.yaml") + " --output=" + Path("out"),
+                Path("no.yaml"));
   ExpectFailure("plumbline_evaluate --result=" + Path("no") + " --truth=" + Path("no"),
                 Path("no"));
 }

@@ -5,9 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "factors/point_factor.h"
-#include "factors/segment_factor.h"
-#include "factors/so3.h"
+#include "factors/cost/point_factor.h"
+#include "factors/cost/segment_factor.h"
+#include "factors/segment/segment_compression.h"
+#include "factors/segment/segment_measurement.h"
+#include "factors/spline/so3.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {

@@ -7,9 +7,10 @@
 #include <sstream>
 #include <vector>
 
-#include "core/estimation_problem.h"
-#include "core/recording.h"
-#include "simulation/simulate_recording.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/sensor/recording.h"
+#include "core/trajectory/motion_noise.h"
+#include "simulation/sensing/simulate_recording.h"
 
 namespace plumbline {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "core/mapper.h"
-#include "core/rig.h"
+#include "core/mapping/mapper.h"
+#include "core/sensor/rig.h"
 
 namespace plumbline {
 

@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "core/estimation_problem.h"
-#include "core/map_covariance.h"
-#include "core/observation_groups.h"
-#include "core/point_cloud_writer.h"
-#include "core/recording.h"
-#include "core/scan_reader.h"
-#include "core/stopwatch.h"
-#include "core/window.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/map_covariance.h"
+#include "core/estimation/segment_groups.h"
+#include "core/map/plane_patches.h"
+#include "core/result/point_cloud_writer.h"
+#include "core/sensor/beam_instant.h"
+#include "core/sensor/recording.h"
+#include "core/sensor/scan_reader.h"
+#include "core/util/stopwatch.h"
+#include "core/window/window.h"
 #include "test/benchmark/mapped_walk.h"
 
 namespace plumbline {

@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "core/segmentation.h"
-#include "test/core/flatland.h"
+#include "core/segmentation/segmentation.h"
+#include "test/testing/planar_world.h"
 
 namespace plumbline {
 namespace {

@@ -1,0 +1,241 @@
+#include "core/association/association.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/map/patch_extent.h"
+#include "core/util/quantiles.h"
+
+namespace plumbline {
+namespace {
+
+// The coarse test compares one distance with bounds on its variance; what it neglects may add
+// to the distance.
+constexpr double kCoarseMargin = 4.0;
+// For the motion during a scan and cells that reach beyond what was seen.
+constexpr double kReachMargin = 1.0;  // m
+constexpr double kRounding = 1e-6;    // m
+// Of squared deviations, two of which are expected: planes have 0.9 to 3.7, slants 4 to 18.
+constexpr double kMaxMeanDeviation = 4.0;
+
+// The centroid on the straight line between the ends, where they were measured.
+Eigen::Vector3d CentroidWorld(const Observation& observation,
+                              const Eigen::Vector3d& start_world,
+                              const Eigen::Vector3d& end_world) {
+  const Eigen::Vector2d along = observation.end() - observation.start();
+  const double length2 = along.squaredNorm();
+  if (!(length2 > 0.0)) return start_world;
+  const double share = along.dot(observation.centroid() - observation.start()) / length2;
+  return start_world + share * (end_world - start_world);
+}
+
+// At most this much of a deviation's variance comes from the pose; squared distance from the
+// body.
+double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
+  return pose_covariance.bottomRightCorner<3, 3>().trace() +
+         pose_covariance.topLeftCorner<3, 3>().trace() * distance2;
+}
+
+}  // namespace
+
+bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
+  return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&
+                             landmark.first_scan - scan_index <= options.max_gap_scans);
+}
+
+bool MayBeTakenUp(const Landmark& landmark,
+                  int scan_index,
+                  const LoopClosureOptions& options) {
+  return IsWithinGap(landmark, scan_index, options) &&
+         (scan_index - landmark.last_scan <= options.max_gap_scans ||
+          landmark.AgreesWithin(kMaxMeanDeviation));
+}
+
+std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
+                                                   int scan_index,
+                                                   const LoopClosureOptions& options) {
+  std::vector<LandmarkCandidate> candidates;
+  candidates.reserve(landmarks.size());
+  for (const Landmark& landmark : landmarks) {
+    if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
+      candidates.emplace_back(landmark);
+    }
+  }
+  return candidates;
+}
+
+Reach::Reach(const Eigen::Vector3d& p_world,
+             double farthest_m,
+             const AssociationOptions& options)
+    : p_world_(p_world),
+      // A gap counts in whole cells in both directions: its diagonal is the longest.
+      reach_m_(farthest_m + 1.5 * options.max_gap_m + kReachMargin) {}
+
+bool Reach::Takes(const PatchExtent& extent,
+                  const Eigen::Vector3d& centre,
+                  double radius_m) const {
+  const double sphere_m = reach_m_ + radius_m + kRounding;
+  return (p_world_ - centre).squaredNorm() <= sphere_m * sphere_m &&
+         extent.IsWithinReach(p_world_, reach_m_);
+}
+
+ScanSlab::ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m)
+    : origin_(motion.nodes()[1].col(2)), half_width_m_(margin_m) {
+  const auto normal_of = [](const ScanPlacement& placement) -> Eigen::Vector3d {
+    return placement.col(0).cross(placement.col(1));
+  };
+  normal_ = normal_of(motion.nodes()[1]);
+  double motion_m = 0.0;
+  for (const ScanPlacement& placement : motion.nodes()) {
+    motion_m = std::max(motion_m,
+                        std::abs(normal_.dot(placement.col(2) - origin_)) +
+                            (normal_of(placement) - normal_).norm() * farthest_m);
+  }
+  half_width_m_ += motion_m;
+}
+
+Reach ReachOfScan(const Rig& rig,
+                  const std::deque<Observation>& observations,
+                  size_t first,
+                  const Eigen::Vector3d& body_world,
+                  const Matrix6d& pose_covariance,
+                  const AssociationOptions& options) {
+  double farthest = 0.0;
+  for (size_t i = first; i < observations.size(); ++i) {
+    const Observation& observation = observations[i];
+    if (observation.scan_index != observations[first].scan_index) break;
+    const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
+                                 .body_from_scanner.translation.norm();
+    farthest = std::max(
+        farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
+  }
+  // So far off its plane an observation may be for the pose alone.
+  const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
+                               MaxVariance(pose_covariance, farthest * farthest));
+  return {body_world, farthest + off, options};
+}
+
+std::vector<LandmarkCandidate> CandidatesWithin(
+    const Reach& reach, const std::vector<LandmarkCandidate>& candidates) {
+  std::vector<LandmarkCandidate> within;
+  within.reserve(candidates.size());
+  for (const LandmarkCandidate& candidate : candidates) {
+    if (reach.Takes(candidate)) within.push_back(candidate);
+  }
+  return within;
+}
+
+std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
+                                                const LandmarksWithinGap& landmarks) {
+  std::vector<LandmarkCandidate> within;
+  for (const Landmark& landmark : landmarks.landmarks) {
+    if (landmark.num_segments == 0 ||
+        !MayBeTakenUp(landmark, landmarks.scan_index, landmarks.options)) {
+      continue;
+    }
+    const PatchExtent& extent = landmark.extent;
+    if (reach.Takes(extent, extent.Centre(), extent.radius_m())) within.emplace_back(landmark);
+  }
+  return within;
+}
+
+Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
+  // A bump somewhere along the segment: its offset, and the slope between its two halves.
+  const double slope = flatness_m / std::max(0.5 * length_m, flatness_m);
+  return Eigen::Vector2d(flatness_m * flatness_m, slope * slope).asDiagonal();
+}
+
+namespace {
+
+// Calls visit(possible) for the candidates that the observation may lie on.
+template <typename Visit>
+void VisitPossible(const Observation& observation,
+                   const ObservationPoses& poses,
+                   const Matrix6d& pose_covariance,
+                   const std::vector<LandmarkCandidate>& candidates,
+                   const AssociationOptions& options,
+                   const Visit& visit) {
+  const Eigen::Vector3d& scanner_world = poses.world_from_scanner.translation;
+  // Within one scan line a turn moves far points by decimetres.
+  const Eigen::Vector3d start_world =
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns());
+  const Eigen::Vector3d end_world =
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns());
+  const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
+  const double pose_variance = MaxVariance(
+      pose_covariance, (centroid_world - poses.world_from_body.translation).squaredNorm());
+  const Eigen::Matrix2d flatness =
+      FlatnessCovariance(observation.length_m(), options.surface_flatness_m);
+  const double own_variance =
+      2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
+      flatness(0, 0);
+  const double gate = TwoDegreesQuantile(options.significance);
+  for (const LandmarkCandidate& candidate : candidates) {
+    if (candidate.SignedDistance(scanner_world) <= 0.0) continue;
+    // Cheap first: a distance that no covariance can explain.
+    const double offset = candidate.SignedDistance(centroid_world);
+    const double max_variance = own_variance + candidate.DistanceVariance(centroid_world);
+    if (offset * offset > kCoarseMargin * gate * max_variance) continue;
+    if (!candidate.landmark->extent.IsNear(start_world, end_world, options.max_gap_m)) {
+      continue;
+    }
+    const LineDeviation deviation = DeviationFromPlane(observation, poses, candidate);
+    const Eigen::Matrix2d noise =
+        deviation.covariance + flatness +
+        deviation.by_plane * candidate.covariance * deviation.by_plane.transpose();
+    const Eigen::Matrix<double, 2, 6> by_pose = deviation.by_pose.lazyProduct(pose_covariance);
+    const Eigen::Matrix2d covariance =
+        noise + by_pose.lazyProduct(deviation.by_pose.transpose());
+    const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
+    if (!(distance2 < gate)) continue;
+    visit(PossibleLandmark{candidate.landmark->id,
+                           deviation,
+                           noise,
+                           distance2,
+                           distance2 + std::log(covariance.determinant())});
+  }
+}
+
+}  // namespace
+
+std::vector<PossibleLandmark> PossibleLandmarks(
+    const Observation& observation,
+    const ObservationPoses& poses,
+    const Matrix6d& pose_covariance,
+    const std::vector<LandmarkCandidate>& candidates,
+    const AssociationOptions& options) {
+  std::vector<PossibleLandmark> all;
+  VisitPossible(observation,
+                poses,
+                pose_covariance,
+                candidates,
+                options,
+                [&](const PossibleLandmark& possible) { all.push_back(possible); });
+  return all;
+}
+
+int FindLandmark(const Observation& observation,
+                 const ObservationPoses& poses,
+                 const Matrix6d& pose_covariance,
+                 const std::vector<LandmarkCandidate>& candidates,
+                 const AssociationOptions& options) {
+  double best_score = std::numeric_limits<double>::infinity();
+  int best_id = -1;
+  VisitPossible(observation,
+                poses,
+                pose_covariance,
+                candidates,
+                options,
+                [&](const PossibleLandmark& possible) {
+                  if (possible.score >= best_score) return;
+                  best_score = possible.score;
+                  best_id = possible.id;
+                });
+  return best_id;
+}
+
+}  // namespace plumbline

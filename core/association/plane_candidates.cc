@@ -1,0 +1,204 @@
+#include "core/association/plane_candidates.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/map/patch_extent.h"
+#include "core/util/quantiles.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+// Below this tilt of the scan plane a horizontal plane is met at so flat an angle that a
+// horizontal segment speaks for a wall.
+const double kMinTiltSine = std::sin(15.0 * M_PI / 180.0);
+// A segment closer to the vertical than this does not tell its wall's direction.
+const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
+// Body motion after which one scanner alone can tell a horizontal plane from a wall whose
+// segments happen to be horizontal.
+constexpr double kRevealingMotion = 0.3;  // m
+
+Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
+
+// Kalman update of the landmark's parameters by a deviation from it, the poses taken as given.
+void Update(const LineDeviation& deviation, const Eigen::Matrix2d& noise, Landmark* landmark) {
+  const int size = landmark->num_parameters();
+  const Eigen::MatrixXd design = deviation.by_plane.leftCols(size);
+  const Eigen::Matrix2d weight = noise.inverse();
+  const Eigen::MatrixXd prior = landmark->covariance.topLeftCorner(size, size).inverse();
+  const Eigen::MatrixXd covariance = (prior + design.transpose() * weight * design).inverse();
+  const Eigen::VectorXd step =
+      -(covariance * (design.transpose() * (weight * deviation.value)));
+  for (int i = 0; i < size; ++i) landmark->parameters[static_cast<size_t>(i)] += step[i];
+  landmark->covariance.topLeftCorner(size, size) = covariance;
+}
+
+void Record(const Observation& observation,
+            int observation_index,
+            const ObservationPoses& poses,
+            const TypeEvidence& evidence,
+            PlaneCandidate* candidate) {
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
+  candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
+                                        world_from_scanner * Lift(observation.end()));
+  candidate->observations.push_back(observation_index);
+  candidate->scans.insert(observation.scan_index);
+  candidate->scanners.insert(observation.scanner_index);
+  if (evidence.can_be_horizontal != evidence.can_be_vertical) {
+    candidate->clear_scans.insert(observation.scan_index);
+  }
+  candidate->last_position = poses.world_from_body.translation;
+  candidate->last_time_ns = observation.end_time_ns();
+}
+
+}  // namespace
+
+TypeEvidence JudgeType(const Observation& observation,
+                       const Eigen::Quaterniond& world_from_scanner,
+                       double direction_sigma_rad,
+                       double significance) {
+  const Eigen::Vector3d direction = world_from_scanner * Lift(observation.tangent());
+  const Eigen::Vector3d scan_normal = world_from_scanner * Eigen::Vector3d::UnitZ();
+  const double tilt_sine = scan_normal.head<2>().norm();
+  const double sigmas = std::sqrt(TwoDegreesQuantile(significance));
+  TypeEvidence evidence;
+  evidence.can_be_horizontal =
+      tilt_sine > kMinTiltSine &&
+      std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
+  evidence.can_be_vertical = direction.head<2>().norm() > kMinHorizontalPart;
+  return evidence;
+}
+
+CandidatePlanes::CandidatePlanes(bool planar, const MapperOptions& options)
+    : planar_(planar), options_(options) {}
+
+bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
+                              const Observation& observation,
+                              const LineDeviation& deviation,
+                              const ObservationPoses& poses,
+                              const Matrix6d& pose_covariance) const {
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
+  const Landmark& landmark = candidate.landmark;
+  if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) return false;
+  if (!landmark.extent.IsNear(world_from_scanner * Lift(observation.start()),
+                              world_from_scanner * Lift(observation.end()),
+                              options_.association.max_gap_m)) {
+    return false;
+  }
+  const Eigen::Matrix2d covariance =
+      deviation.covariance +
+      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m) +
+      deviation.by_pose * pose_covariance * deviation.by_pose.transpose() +
+      deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
+  return deviation.value.dot(covariance.inverse() * deviation.value) <
+         TwoDegreesQuantile(options_.association.significance);
+}
+
+void CandidatePlanes::Offer(const Observation& observation,
+                            int observation_index,
+                            const ObservationPoses& poses,
+                            const Matrix6d& pose_covariance) {
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
+  const double rotation_variance = pose_covariance.topLeftCorner<3, 3>().trace();
+  const double direction_sigma = std::sqrt(
+      observation.sigma_direction_rad * observation.sigma_direction_rad + rotation_variance +
+      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m)(1,
+                                                                                          1));
+  TypeEvidence evidence;
+  evidence.can_be_vertical = true;
+  if (!planar_) {
+    evidence = JudgeType(observation,
+                         world_from_scanner.rotation,
+                         direction_sigma,
+                         options_.association.significance);
+  }
+  const Eigen::Matrix2d flatness =
+      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m);
+  bool taken = false;
+  for (PlaneCandidate& candidate : candidates_) {
+    const bool horizontal = candidate.landmark.model == PlaneModel::kHorizontal;
+    if (!(horizontal ? evidence.can_be_horizontal : evidence.can_be_vertical)) continue;
+    const LineDeviation deviation =
+        DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
+    if (!Matches(candidate, observation, deviation, poses, pose_covariance)) continue;
+    Update(deviation, deviation.covariance + flatness, &candidate.landmark);
+    Record(observation, observation_index, poses, evidence, &candidate);
+    taken = true;
+  }
+  const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
+  if (taken || observation.num_points < options_.planes.min_points ||
+      observation.sigma_direction_rad > max_sigma) {
+    return;
+  }
+  const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid());
+  PlaneCandidate candidate;
+  if (evidence.can_be_horizontal) {
+    const double sign = world_from_scanner.translation.z() > centroid.z() ? 1.0 : -1.0;
+    candidate.landmark = MakeHorizontalLandmark(sign, centroid);
+  } else if (evidence.can_be_vertical) {
+    const Eigen::Vector3d direction =
+        world_from_scanner.rotation * Lift(observation.tangent());
+    Eigen::Vector3d normal = direction.cross(Eigen::Vector3d::UnitZ());
+    if (normal.dot(world_from_scanner.translation - centroid) < 0.0) normal = -normal;
+    candidate.landmark = MakeVerticalLandmark(normal, centroid);
+  } else {
+    return;
+  }
+  const LineDeviation deviation =
+      DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
+  const int size = candidate.landmark.num_parameters();
+  const Eigen::MatrixXd design = deviation.by_plane.leftCols(size);
+  candidate.landmark.covariance.topLeftCorner(size, size) =
+      (design.transpose() * (deviation.covariance + flatness).inverse() * design).inverse();
+  candidate.first_position = poses.world_from_body.translation;
+  Record(observation, observation_index, poses, evidence, &candidate);
+  candidates_.push_back(std::move(candidate));
+}
+
+bool CandidatePlanes::IsReady(const PlaneCandidate& candidate, int min_scans) const {
+  if (static_cast<int>(candidate.scans.size()) < min_scans) return false;
+  if (candidate.landmark.model == PlaneModel::kVertical) {
+    // The surface's unevenness is the same in every scan: it does not average out.
+    const PatchExtent& extent = candidate.landmark.extent;
+    const double length_m = extent.max_corner().x() - extent.min_corner().x();
+    const double variance =
+        candidate.landmark.covariance(0, 0) +
+        FlatnessCovariance(length_m, options_.association.surface_flatness_m)(1, 1);
+    const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
+    // A single segment that took in beams of another surface slopes: it would make a wall of
+    // level ones on a lintel.
+    const bool has_clear_type =
+        planar_ || static_cast<int>(candidate.clear_scans.size()) >= min_scans;
+    return has_clear_type && variance < max_sigma * max_sigma;
+  }
+  return candidate.scanners.size() > 1 ||
+         (candidate.last_position - candidate.first_position).norm() > kRevealingMotion;
+}
+
+std::vector<PlaneCandidate> CandidatePlanes::TakeReady(int min_scans) {
+  std::vector<PlaneCandidate> ready;
+  for (auto it = candidates_.begin(); it != candidates_.end();) {
+    if (IsReady(*it, min_scans)) {
+      ready.push_back(std::move(*it));
+      it = candidates_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+  return ready;
+}
+
+void CandidatePlanes::DropStale(int64_t now_ns) {
+  const auto is_stale = [&](const PlaneCandidate& candidate) {
+    return SecondsBetween(candidate.last_time_ns, now_ns) >
+           options_.planes.max_candidate_age_s;
+  };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_stale),
+                    candidates_.end());
+}
+
+}  // namespace plumbline

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <deque>
+#include <set>
+#include <vector>
+
+#include "core/association/association.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark.h"
+#include "core/map/observation.h"
+#include "core/map/observation_poses.h"
+#include "core/options/mapper_options.h"
+
+namespace plumbline {
+
+// A plane that segments without a landmark agree on, not yet trusted.
+struct PlaneCandidate {
+  Landmark landmark;              // covariance given the poses
+  std::vector<int> observations;  // indices
+  std::set<int> scans;
+  std::set<int> scanners;
+  std::set<int> clear_scans;  // with a segment that can only lie on a plane of this type
+  Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
+  Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
+  int64_t last_time_ns = 0;
+};
+
+// What a single segment says of the type of its plane (paper, section 4.4).
+struct TypeEvidence {
+  bool can_be_horizontal = false;
+  bool can_be_vertical = false;
+};
+
+// direction_sigma_rad: of the segment's direction in the world.
+TypeEvidence JudgeType(const Observation& observation,
+                       const Eigen::Quaterniond& world_from_scanner,
+                       double direction_sigma_rad,
+                       double significance);
+
+// Collects segments without a landmark into candidates and tells which of these have become
+// planes: seen in several scans, direction known well, type beyond doubt. That a plane is a
+// wall takes several scans, too.
+class CandidatePlanes {
+ public:
+  CandidatePlanes(bool planar, const MapperOptions& options);
+
+  // Gives the observation to the candidates it agrees with, or starts new ones.
+  void Offer(const Observation& observation,
+             int observation_index,
+             const ObservationPoses& poses,
+             const Matrix6d& pose_covariance);
+
+  // Removes and returns the candidates that have become planes. min_scans: see PlaneOptions.
+  std::vector<PlaneCandidate> TakeReady(int min_scans);
+
+  // Drops candidates that nothing has confirmed for a while.
+  void DropStale(int64_t now_ns);
+
+ private:
+  bool Matches(const PlaneCandidate& candidate,
+               const Observation& observation,
+               const LineDeviation& deviation,
+               const ObservationPoses& poses,
+               const Matrix6d& pose_covariance) const;
+  bool IsReady(const PlaneCandidate& candidate, int min_scans) const;
+
+  bool planar_;
+  const MapperOptions& options_;
+  std::deque<PlaneCandidate> candidates_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,138 @@
+#include "core/association/plane_merging.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/association/association.h"
+#include "core/map/patch_extent.h"
+#include "core/sensor/rig.h"
+#include "core/util/quantiles.h"
+
+namespace plumbline {
+namespace {
+
+// Of two planes of one type that face the same side.
+bool AreOnePlane(const Landmark& a,
+                 const Landmark& b,
+                 double range_noise_m,
+                 const AssociationOptions& options) {
+  // Cheap first: the patches' cells are looked at last.
+  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
+  // Compared at the middle of the smaller one, along its longer side.
+  const PatchExtent& extent = b.extent;
+  const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
+  const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
+  const bool along_u = a.model == PlaneModel::kVertical || size.x() > size.y();
+  const Eigen::Vector3d direction = along_u ? extent.u_axis() : extent.v_axis();
+  const Eigen::Vector3d on_axes = extent.ToWorld(middle);
+  const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
+  const Eigen::Vector2d difference(a.SignedDistance(point),
+                                   a.Normal().dot(direction) - b.Normal().dot(direction));
+  const Eigen::Matrix2d by_a = a.DeviationJacobian(point, direction);
+  const Eigen::Matrix2d by_b = b.DeviationJacobian(point, direction);
+  const Eigen::Matrix2d covariance =
+      by_a * a.covariance * by_a.transpose() + by_b * b.covariance * by_b.transpose();
+  if (covariance(0, 0) > range_noise_m * range_noise_m) return false;
+  const Eigen::Matrix2d total =
+      covariance +
+      2.0 * FlatnessCovariance(along_u ? size.x() : size.y(), options.surface_flatness_m);
+  return difference.dot(total.inverse() * difference) <
+             TwoDegreesQuantile(options.significance) &&
+         a.extent.IsNear(b.extent, options.max_gap_m);
+}
+
+// A landmark that is compared with others.
+struct Compared {
+  const Landmark* landmark;
+  Eigen::Vector3d normal;
+  bool is_recent;  // seen since the scan in question
+
+  bool FacesLike(const Compared& other) const {
+    return landmark->model == other.landmark->model && normal.dot(other.normal) >= 0.8;
+  }
+};
+
+}  // namespace
+
+std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
+                                                const MapState& state,
+                                                const MapperOptions& options,
+                                                int since_scan) {
+  const double range_noise_m = MaxRangeNoise(rig);
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<Compared> all;
+  std::vector<Compared> recent;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
+    if (all.back().is_recent) recent.push_back(all.back());
+  }
+  for (const Compared& newer_at : all) {
+    const Landmark& newer = *newer_at.landmark;
+    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
+      const Landmark& older = *older_at.landmark;
+      if (older.id >= newer.id) break;
+      if (!older_at.FacesLike(newer_at)) continue;
+      if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
+      const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
+      if (AreOnePlane(newer_is_smaller ? older : newer,
+                      newer_is_smaller ? newer : older,
+                      range_noise_m,
+                      options.association)) {
+        pairs.emplace_back(older.id, newer.id);
+        break;
+      }
+    }
+  }
+  return pairs;
+}
+
+bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m) {
+  constexpr double kMinOverlap = 0.5;
+  constexpr double kRangeSigmas = 5.0;
+  if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < 0.8) return false;
+  const PatchExtent& extent = weak.extent;
+  double sum_squares = 0.0;
+  int count = 0;
+  // Mean square distance over the patch, from a few points across it.
+  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const Eigen::Vector2d low = extent.min_corner();
+    const Eigen::Vector2d size = extent.max_corner() - low;
+    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
+    const Eigen::Vector3d point = on_axes - weak.SignedDistance(on_axes) * weak.Normal();
+    const double distance = strong.SignedDistance(point);
+    sum_squares += distance * distance;
+    ++count;
+  }
+  const double limit = kRangeSigmas * range_noise_m;
+  return sum_squares < count * limit * limit &&
+         extent.OverlapWith(strong.extent) > kMinOverlap;
+}
+
+void MergeInto(int into_id, int from_id, MapState* state) {
+  Landmark& into = state->landmarks[static_cast<size_t>(into_id)];
+  Landmark& from = state->landmarks[static_cast<size_t>(from_id)];
+  // It has no observations before its first scan.
+  auto observation = std::partition_point(
+      state->observations.begin(), state->observations.end(), [&](const Observation& earlier) {
+        return earlier.scan_index < from.first_scan;
+      });
+  for (; observation != state->observations.end(); ++observation) {
+    if (observation->landmark_id == from_id) observation->landmark_id = into_id;
+  }
+  into.extent.Merge(from.extent);
+  into.first_scan = std::min(into.first_scan, from.first_scan);
+  into.last_scan = std::max(into.last_scan, from.last_scan);
+  into.first_time_ns = std::min(into.first_time_ns, from.first_time_ns);
+  into.last_time_ns = std::max(into.last_time_ns, from.last_time_ns);
+  into.num_segments += from.num_segments;
+  into.num_points += from.num_points;
+  into.sum_deviations += from.sum_deviations;
+  into.num_judged += from.num_judged;
+  from.num_segments = 0;
+  from.num_points = 0;
+  from.extent = from.EmptyExtent();
+}
+
+}  // namespace plumbline

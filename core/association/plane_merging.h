@@ -1,0 +1,31 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// Pairs (older, newer) of landmarks that are one plane: same type and side, seen next to each
+// other, no statistically significant difference in position and direction where they meet,
+// and that difference known to better than the scanners' range noise. Only pairs with a
+// landmark seen since scan `since_scan`, and, with loop closure off, only within the allowed
+// gap.
+std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
+                                                const MapState& state,
+                                                const MapperOptions& options,
+                                                int since_scan);
+
+// Whether `weak` only repeats what `strong` shows: it faces the same side, lies for the most
+// part where `strong` has been seen too, and differs from it by no more than single ranges can
+// tell. Two surfaces can not both be seen there; segments that took in beams of a neighbouring
+// surface (an open door's jamb, seen along the wall) make such planes.
+bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m);
+
+// Makes landmark `from` part of `into`: its observations, extent and times.
+void MergeInto(int into, int from, MapState* state);
+
+}  // namespace plumbline

@@ -1,0 +1,347 @@
+#include "core/estimation/arrowhead_cholesky.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "core/util/error.h"
+
+namespace plumbline {
+namespace {
+
+// Tiles of a piece. Longer ones see more planes, shorter ones leave more separators.
+constexpr size_t kPieceTiles = 8;
+
+// The Cholesky factor of an eliminated tile, and its transpose.
+auto LowerOf(const ArrowTile& tile) { return tile.diagonal.triangularView<Eigen::Lower>(); }
+auto UpperOf(const ArrowTile& tile) {
+  return tile.diagonal.transpose().triangularView<Eigen::Upper>();
+}
+
+}  // namespace
+
+Eigen::MatrixXd ArrowInverse::BandBlock(int first, int size) const {
+  const int split = std::min(size, tile_size_ - first % tile_size_);
+  const int rest = size - split;
+  CHECK_LE(rest, tile_size_) << "outside the band";
+  const auto index = static_cast<size_t>(first / tile_size_);
+  const int at = first % tile_size_;
+  Eigen::MatrixXd block(size, size);
+  block.topLeftCorner(split, split) = tiles_[index].diagonal.block(at, at, split, split);
+  if (rest > 0) {
+    block.bottomLeftCorner(rest, split) = tiles_[index].next.block(0, at, rest, split);
+    block.topRightCorner(split, rest) = block.bottomLeftCorner(rest, split).transpose();
+    block.bottomRightCorner(rest, rest) = tiles_[index + 1].diagonal.topLeftCorner(rest, rest);
+  }
+  return block;
+}
+
+void ArrowInverse::Clear(int variable) {
+  const int num_band = tiles_.empty() ? 0 : tiles_.back().first + tiles_.back().size();
+  if (variable < num_band) {
+    ArrowTile& tile = tiles_[static_cast<size_t>(variable / tile_size_)];
+    tile.diagonal(variable - tile.first, variable - tile.first) = 0.0;
+  } else {
+    border_.row(variable - num_band).setZero();
+    border_.col(variable - num_band).setZero();
+  }
+}
+
+ArrowFactor::ArrowFactor(ArrowMatrix matrix)
+    : num_band_(matrix.num_band_),
+      tile_size_(matrix.tile_size_),
+      corner_(std::move(matrix.corner_)) {
+  std::vector<ArrowTile> tiles = std::move(matrix.tiles_);
+  while (!tiles.empty()) {
+    Level& level = levels_.emplace_back();
+    level.tiles = std::move(tiles);
+    Cut(&level);
+    tiles.clear();
+    for (size_t i = 0; i < level.separators.size(); ++i) {
+      ArrowTile& from = level.tiles[level.separators[i]];
+      ArrowTile separator = from;
+      from.diagonal.resize(0, 0);
+      from.border.resize(0, 0);
+      const int num_next =
+          i + 1 < level.separators.size() ? level.tiles[level.separators[i + 1]].size() : 0;
+      separator.next.setZero(num_next, separator.size());
+      tiles.push_back(std::move(separator));
+    }
+    for (Piece& piece : level.pieces) Eliminate(&level, &piece, &tiles);
+  }
+  // Scaled to a unit diagonal, so that metres and radians do not spoil the condition.
+  corner_scale_ = corner_.diagonal().cwiseSqrt().cwiseInverse();
+  corner_factor_.compute(corner_scale_.asDiagonal() * corner_ * corner_scale_.asDiagonal());
+  if (corner_.rows() > 0 && corner_factor_.info() != Eigen::Success) {
+    throw Error("the planes are not determined: singular normal matrix");
+  }
+  corner_.resize(0, 0);
+}
+
+void ArrowFactor::Cut(Level* level) {
+  const size_t count = level->tiles.size();
+  for (size_t begin = 0; begin < count;) {
+    Piece piece;
+    piece.begin = begin;
+    piece.end = begin + kPieceTiles;
+    piece.left = static_cast<int>(level->separators.size()) - 1;
+    if (piece.end + 1 < count) {
+      level->separators.push_back(piece.end);
+      piece.right = piece.left + 1;
+    } else {
+      piece.end = count;
+    }
+    begin = piece.end + 1;
+    level->pieces.push_back(std::move(piece));
+  }
+}
+
+void ArrowFactor::Eliminate(Level* level, Piece* piece, std::vector<ArrowTile>* rest) {
+  std::vector<ArrowTile>& tiles = level->tiles;
+  for (size_t k = piece->begin; k < piece->end; ++k) {
+    std::vector<int> all;
+    std::set_union(piece->seen.begin(),
+                   piece->seen.end(),
+                   tiles[k].seen.begin(),
+                   tiles[k].seen.end(),
+                   std::back_inserter(all));
+    piece->seen = std::move(all);
+  }
+  const Eigen::Index num_left =
+      piece->left < 0 ? 0 : (*rest)[static_cast<size_t>(piece->left)].size();
+  const Eigen::Index num_right =
+      piece->right < 0 ? 0 : (*rest)[static_cast<size_t>(piece->right)].size();
+  const Eigen::Index num_first = num_left + static_cast<Eigen::Index>(piece->seen.size());
+  Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(num_first + num_right, num_first + num_right);
+  for (size_t k = piece->begin; k < piece->end; ++k) {
+    ArrowTile& tile = tiles[k];
+    const bool last = k + 1 == piece->end;
+    Eigen::MatrixXd border =
+        Eigen::MatrixXd::Zero(num_first + (last ? num_right : 0), tile.size());
+    std::vector<int> rows = PositionsOf(tile.seen, piece->seen);
+    for (int& row : rows) row += static_cast<int>(num_left);
+    border(rows, Eigen::all) = tile.border;
+    if (k == piece->begin) {
+      if (num_left > 0) border.topRows(num_left) = tiles[k - 1].next.transpose();
+    } else {
+      const ArrowTile& before = tiles[k - 1];
+      tile.diagonal.selfadjointView<Eigen::Lower>().rankUpdate(before.next, -1.0);
+      border.topRows(num_first).noalias() -= before.border * before.next.transpose();
+    }
+    if (last && num_right > 0) {
+      border.bottomRows(num_right) = tile.next;
+      tile.next.resize(0, tile.size());
+    }
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(tile.diagonal);
+    if (factor.info() != Eigen::Success) {
+      throw Error("the trajectory is not determined: singular normal matrix");
+    }
+    UpperOf(tile).solveInPlace<Eigen::OnTheRight>(border);
+    UpperOf(tile).solveInPlace<Eigen::OnTheRight>(tile.next);
+    schur.topLeftCorner(border.rows(), border.rows())
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(border, -1.0);
+    tile.border = std::move(border);
+    tile.seen.clear();
+  }
+  AddToRest(*piece, schur, rest);
+}
+
+void ArrowFactor::AddToRest(const Piece& piece,
+                            const Eigen::MatrixXd& schur,
+                            std::vector<ArrowTile>* rest) {
+  const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+  Eigen::Index at = 0;
+  if (piece.left >= 0) {
+    ArrowTile& left = (*rest)[static_cast<size_t>(piece.left)];
+    const Eigen::Index size = left.size();
+    left.diagonal += schur.topLeftCorner(size, size);
+    left.AddBorder(piece.seen, schur.block(size, 0, num_seen, size));
+    if (piece.right >= 0) left.next += schur.bottomLeftCorner(left.next.rows(), size);
+    at = size;
+  }
+  for (Eigen::Index j = 0; j < num_seen; ++j) {
+    for (Eigen::Index i = j; i < num_seen; ++i) {
+      corner_(piece.seen[static_cast<size_t>(i)], piece.seen[static_cast<size_t>(j)]) +=
+          schur(at + i, at + j);
+    }
+  }
+  if (piece.right < 0) return;
+  ArrowTile& right = (*rest)[static_cast<size_t>(piece.right)];
+  const Eigen::Index size = right.size();
+  right.diagonal += schur.bottomRightCorner(size, size);
+  right.AddBorder(piece.seen, schur.block(at + num_seen, at, size, num_seen).transpose());
+}
+
+std::vector<int> ArrowFactor::BorderRows(const Level& level, const Piece& piece) const {
+  std::vector<int> rows;
+  // Only the band's last tile may be smaller than the others, and it is no separator.
+  const auto add_tile = [&](int separator) {
+    if (separator < 0) return;
+    const int first = level.tiles[level.separators[static_cast<size_t>(separator)]].first;
+    for (int row = first; row < first + tile_size_; ++row) rows.push_back(row);
+  };
+  add_tile(piece.left);
+  for (const int variable : piece.seen) rows.push_back(num_band_ + variable);
+  add_tile(piece.right);
+  return rows;
+}
+
+void ArrowFactor::ForwardPiece(const Level& level,
+                               const Piece& piece,
+                               Eigen::MatrixXd* x) const {
+  const std::vector<int> rows = BorderRows(level, piece);
+  Eigen::MatrixXd border = (*x)(rows, Eigen::all);
+  Eigen::MatrixXd before;
+  for (size_t k = piece.begin; k < piece.end; ++k) {
+    const ArrowTile& tile = level.tiles[k];
+    Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
+    if (k > piece.begin) y.noalias() -= level.tiles[k - 1].next * before;
+    LowerOf(tile).solveInPlace(y);
+    border.topRows(tile.border.rows()).noalias() -= tile.border * y;
+    x->middleRows(tile.first, tile.size()) = y;
+    before = std::move(y);
+  }
+  (*x)(rows, Eigen::all) = border;
+}
+
+void ArrowFactor::BackwardPiece(const Level& level,
+                                const Piece& piece,
+                                Eigen::MatrixXd* x) const {
+  const Eigen::MatrixXd border = (*x)(BorderRows(level, piece), Eigen::all);
+  Eigen::MatrixXd after;
+  for (size_t k = piece.end; k-- > piece.begin;) {
+    const ArrowTile& tile = level.tiles[k];
+    Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
+    y.noalias() -= tile.border.transpose() * border.topRows(tile.border.rows());
+    if (k + 1 < piece.end) y.noalias() -= tile.next.transpose() * after;
+    UpperOf(tile).solveInPlace(y);
+    x->middleRows(tile.first, tile.size()) = y;
+    after = std::move(y);
+  }
+}
+
+Eigen::MatrixXd ArrowFactor::Solve(const Eigen::MatrixXd& right_side) const {
+  Eigen::MatrixXd x = right_side;
+  for (const Level& level : levels_) {
+    for (const Piece& piece : level.pieces) ForwardPiece(level, piece, &x);
+  }
+  auto corner = x.bottomRows(x.rows() - num_band_);
+  if (corner.rows() > 0) {
+    const Eigen::MatrixXd scaled = corner_scale_.asDiagonal() * corner;
+    corner = corner_scale_.asDiagonal() * corner_factor_.solve(scaled);
+  }
+  for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
+    for (const Piece& piece : level->pieces) BackwardPiece(*level, piece, &x);
+  }
+  return x;
+}
+
+Eigen::MatrixXd ArrowFactor::BorderInverse(const Piece& piece,
+                                           const std::vector<ArrowTile>& rest,
+                                           const Eigen::MatrixXd& corner) const {
+  const auto tile_at = [&](int separator) {
+    return separator < 0 ? nullptr : &rest[static_cast<size_t>(separator)];
+  };
+  const ArrowTile* left = tile_at(piece.left);
+  const ArrowTile* right = tile_at(piece.right);
+  const Eigen::Index num_left = left == nullptr ? 0 : left->size();
+  const Eigen::Index num_right = right == nullptr ? 0 : right->size();
+  const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+  const Eigen::Index size = num_left + num_seen + num_right;
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(size, size);
+  lower.block(num_left, num_left, num_seen, num_seen) = corner(piece.seen, piece.seen);
+  if (left != nullptr) {
+    lower.topLeftCorner(num_left, num_left) = left->diagonal;
+    lower.block(num_left, 0, num_seen, num_left) =
+        left->border(PositionsOf(piece.seen, left->seen), Eigen::all);
+  }
+  if (right != nullptr) {
+    lower.bottomRightCorner(num_right, num_right) = right->diagonal;
+    lower.block(num_left + num_seen, num_left, num_right, num_seen) =
+        right->border(PositionsOf(piece.seen, right->seen), Eigen::all).transpose();
+  }
+  if (left != nullptr && right != nullptr) {
+    lower.bottomLeftCorner(num_right, num_left) = left->next;
+  }
+  return lower.selfadjointView<Eigen::Lower>();
+}
+
+// With M = [ next; border ] L^-1 below a tile's pivot and Z the inverse on those rows,
+//   Z_below,k = -Z M,    Z_kk = L^-T L^-1 - M^T Z_below,k.
+void ArrowFactor::Invert(const Eigen::MatrixXd& border_inverse,
+                         int num_right,
+                         const Piece& piece,
+                         std::vector<ArrowTile>* tiles) {
+  const Eigen::Index num_first = border_inverse.rows() - num_right;
+  for (size_t k = piece.end; k-- > piece.begin;) {
+    ArrowTile& tile = (*tiles)[k];
+    const bool last = k + 1 == piece.end;
+    const Eigen::Index num_border = tile.border.rows();
+    Eigen::MatrixXd inverse_root = Eigen::MatrixXd::Identity(tile.size(), tile.size());
+    LowerOf(tile).solveInPlace(inverse_root);
+    const Eigen::MatrixXd below = tile.border * inverse_root;
+    Eigen::MatrixXd border = -border_inverse.topLeftCorner(num_border, num_border) * below;
+    Eigen::MatrixXd diagonal = inverse_root.transpose() * inverse_root;
+    if (last) {
+      tile.next = border.bottomRows(num_right);
+    } else {
+      const ArrowTile& after = (*tiles)[k + 1];
+      const Eigen::MatrixXd next = tile.next * inverse_root;
+      const auto cross = after.border.topRows(num_first);
+      border.noalias() -= cross * next;
+      tile.next.noalias() = -after.diagonal * next;
+      tile.next.noalias() -= cross.transpose() * below;
+      diagonal.noalias() -= next.transpose() * tile.next;
+    }
+    diagonal.noalias() -= below.transpose() * border;
+    tile.diagonal = 0.5 * (diagonal + diagonal.transpose());
+    tile.border = std::move(border);
+  }
+}
+
+ArrowInverse ArrowFactor::TakeInverse() {
+  const Eigen::Index num_border = corner_scale_.size();
+  Eigen::MatrixXd corner = Eigen::MatrixXd::Identity(num_border, num_border);
+  if (num_border > 0) {
+    corner_factor_.solveInPlace(corner);
+    corner = corner_scale_.asDiagonal() * corner * corner_scale_.asDiagonal();
+  }
+  std::vector<ArrowTile> rest;  // the level above, inverted
+  while (!levels_.empty()) {
+    Level& level = levels_.back();
+    const bool lowest = levels_.size() == 1;
+    for (const Piece& piece : level.pieces) {
+      const int num_right =
+          piece.right < 0 ? 0 : rest[static_cast<size_t>(piece.right)].size();
+      const int num_left = piece.left < 0 ? 0 : rest[static_cast<size_t>(piece.left)].size();
+      Invert(BorderInverse(piece, rest, corner), num_right, piece, &level.tiles);
+      if (num_left > 0) {
+        level.tiles[piece.begin - 1].next =
+            level.tiles[piece.begin].border.topRows(num_left).transpose();
+      }
+      for (size_t k = piece.begin; k < piece.end; ++k) {
+        ArrowTile& tile = level.tiles[k];
+        if (lowest) {
+          tile.border.resize(0, 0);  // nobody asks for it any more
+        } else {
+          const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+          tile.border = tile.border.middleRows(num_left, num_seen).eval();
+          tile.seen = piece.seen;
+        }
+      }
+    }
+    for (size_t i = 0; i < level.separators.size(); ++i) {
+      ArrowTile& tile = level.tiles[level.separators[i]];
+      Eigen::MatrixXd next = std::move(tile.next);
+      tile = std::move(rest[i]);
+      tile.next = std::move(next);
+    }
+    rest = std::move(level.tiles);
+    levels_.pop_back();
+  }
+  return ArrowInverse(tile_size_, std::move(rest), std::move(corner));
+}
+
+}  // namespace plumbline

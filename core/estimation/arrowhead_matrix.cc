@@ -1,0 +1,91 @@
+#include "core/estimation/arrowhead_matrix.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace plumbline {
+
+std::vector<int> PositionsOf(const std::vector<int>& variables,
+                             const std::vector<int>& among) {
+  std::vector<int> positions;
+  positions.reserve(variables.size());
+  auto at = among.begin();
+  for (const int variable : variables) {
+    at = std::lower_bound(at, among.end(), variable);
+    CHECK(at != among.end() && *at == variable) << variable;
+    positions.push_back(static_cast<int>(at - among.begin()));
+  }
+  return positions;
+}
+
+std::vector<int> ArrowTile::BorderRows(const std::vector<int>& variables) {
+  if (!std::includes(seen.begin(), seen.end(), variables.begin(), variables.end())) {
+    std::vector<int> all;
+    std::set_union(
+        seen.begin(), seen.end(), variables.begin(), variables.end(), std::back_inserter(all));
+    Eigen::MatrixXd larger =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(all.size()), diagonal.cols());
+    larger(PositionsOf(seen, all), Eigen::all) = border;
+    seen = std::move(all);
+    border = std::move(larger);
+  }
+  return PositionsOf(variables, seen);
+}
+
+ArrowMatrix::ArrowMatrix(int num_band, int tile_size, int num_border)
+    : num_band_(num_band),
+      tile_size_(tile_size),
+      corner_(Eigen::MatrixXd::Zero(num_border, num_border)) {
+  CHECK_GT(tile_size, 0);
+  for (int first = 0; first < num_band; first += tile_size) {
+    const int size = std::min(tile_size, num_band - first);
+    ArrowTile tile;
+    tile.first = first;
+    tile.diagonal.setZero(size, size);
+    tile.next.setZero(std::clamp(num_band - first - size, 0, tile_size), size);
+    tile.border.resize(0, size);
+    tiles_.push_back(std::move(tile));
+  }
+}
+
+void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block) {
+  const auto band_end = std::lower_bound(columns.begin(), columns.end(), num_band_);
+  std::vector<int> border;
+  for (auto at = band_end; at != columns.end(); ++at) border.push_back(*at - num_band_);
+  const auto num_in_band = static_cast<Eigen::Index>(band_end - columns.begin());
+  const auto num_in_border = static_cast<Eigen::Index>(border.size());
+  if (num_in_border > 0) {
+    corner_(border, border) += block.bottomRightCorner(num_in_border, num_in_border);
+  }
+  for (Eigen::Index begin = 0; begin < num_in_band;) {
+    const int index = columns[static_cast<size_t>(begin)] / tile_size_;
+    ArrowTile& tile = tiles_[static_cast<size_t>(index)];
+    const int next_first = tile.first + tile_size_;
+    CHECK_LT(*(band_end - 1), next_first + tile_size_) << "outside the band";
+    const auto end = static_cast<Eigen::Index>(
+        std::lower_bound(columns.begin() + begin, band_end, next_first) - columns.begin());
+    std::vector<int> border_rows;
+    if (num_in_border > 0) border_rows = tile.BorderRows(border);
+    for (Eigen::Index j = begin; j < end; ++j) {
+      const int column = columns[static_cast<size_t>(j)] - tile.first;
+      double* const diagonal = tile.diagonal.col(column).data();
+      for (Eigen::Index i = j; i < end; ++i) {
+        diagonal[columns[static_cast<size_t>(i)] - tile.first] += block(i, j);
+      }
+      double* const next = tile.next.col(column).data();
+      for (Eigen::Index i = end; i < num_in_band; ++i) {
+        next[columns[static_cast<size_t>(i)] - next_first] += block(i, j);
+      }
+      double* const below = tile.border.col(column).data();
+      for (Eigen::Index i = 0; i < num_in_border; ++i) {
+        below[border_rows[static_cast<size_t>(i)]] += block(num_in_band + i, j);
+      }
+    }
+    begin = end;
+  }
+}
+
+}  // namespace plumbline

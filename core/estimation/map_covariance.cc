@@ -1,0 +1,108 @@
+#include "core/estimation/map_covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <utility>
+
+#include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/block_layout.h"
+#include "core/geometry/matrix_types.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumWeakDirections = 3;
+
+// Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
+// their vectors.
+std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
+                                              const Eigen::VectorXd& diagonal,
+                                              const BlockLayout& layout) {
+  constexpr int kSubspace = kNumWeakDirections + 3;
+  constexpr int kIterations = 8;
+  const Eigen::Index size = diagonal.size();
+  const Eigen::VectorXd root = diagonal.cwiseSqrt();
+  const Eigen::Index dimension = std::min<Eigen::Index>(kSubspace, size);
+  // A start that no structure of the problem is orthogonal to; always the same.
+  Eigen::MatrixXd basis(size, dimension);
+  uint64_t state = 1;
+  for (double& value : basis.reshaped()) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    value = static_cast<double>(state >> 40) / static_cast<double>(1 << 24) - 0.5;
+  }
+  Eigen::MatrixXd projected(dimension, dimension);
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(basis);
+    const Eigen::MatrixXd orthonormal =
+        qr.householderQ() * Eigen::MatrixXd::Identity(size, dimension);
+    basis = root.asDiagonal() * factor.Solve(root.asDiagonal() * orthonormal);
+    projected = orthonormal.transpose() * basis;
+    if (iteration + 1 == kIterations) basis = orthonormal;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      0.5 * (projected + projected.transpose()));
+  std::vector<WeakDirection> weak;
+  for (int i = 0; i < std::min<int>(kNumWeakDirections, static_cast<int>(dimension)); ++i) {
+    const Eigen::Index column = dimension - 1 - i;  // of the inverse the largest
+    const Eigen::VectorXd direction = basis * solver.eigenvectors().col(column);
+    WeakDirection found;
+    found.eigenvalue = 1.0 / solver.eigenvalues()[column];
+    for (size_t b = 0; b < layout.blocks.size(); ++b) {
+      const int offset = layout.offsets[b];
+      const double share =
+          direction.segment(offset, layout.offsets[b + 1] - offset).squaredNorm();
+      if (share <= found.share) continue;
+      found.share = share;
+      found.block = layout.blocks[b];
+    }
+    weak.push_back(found);
+  }
+  return weak;
+}
+
+}  // namespace
+
+MapCovariance MapCovariance::Of(const EstimationProblem& problem) {
+  return Of(problem, problem.LineariseArrow(problem.Layout()));
+}
+
+MapCovariance MapCovariance::Of(const EstimationProblem& problem, ArrowEquations equations) {
+  const BlockLayout layout = problem.Layout();
+  MapCovariance result;
+  result.planar_ = problem.planar();
+  const int num_band = layout.NumControlPointColumns();
+  result.offsets_.push_back(0);
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    if (layout.blocks[i].kind != BlockId::Kind::kLandmark) continue;
+    result.landmark_ids_.push_back(layout.blocks[i].index);
+    result.offsets_.push_back(layout.offsets[i + 1] - num_band);
+  }
+  ArrowFactor factor(std::move(equations.hessian));
+  result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
+  result.inverse_ = factor.TakeInverse();
+  for (int i = 0; i < layout.size(); ++i) {
+    if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
+  }
+  return result;
+}
+
+Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) const {
+  const Trajectory::Location at = trajectory.Locate(time_ns);
+  const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
+  const int rotation_size = planar_ ? 1 : 3;
+  const int block_size = rotation_size + 3;
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, kSplineOrder * block_size);
+  for (int j = 0; j < kSplineOrder; ++j) {
+    const auto index = static_cast<size_t>(j);
+    jacobian.block(0, j * block_size, 3, rotation_size) =
+        spline.rotation_wrt_control[index].rightCols(rotation_size);
+    jacobian.block<3, 3>(3, j * block_size + rotation_size)
+        .diagonal()
+        .setConstant(spline.position_weights[index]);
+  }
+  return jacobian * inverse_.BandBlock(at.first * block_size, kSplineOrder * block_size) *
+         jacobian.transpose();
+}
+
+}  // namespace plumbline

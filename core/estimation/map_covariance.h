@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/estimation/arrowhead_cholesky.h"
+#include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/block_layout.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/geometry/matrix_types.h"
+#include "core/trajectory/trajectory.h"
+
+namespace plumbline {
+
+// A direction in which the estimation is weak.
+struct WeakDirection {
+  double eigenvalue = 0.0;  // of the normal matrix scaled to a unit diagonal
+  BlockId block;            // the unknown that has the largest share in it
+  double share = 0.0;       // of the squared length of the direction
+};
+
+// Covariance of an estimate: of all planes together, and of the pose at any instant. Absolute,
+// in the model frame; what the gauge holds has zero rows. For the range noise of the rig file:
+// not scaled by the variance factor.
+class MapCovariance {
+ public:
+  MapCovariance() = default;
+  // The inverse of the problem's normal equations: those at its current values, or others of
+  // the same unknowns. Throws Error when they do not determine the unknowns.
+  static MapCovariance Of(const EstimationProblem& problem);
+  static MapCovariance Of(const EstimationProblem& problem, ArrowEquations equations);
+
+  const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
+  // First row of each landmark's parameters; the last element is the size.
+  const std::vector<int>& offsets() const { return offsets_; }
+  const Eigen::MatrixXd& landmarks() const { return inverse_.border(); }
+
+  // World-frame rotation (rad) and position (m) of the body.
+  Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
+
+  // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
+  // problem's layout; of two neighbouring tiles at most, as everything one residual depends
+  // on.
+  Eigen::MatrixXd ControlPoints(int first, int size) const {
+    return inverse_.BandBlock(first, size);
+  }
+
+  // The smallest eigenvalues, ascending.
+  const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
+
+ private:
+  bool planar_ = false;
+  std::vector<int> landmark_ids_;
+  std::vector<int> offsets_;
+  ArrowInverse inverse_;
+  std::vector<WeakDirection> weak_directions_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,174 @@
+#include "core/estimation/segment_groups.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "factors/segment/segment_measurement.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+namespace {
+
+ObservationGroup MakeGroup(const Rig& rig,
+                           const std::vector<SegmentGroup::Scanner>& scanners,
+                           const Trajectory& trajectory,
+                           const std::deque<Landmark>& landmarks,
+                           int first,
+                           const std::vector<const Observation*>& members,
+                           double huber_width) {
+  std::vector<int> ids;
+  for (const Observation* observation : members) ids.push_back(observation->landmark_id);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  ids.shrink_to_fit();  // few planes, many observations
+  std::vector<SegmentGroup::Plane> planes;
+  std::vector<Eigen::Vector3d> normals;
+  for (const int id : ids) {
+    const Landmark& landmark = landmarks[static_cast<size_t>(id)];
+    planes.push_back({landmark.model, landmark.sign});
+    normals.push_back(landmark.Normal());
+  }
+  SharedPoses poses(rig, trajectory);
+  std::vector<SegmentGroup::Segment> segments;
+  segments.reserve(members.size());
+  int num_control_points = kSplineOrder;
+  std::array<int64_t, 3> times_ns = {};  // of the nodes; most segments share the last one's
+  SegmentGroup::Segment segment;
+  for (const Observation* observation : members) {
+    segment.measurement = &observation->measurement;
+    if (observation->measurement.node_times_ns() != times_ns || segments.empty()) {
+      times_ns = observation->measurement.node_times_ns();
+      for (size_t k = 0; k < 3; ++k) {
+        const Trajectory::Location at = trajectory.Locate(times_ns[k]);
+        segment.nodes[k] = {at.first - first, at.u};
+      }
+    }
+    num_control_points = std::max(num_control_points, segment.nodes[2].first + kSplineOrder);
+    segment.scanner = observation->scanner_index;
+    segment.plane = static_cast<int>(
+        std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
+    segment.weights = WeightsOn(*observation,
+                                poses.Of(*observation).world_from_scanner.rotation,
+                                normals[static_cast<size_t>(segment.plane)]);
+    segments.push_back(segment);
+  }
+  return {
+      first,
+      std::move(ids),
+      SegmentGroup(
+          num_control_points, scanners, std::move(planes), std::move(segments), huber_width)};
+}
+
+}  // namespace
+
+SegmentWeights ObservationWeights(const ObservationPoses& poses,
+                                  const std::deque<Landmark>& landmarks,
+                                  const Observation& observation) {
+  const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
+  return WeightsOn(observation, poses.world_from_scanner.rotation, landmark.Normal());
+}
+
+namespace {
+
+std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig) {
+  std::vector<SegmentGroup::Scanner> scanners;
+  for (const Scanner& scanner : rig.scanners) {
+    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
+                        scanner.body_from_scanner.translation});
+  }
+  return scanners;
+}
+
+// Hash of which observations these are, with which beams and planes: what a list of them would
+// tell, in less memory. The mixing is that of SplitMix64 (Steele et al. 2014).
+uint64_t Fingerprint(const std::vector<const Observation*>& observations) {
+  uint64_t hash = 0;
+  const auto mix = [&hash](uint64_t value) {
+    hash = (hash ^ value) + 0x9e3779b97f4a7c15u;
+    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
+    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
+    hash ^= hash >> 31;
+  };
+  for (const Observation* observation : observations) {
+    mix(reinterpret_cast<uintptr_t>(observation));
+    mix(static_cast<uint64_t>(observation->landmark_id));
+    mix(static_cast<uint64_t>(observation->revision));
+  }
+  return hash;
+}
+
+// By the first of so many knot intervals in a row.
+std::map<int, std::vector<const Observation*>> ByInterval(
+    const Trajectory& trajectory,
+    const std::vector<const Observation*>& observations,
+    int intervals_per_group) {
+  std::map<int, std::vector<const Observation*>> by_interval;
+  std::vector<const Observation*>* members = nullptr;  // of the last one's interval
+  int64_t time_ns = 0;
+  for (const Observation* observation : observations) {
+    const int64_t now_ns = observation->measurement.node_times_ns()[0];
+    if (members == nullptr || now_ns != time_ns) {
+      time_ns = now_ns;
+      const int interval = trajectory.Locate(time_ns).first;
+      members = &by_interval[interval - interval % intervals_per_group];
+    }
+    members->push_back(observation);
+  }
+  return by_interval;
+}
+
+}  // namespace
+
+std::vector<ObservationGroup> GroupObservations(
+    const Rig& rig,
+    const Trajectory& trajectory,
+    const std::deque<Landmark>& landmarks,
+    const std::vector<const Observation*>& observations,
+    double huber_width) {
+  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
+  const auto by_interval = ByInterval(trajectory, observations, 1);
+  std::vector<ObservationGroup> groups;
+  groups.reserve(by_interval.size());
+  for (const auto& [first, members] : by_interval) {
+    groups.push_back(
+        MakeGroup(rig, scanners, trajectory, landmarks, first, members, huber_width));
+  }
+  return groups;
+}
+
+std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
+    const Rig& rig,
+    const Trajectory& trajectory,
+    const std::deque<Landmark>& landmarks,
+    const std::vector<const Observation*>& observations,
+    double huber_width) {
+  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
+  std::vector<const Entry*> entries;
+  for (const auto& [first, observed] :
+       ByInterval(trajectory, observations, intervals_per_group_)) {
+    const uint64_t fingerprint = Fingerprint(observed);
+    Kept& kept = groups_[first];
+    const bool stands = kept.entry.group != nullptr && kept.fingerprint == fingerprint &&
+                        (kept.huber_width == huber_width || kept.entry.group->is_plain());
+    if (!stands) {
+      ObservationGroup group =
+          MakeGroup(rig, scanners, trajectory, landmarks, first, observed, huber_width);
+      kept.entry = {first,
+                    std::move(group.landmark_ids),
+                    std::make_shared<LinearisedGroup>(std::move(group.group))};
+      kept.fingerprint = fingerprint;
+      kept.huber_width = huber_width;
+    }
+    kept.entry.group->set_validity(validity_);
+    entries.push_back(&kept.entry);
+  }
+  return entries;
+}
+
+void ObservationGroupCache::ForgetBefore(int control_point) {
+  groups_.erase(groups_.begin(), groups_.lower_bound(control_point));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/map/landmark.h"
+
+namespace plumbline {
+
+// A landmark as tests of many observations look at it: what they ask for at hand, in one
+// place. Valid while the landmark stands still.
+struct LandmarkCandidate {
+  const Landmark* landmark;
+  Eigen::Vector3d normal;
+  double distance;
+  // A sphere around all that has been seen of it: of hundreds of planes a scan reaches a few,
+  // and most others are told by it, without a look at the landmark itself.
+  Eigen::Vector3d centre_world;
+  double radius_m;
+  // Halves of the sides of the rectangle around it.
+  Eigen::Vector3d half_u;
+  Eigen::Vector3d half_v;
+  bool is_vertical;
+  bool heading_fixed;
+  Eigen::Matrix2d covariance;
+
+  explicit LandmarkCandidate(const Landmark& of);
+  double SignedDistance(const Eigen::Vector3d& p_world) const {
+    return normal.dot(p_world) - distance;
+  }
+  // Variance of the signed distance of a point (m^2), the point taken as given.
+  double DistanceVariance(const Eigen::Vector3d& p_world) const {
+    if (!is_vertical) return covariance(0, 0);
+    const double along =
+        heading_fixed ? 0.0 : normal.x() * p_world.y() - normal.y() * p_world.x();
+    return along * (along * covariance(0, 0) - 2.0 * covariance(0, 1)) + covariance(1, 1);
+  }
+  // See Landmark::DeviationJacobian.
+  Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
+                                    const Eigen::Vector3d& direction_world) const;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/rigid3.h"
+#include "core/geometry/scan_plane_motion.h"
+#include "core/map/observation.h"
+#include "core/sensor/rig.h"
+#include "core/trajectory/trajectory.h"
+
+namespace plumbline {
+
+// Where rig and scanner were while an observation was made: at its middle interpolation node,
+// and the scan plane's motion through all three.
+struct ObservationPoses {
+  std::array<int64_t, 3> times_ns;
+  Rigid3d world_from_body;
+  Rigid3d world_from_scanner;
+  ScanMotion motion;
+
+  // The rig's poses at the three nodes.
+  ObservationPoses(const std::array<int64_t, 3>& times_ns,
+                   const std::array<Rigid3d, 3>& world_from_body,
+                   const Rigid3d& body_from_scanner);
+  ObservationPoses(const std::array<int64_t, 3>& times_ns,
+                   const Rigid3d& body_from_scanner,
+                   PoseSampler* poses);
+  ObservationPoses(const Trajectory& trajectory,
+                   const Rigid3d& body_from_scanner,
+                   const Observation& observation);
+};
+
+// ObservationPoses of observations of the same few scan lines, each computed once. The
+// trajectory stays as it is meanwhile.
+class SharedPoses {
+ public:
+  SharedPoses(const Rig& rig, const Trajectory& trajectory)
+      : rig_(rig), sampler_(trajectory) {}
+
+  // Valid until the next call.
+  const ObservationPoses& Of(const Observation& observation);
+
+ private:
+  static constexpr size_t kNumKept = 4;  // scan lines; a scan's are asked for in any order
+
+  struct Kept {
+    int scanner_index;
+    std::array<Rigid3d, 3> world_from_body;
+    ObservationPoses poses;
+  };
+
+  // Another scanner's line of the same instants has the same.
+  std::array<Rigid3d, 3> BodiesAt(const std::array<int64_t, 3>& times_ns);
+
+  const Rig& rig_;
+  PoseSampler sampler_;
+  std::vector<Kept> kept_;
+  size_t next_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/map/map_state.h"
+#include "core/mapping/batch.h"
+#include "core/options/mapper_options.h"
+#include "core/result/plane_covariance.h"
+#include "core/result/result_types.h"
+#include "core/sensor/recording.h"
+#include "core/sensor/rig.h"
+#include "core/util/progress.h"
+#include "core/window/window.h"
+
+namespace plumbline {
+
+// What mapping a recording gives, before it is written.
+struct MapResult {
+  explicit MapResult(MapState state) : state(std::move(state)) {}
+
+  MapState state;
+  bool planar = false;
+  std::vector<int64_t> scan_times_ns;              // instant of each mapped scan
+  std::vector<WindowStatement> window_statements;  // where the options ask for them
+  PlaneCovariance window_planes;                   // of the last one
+  BatchReport batch;
+  std::vector<std::pair<std::string, double>> stages;  // name, seconds
+  std::vector<std::string> warnings;
+};
+
+// From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
+// scan tracking with the window, final batch (docs/architecture.md). Works on the threads of
+// the caller's tbb::task_arena, by default all of the machine: they change the time it takes,
+// never the result. Throws Error when the motion can not be followed.
+MapResult MapRecording(const Rig& rig,
+                       const MapperOptions& options,
+                       const ProgressCallback& progress,
+                       RecordingReader* recording);
+
+// What the variance factor says of a map: a warning where its standard deviations are too
+// small by more than 1.7. Throws Error where the scans contradict the map.
+std::optional<std::string> JudgeVarianceFactor(double variance_factor);
+
+}  // namespace plumbline

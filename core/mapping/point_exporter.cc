@@ -1,0 +1,223 @@
+#include "core/mapping/point_exporter.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include "core/association/association.h"
+#include "core/map/landmark_view.h"
+#include "core/map/observation_poses.h"
+#include "core/map/scan_line_batches.h"
+#include "core/result/point_buffer.h"
+#include "core/sensor/beam_instant.h"
+#include "core/sensor/scan_reader.h"
+#include "core/util/ordered_pipeline.h"
+#include "factors/segment/segment_measurement.h"
+
+namespace plumbline {
+namespace {
+
+// Points in such a span are placed by the quadratic through three poses, to better than
+// float's resolution.
+constexpr int64_t kMaxSpanNs = 25'000'000;
+
+// Share of points on planes over time, to tell where the pose is doubtful: where the estimate
+// went astray, segments no longer lie on the planes.
+class SupportOverTime {
+ public:
+  void Add(double time_s, int64_t num_points, int64_t num_on_planes) {
+    const auto bin = static_cast<size_t>(std::max(0.0, time_s) / kBinSeconds);
+    if (bin >= bins_.size()) bins_.resize(bin + 1);
+    bins_[bin].num_points += num_points;
+    bins_[bin].num_on_planes += num_on_planes;
+  }
+
+  // One sentence for each stretch with less than half of the overall share.
+  std::vector<std::string> Warnings() const {
+    Bin total;
+    for (const Bin& bin : bins_) {
+      total.num_points += bin.num_points;
+      total.num_on_planes += bin.num_on_planes;
+    }
+    std::vector<std::string> warnings;
+    for (size_t i = 0; i < bins_.size(); ++i) {
+      if (!IsDoubtful(bins_[i], total)) continue;
+      const size_t first = i;
+      while (i + 1 < bins_.size() && IsDoubtful(bins_[i + 1], total)) ++i;
+      char text[160];
+      std::snprintf(
+          text,
+          sizeof(text),
+          "from %.2f to %.2f s less than half as many points as usual lie on planes: "
+          "the pose is doubtful there",
+          static_cast<double>(first) * kBinSeconds,
+          static_cast<double>(i + 1) * kBinSeconds);
+      warnings.emplace_back(text);
+    }
+    return warnings;
+  }
+
+ private:
+  static constexpr double kBinSeconds = 0.25;
+  struct Bin {
+    int64_t num_points = 0;
+    int64_t num_on_planes = 0;
+  };
+
+  static bool IsDoubtful(const Bin& bin, const Bin& total) {
+    return 2 * bin.num_on_planes * total.num_points < bin.num_points * total.num_on_planes;
+  }
+
+  std::vector<Bin> bins_;
+};
+
+// What has come of a scan line.
+struct LineCount {
+  double time_s = 0.0;     // of its middle, since the recording's start
+  int64_t num_points = 0;  // valid ranges
+  int64_t num_placed = 0;  // within the map's time
+  int64_t num_used = 0;
+  double sum_squares = 0.0;  // of the residuals, m^2
+};
+
+// Some scan lines on their way into the map.
+struct Item {
+  LineBlock block;
+  std::vector<LineCount> counts;  // of the block's lines
+  PackedPoints points;
+};
+
+// Places the points of scan lines. Serves one block.
+class LinePlacer {
+ public:
+  // planes: of the landmarks, by id.
+  LinePlacer(const Rig& rig,
+             const MapState& state,
+             const std::vector<LandmarkCandidate>& planes,
+             int64_t start_ns)
+      : rig_(rig),
+        state_(state),
+        planes_(planes),
+        start_ns_(start_ns),
+        sampler_(state.trajectory) {}
+
+  LineCount Place(const LineBlock::Line& line, PackedPoints* points) {
+    plane_of_beam_.assign(line.scan_line.ranges.size(), nullptr);
+    for (size_t i = line.first_observation; i < line.last_observation; ++i) {
+      Assign(state_.observations[i]);
+    }
+    for (size_t i = line.first_run; i < line.last_run; ++i) Assign(state_.short_runs[i]);
+    return PlaceBeams(line.scan_line, points);
+  }
+
+ private:
+  // Notes the plane of an observation's beams.
+  void Assign(const Observation& observation) {
+    if (observation.landmark_id < 0) return;
+    const LandmarkCandidate* plane = &planes_[static_cast<size_t>(observation.landmark_id)];
+    for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
+      plane_of_beam_[static_cast<size_t>(beam)] = plane;
+    }
+    for (const int beam : observation.excluded_beams) {
+      plane_of_beam_[static_cast<size_t>(beam)] = nullptr;
+    }
+  }
+
+  LineCount PlaceBeams(const ScanLine& scan_line, PackedPoints* points) {
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const int64_t map_start_ns = state_.trajectory.start_ns();
+    const int64_t map_end_ns = state_.trajectory.end_ns();
+    int64_t span_end_ns = std::numeric_limits<int64_t>::min();
+    std::optional<ScanMotion> motion;
+    LineCount count;
+    count.time_s =
+        SecondsBetween(start_ns_, BeamInstant(scan_line, scan_line.num_beams() / 2, rig_));
+    for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
+      const double range = scan_line.ranges[static_cast<size_t>(beam)];
+      if (!scanner.IsValidRange(range)) continue;
+      ++count.num_points;
+      const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
+      if (time_ns < map_start_ns || time_ns >= map_end_ns) continue;
+      if (time_ns > span_end_ns) {
+        const int last = scan_line.num_beams() - 1;
+        span_end_ns = std::min(
+            {BeamInstant(scan_line, last, rig_), time_ns + kMaxSpanNs, map_end_ns - 1});
+        motion = ObservationPoses(
+                     NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
+                     .motion;
+      }
+      const Eigen::Vector3d p_world =
+          motion->ToWorld(range * scan_line.BeamDirection(beam), time_ns);
+      ++count.num_placed;
+      MapPoint point;
+      point.p_world = p_world.cast<float>();
+      point.time_s = SecondsBetween(start_ns_, time_ns);
+      point.scanner = scan_line.scanner_index;
+      point.residual_m = std::numeric_limits<float>::quiet_NaN();
+      if (const LandmarkCandidate* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
+        const double residual = plane->SignedDistance(p_world);
+        ++count.num_used;
+        count.sum_squares += residual * residual;
+        point.plane_id = plane->landmark->id;
+        point.residual_m = static_cast<float>(residual);
+      }
+      points->Add(point);
+    }
+    return count;
+  }
+
+  const Rig& rig_;
+  const MapState& state_;
+  const std::vector<LandmarkCandidate>& planes_;
+  int64_t start_ns_;
+  PoseSampler sampler_;
+  std::vector<const LandmarkCandidate*> plane_of_beam_;
+};
+
+}  // namespace
+
+PointReport ExportPoints(const Rig& rig,
+                         const MapState& state,
+                         const ProgressCallback& progress,
+                         RecordingReader* recording,
+                         ResultWriter* writer) {
+  std::vector<LandmarkCandidate> planes;
+  for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
+  LineBlockReader reader(recording, state);
+  SupportOverTime support;
+  double sum_squares = 0.0;
+  PointReport report;
+  ForEachInOrder<Item>(
+      [&](Item* item) { return reader.Next(&item->block); },
+      [&](Item* item) {
+        LinePlacer placer(rig, state, planes, recording->start_ns());
+        item->points.Clear();
+        item->counts.clear();
+        for (const LineBlock::Line& line : item->block.lines) {
+          item->counts.push_back(placer.Place(line, &item->points));
+        }
+      },
+      [&](Item* item) {
+        writer->AddMapPoints(item->points);
+        for (const LineCount& count : item->counts) {
+          report.num_points += count.num_points;
+          report.num_used += count.num_used;
+          sum_squares += count.sum_squares;
+          if (count.num_placed > 0) {
+            support.Add(count.time_s, count.num_placed, count.num_used);
+          }
+        }
+        progress(static_cast<double>(item->block.end_index) / recording->num_scan_lines());
+      });
+  if (report.num_used > 0) {
+    report.residual_rms_m = std::sqrt(sum_squares / static_cast<double>(report.num_used));
+  }
+  report.warnings = support.Warnings();
+  return report;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/map/map_state.h"
+#include "core/result/result_writer.h"
+#include "core/sensor/recording.h"
+#include "core/sensor/rig.h"
+#include "core/util/progress.h"
+
+namespace plumbline {
+
+// What the points of a recording say of a map.
+struct PointReport {
+  int64_t num_points = 0;       // valid ranges in the recording
+  int64_t num_used = 0;         // of these on segments and short runs of planes
+  double residual_rms_m = 0.0;  // of what is used
+  std::vector<std::string> warnings;
+};
+
+// Reads the recording once more and places every valid point, so that none had to be kept.
+// Works on the threads of the caller's tbb::task_arena.
+PointReport ExportPoints(const Rig& rig,
+                         const MapState& state,
+                         const ProgressCallback& progress,
+                         RecordingReader* recording,
+                         ResultWriter* writer);
+
+}  // namespace plumbline

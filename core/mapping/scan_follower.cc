@@ -1,0 +1,257 @@
+#include "core/mapping/scan_follower.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "core/association/association.h"
+#include "core/association/model_frame.h"
+#include "core/association/plane_merging.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/segmentation/segmentation.h"
+#include "core/sensor/beam_instant.h"
+#include "core/sensor/rig.h"
+#include "core/sensor/scanner_motion.h"
+#include "core/util/error.h"
+#include "core/util/time.h"
+#include "core/visibility/resegmentation.h"
+
+namespace plumbline {
+
+namespace {
+
+// Beyond these standard deviations, the planes given, the newest pose is lost.
+constexpr double kLostPosition = 0.5;                  // m
+constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
+
+}  // namespace
+
+ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
+  ScannerMotion motion;
+  if (!started()) return motion;
+  const int64_t time_ns = BeamInstant(scan_line, scan_line.num_beams() / 2, rig_);
+  Eigen::Vector3d angular_world;
+  Eigen::Vector3d linear_world;
+  state_->trajectory.Velocity(time_ns, &angular_world, &linear_world);
+  const Rigid3d world_from_body = state_->trajectory.WorldFromBody(time_ns);
+  const Rigid3d& body_from_scanner =
+      rig_.scanners[static_cast<size_t>(scan_line.scanner_index)].body_from_scanner;
+  const Eigen::Quaterniond scanner_from_world =
+      (world_from_body.rotation * body_from_scanner.rotation).conjugate();
+  const Eigen::Vector3d arm_world = world_from_body.rotation * body_from_scanner.translation;
+  const Eigen::Vector3d linear =
+      scanner_from_world * (linear_world + angular_world.cross(arm_world));
+  motion.velocity_m_s = linear.head<2>();
+  motion.yaw_rate_rad_s = (scanner_from_world * angular_world).z();
+  return motion;
+}
+
+std::vector<Observation> ScanFollower::Observe(const Scan& scan) {
+  const Stopwatch::Running running(&segmentation_watch_);
+  const size_t num_lines = scan.scan_lines.size();
+  std::vector<std::vector<Observation>> found(num_lines);
+  tbb::parallel_for(size_t{0}, num_lines, [&](size_t i) {
+    const ScanLine& scan_line = scan.scan_lines[i];
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    for (const Segment& segment : SegmentScanLine(
+             scan_line, scanner, PredictMotion(scan_line), options_.segmentation)) {
+      found[i].push_back(MakeObservation(
+          scan_line, scanner, segment, options_.batch.factor == FactorKind::kPoint));
+      found[i].back().scan_line_index = scan.scan_line_indices[i];
+    }
+  });
+  std::vector<Observation> observations;
+  for (std::vector<Observation>& line : found) {
+    for (Observation& observation : line) {
+      observation.scan_index = static_cast<int>(scan_times_ns_.size());
+      observations.push_back(std::move(observation));
+    }
+  }
+  return observations;
+}
+
+bool ScanFollower::Start(const Scan& scan) {
+  std::vector<Observation> observations = Observe(scan);
+  const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
+  if (!frame) return false;
+  const double interval_s = std::max(options_.trajectory.knot_interval_s,
+                                     options_.trajectory.min_scans_per_knot * scan_period_s_);
+  // Later scan lines may lie before this one by their scanners' time offsets.
+  double earliest_s = 0.0;
+  for (const Scanner& scanner : rig_.scanners) {
+    earliest_s = std::min(earliest_s, 2.0 * scanner.time_offset_s);
+  }
+  Trajectory trajectory(scan.start_ns + NanosecondsFromSeconds(earliest_s),
+                        NanosecondsFromSeconds(interval_s),
+                        {frame->world_from_body, Eigen::Vector3d::Zero()});
+  state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
+  state_->trajectory.ExtendTo(scan.end_ns);
+  window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
+  tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());
+  scan_times_ns_.push_back(scan.start_ns);
+  last_known_ns_ = scan.end_ns;
+
+  for (Observation& observation : observations) {
+    state_->observations.push_back(std::move(observation));
+  }
+  poses_.emplace(rig_, state_->trajectory);
+  // One scan must do for a start: its segments become planes at once, the first wall first.
+  const auto offer = [&](int index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    candidates_.Offer(observation, index, poses_->Of(observation), Matrix6d::Zero());
+  };
+  offer(frame->reference_observation);
+  const int num_observations = static_cast<int>(state_->observations.size());
+  for (int index = 0; index < num_observations; ++index) {
+    if (index != frame->reference_observation) offer(index);
+  }
+  StartPlanes(1);
+  Landmark& first_wall = state_->landmarks.front();
+  CHECK(first_wall.model == PlaneModel::kVertical);
+  first_wall.heading_fixed = true;
+  first_wall.parameters[0] = 0.0;
+  SolveWindow(scan.end_ns);
+  return true;
+}
+
+void ScanFollower::Accept(int observation_index, bool tracked) {
+  const Observation& observation =
+      state_->observations[static_cast<size_t>(observation_index)];
+  CountObservation(observation, poses_->Of(observation), state_.get());
+  window_->Add(observation_index);
+  if (!tracked) tracker_->Add(observation_index);
+}
+
+// Takes down how an observation agrees with its landmark.
+void ScanFollower::Judge(const Observation& observation) {
+  Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+  if (landmark.IsJudged()) return;
+  for (const PossibleLandmark& on : PossibleLandmarks(
+           observation,
+           poses_->Of(observation),
+           tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()),
+           {LandmarkCandidate(landmark)},
+           options_.association)) {
+    landmark.Judge(on.distance2);
+  }
+}
+
+void ScanFollower::AddLandmark(PlaneCandidate candidate) {
+  candidate.landmark.id = static_cast<int>(state_->landmarks.size());
+  state_->landmarks.push_back(std::move(candidate.landmark));
+  for (const int index : candidate.observations) {
+    state_->observations[static_cast<size_t>(index)].landmark_id = state_->landmarks.back().id;
+    Accept(index, false);
+  }
+}
+
+bool ScanFollower::ShadowsLandmark(const PlaneCandidate& candidate) const {
+  const int scan_index = static_cast<int>(scan_times_ns_.size()) - 1;
+  return std::any_of(
+      state_->landmarks.begin(), state_->landmarks.end(), [&](const Landmark& landmark) {
+        return landmark.num_segments > 0 &&
+               IsWithinGap(landmark, scan_index, options_.loop_closure) &&
+               IsShadow(candidate.landmark, landmark, MaxRangeNoise(rig_));
+      });
+}
+
+void ScanFollower::StartPlanes(int min_scans) {
+  for (PlaneCandidate& candidate : candidates_.TakeReady(min_scans)) {
+    // An observation that served two candidates belongs to the one that came first.
+    std::vector<int>& indices = candidate.observations;
+    indices.erase(
+        std::remove_if(indices.begin(),
+                       indices.end(),
+                       [&](int index) {
+                         return state_->observations[static_cast<size_t>(index)].landmark_id >=
+                                0;
+                       }),
+        indices.end());
+    if (static_cast<int>(indices.size()) < min_scans || ShadowsLandmark(candidate)) continue;
+    AddLandmark(std::move(candidate));
+  }
+}
+
+void ScanFollower::SolveWindow(int64_t now_ns) {
+  const double window_s = options_.window.num_scans * scan_period_s_;
+  tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
+  for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
+    const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
+    if (older.num_segments == 0) continue;
+    if (!MayBeTakenUp(older, last_solved_scan_, options_.loop_closure)) continue;
+    window_->MergeLandmarks(into, from);
+    MergeInto(into, from, state_.get());
+  }
+  last_solved_interval_ = state_->trajectory.Locate(now_ns).first;
+  last_solved_scan_ = static_cast<int>(scan_times_ns_.size()) - 1;
+}
+
+void ScanFollower::CheckNotLost(int64_t now_ns) {
+  const Matrix6d covariance = tracker_->pose_uncertainty().At(state_->trajectory, now_ns);
+  const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  if (position < kLostPosition && rotation < kLostRotation) {
+    last_known_ns_ = now_ns;
+    return;
+  }
+  // A few blind scans may be bridged, just as missing ones.
+  if (SecondsBetween(last_known_ns_, now_ns) < options_.max_gap_s) return;
+  char text[200];
+  std::snprintf(text,
+                sizeof(text),
+                "lost track of the rig %.3f s after the start of the map: the planes in view "
+                "leave its pose open by %.2f m and %.1f deg",
+                SecondsBetween(state_->origin_time_ns, last_known_ns_),
+                position,
+                rotation * 180.0 / M_PI);
+  throw Error(text);
+}
+
+void ScanFollower::Follow(const Scan& scan) {
+  state_->trajectory.ExtendTo(scan.end_ns);
+  const int first = static_cast<int>(state_->observations.size());
+  const int scan_index = static_cast<int>(scan_times_ns_.size());
+  for (Observation& observation : Observe(scan)) {
+    state_->observations.push_back(std::move(observation));
+  }
+  scan_times_ns_.push_back(scan.start_ns);
+  const int last = static_cast<int>(state_->observations.size()) - 1;
+  tracker_->Track(first, last, {state_->landmarks, scan_index, options_.loop_closure});
+  CheckNotLost(scan.end_ns);
+  // Where an unsteady rig was, and so where planes meet, is hardly known.
+  if (options_.window.recut_segments && tracker_->IsSteady(scan.end_ns)) {
+    RecutScan(rig_,
+              options_,
+              scan,
+              static_cast<size_t>(first),
+              tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
+              state_.get());
+  }
+  poses_.emplace(rig_, state_->trajectory);
+  for (int index = first; index <= last; ++index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) {
+      Judge(observation);
+      Accept(index, true);
+    } else if (observation.num_points > 0) {  // has beams left
+      candidates_.Offer(
+          observation,
+          index,
+          poses_->Of(observation),
+          tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
+    }
+  }
+  StartPlanes(options_.planes.min_scans);
+  candidates_.DropStale(scan.end_ns);
+  const int step =
+      tracker_->FollowsWell(scan.end_ns) ? options_.window.knot_intervals_per_step : 1;
+  if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {
+    SolveWindow(scan.end_ns);
+  }
+}
+
+}  // namespace plumbline

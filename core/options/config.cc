@@ -1,0 +1,138 @@
+#include "core/options/config.h"
+
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+#include "core/util/yaml_node.h"
+
+namespace plumbline {
+namespace {
+
+// The one place that ties every option to its YAML name and range. A visitor sees sections and
+// fields in a fixed order; one reads, one writes.
+template <typename Options, typename Visitor>
+void Visit(Options& o, Visitor& v) {
+  v.Section("trajectory", [&](auto& s) {
+    s.Number("knot_interval_s", o.trajectory.knot_interval_s, 0.01, 10.0);
+    s.Number("min_scans_per_knot", o.trajectory.min_scans_per_knot, 0.5, 100.0);
+    s.Number("acceleration_stddev_m_s2", o.trajectory.acceleration_stddev_m_s2, 1e-3, 1e3);
+    s.Number("angular_acceleration_stddev_deg_s2",
+             o.trajectory.angular_acceleration_stddev_deg_s2,
+             1e-2,
+             1e5);
+    s.Number("initial_speed_stddev_m_s", o.trajectory.initial_speed_stddev_m_s, 1e-3, 100.0);
+    s.Number("initial_turn_rate_stddev_deg_s",
+             o.trajectory.initial_turn_rate_stddev_deg_s,
+             1e-2,
+             1e4);
+  });
+  v.Section("segmentation", [&](auto& s) {
+    s.Integer("min_points", o.segmentation.min_points, 3, 1000);
+    s.Number("significance", o.segmentation.significance, 1e-12, 0.5);
+    s.Number("ambiguity_sigmas", o.segmentation.ambiguity_sigmas, 0.0, 100.0);
+  });
+  v.Section("association", [&](auto& s) {
+    s.Number("significance", o.association.significance, 1e-12, 0.5);
+    s.Number("max_gap_m", o.association.max_gap_m, 0.0, 100.0);
+    s.Number("surface_flatness_m", o.association.surface_flatness_m, 1e-4, 1.0);
+  });
+  v.Section("planes", [&](auto& s) {
+    s.Integer("min_points", o.planes.min_points, 3, 10000);
+    s.Number("max_direction_sigma_deg", o.planes.max_direction_sigma_deg, 0.01, 90.0);
+    s.Integer("min_scans", o.planes.min_scans, 1, 1000);
+    s.Number("max_candidate_age_s", o.planes.max_candidate_age_s, 0.0, 1e6);
+  });
+  v.Section("window", [&](auto& s) {
+    s.Integer("num_scans", o.window.num_scans, 2, 10000);
+    s.Integer("knot_intervals_per_step", o.window.knot_intervals_per_step, 1, 100);
+    s.Flag("recut_segments", o.window.recut_segments);
+    s.Flag("keep_statements", o.window.keep_statements);
+  });
+  v.Section("loop_closure", [&](auto& s) {
+    s.Flag("enabled", o.loop_closure.enabled);
+    s.Integer(
+        "max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
+  });
+  v.Section("batch", [&](auto& s) {
+    s.Choice("factor", o.batch.factor, {"segment", "point"});
+    s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
+    s.Flag("recut_segments", o.batch.recut_segments);
+    s.Flag("estimate_motion_noise", o.batch.estimate_motion_noise);
+  });
+  v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
+}
+
+struct FieldReader {
+  const YamlNode& node;
+  void Number(const char* key, double& value, double min, double max) {
+    node.Optional(key, &value, min, max);
+  }
+  void Integer(const char* key, int& value, int min, int max) {
+    node.Optional(key, &value, min, max);
+  }
+  void Flag(const char* key, bool& value) { node.Optional(key, &value); }
+  template <typename Enum>
+  void Choice(const char* key, Enum& value, const std::vector<std::string>& words) {
+    if (node.Has(key)) value = static_cast<Enum>(node[key].AsChoice(words));
+  }
+};
+
+struct SectionReader {
+  const YamlNode& root;
+  template <typename Fields>
+  void Section(const char* name, Fields fields) {
+    if (!root.Has(name)) return;
+    const YamlNode section = root[name];
+    FieldReader reader{section};
+    fields(reader);
+    section.RejectUnreadKeys();
+  }
+};
+
+struct FieldWriter {
+  std::ostream& out;
+  void Number(const char* key, double value, double, double) { Line(key) << value << "\n"; }
+  void Integer(const char* key, int value, int, int) { Line(key) << value << "\n"; }
+  void Flag(const char* key, bool value) { Line(key) << (value ? "true" : "false") << "\n"; }
+  template <typename Enum>
+  void Choice(const char* key, Enum value, const std::vector<std::string>& words) {
+    Line(key) << words[static_cast<size_t>(value)] << "\n";
+  }
+  std::ostream& Line(const char* key) { return out << "  " << key << ": "; }
+};
+
+struct SectionWriter {
+  std::ostream& out;
+  template <typename Fields>
+  void Section(const char* name, Fields fields) {
+    out << name << ":\n";
+    FieldWriter writer{out};
+    fields(writer);
+  }
+};
+
+}  // namespace
+
+MapperOptions ReadMapperOptions(const std::string& path) {
+  const YamlNode file = YamlNode::ReadFile(path);
+  MapperOptions options;
+  // An experiment is known by its building; its other keys are the simulator's to check.
+  const bool is_experiment = file.Has("building") || file.Has("mapper");
+  if (is_experiment && !file.Has("mapper")) return options;
+  const YamlNode root = is_experiment ? file["mapper"] : file;
+  SectionReader reader{root};
+  Visit(options, reader);
+  root.RejectUnreadKeys();
+  return options;
+}
+
+std::string MapperOptionsToYaml(const MapperOptions& options) {
+  std::ostringstream out;
+  out << std::setprecision(12);
+  SectionWriter writer{out};
+  Visit(options, writer);
+  return out.str();
+}
+
+}  // namespace plumbline

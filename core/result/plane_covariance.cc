@@ -1,0 +1,148 @@
+#include "core/result/plane_covariance.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "core/util/error.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<int> Offsets(const std::vector<PlanePatch>& planes) {
+  std::vector<int> offsets = {0};
+  for (const PlanePatch& plane : planes) {
+    offsets.push_back(offsets.back() + static_cast<int>(ParameterNames(plane).size()));
+  }
+  return offsets;
+}
+
+}  // namespace
+
+std::vector<std::string> ParameterNames(const PlanePatch& plane) {
+  switch (plane.type) {
+    case PlaneType::kHorizontal:
+      return {"d"};
+    case PlaneType::kVertical:
+      return {"angle", "d"};
+    case PlaneType::kGeneral:
+      break;
+  }
+  throw Error("plane " + std::to_string(plane.id) + ": no covariance for general planes");
+}
+
+PlaneCovariance::PlaneCovariance(std::vector<PlanePatch> planes, Eigen::MatrixXd covariance)
+    : planes_(std::move(planes)),
+      offsets_(Offsets(planes_)),
+      covariance_(std::move(covariance)) {
+  CHECK_EQ(covariance_.rows(), offsets_.back());
+  CHECK_EQ(covariance_.cols(), offsets_.back());
+}
+
+size_t PlaneCovariance::Find(int plane) const {
+  const auto at = std::find_if(planes_.begin(), planes_.end(), [&](const PlanePatch& patch) {
+    return patch.id == plane;
+  });
+  if (at == planes_.end()) throw Error("there is no plane " + std::to_string(plane));
+  return static_cast<size_t>(at - planes_.begin());
+}
+
+Eigen::RowVectorXd PlaneCovariance::DistanceRow(size_t plane,
+                                                const Eigen::Vector3d& point) const {
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(covariance_.cols());
+  const PlanePatch& patch = planes_[plane];
+  const int offset = offsets_[plane];
+  if (patch.type == PlaneType::kHorizontal) {
+    row[offset] = -1.0;
+  } else {
+    row[offset] = patch.normal.x() * point.y() - patch.normal.y() * point.x();
+    row[offset + 1] = -1.0;
+  }
+  return row;
+}
+
+Eigen::RowVectorXd PlaneCovariance::AngleRow(size_t plane) const {
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(covariance_.cols());
+  if (planes_[plane].type == PlaneType::kVertical) row[offsets_[plane]] = 1.0;
+  return row;
+}
+
+double PlaneCovariance::Stddev(const Eigen::RowVectorXd& row) const {
+  return std::sqrt(std::max(0.0, row.dot(covariance_ * row.transpose())));
+}
+
+double PlaneCovariance::AngleStddev(int plane_a, int plane_b) const {
+  const size_t a = Find(plane_a);
+  const size_t b = Find(plane_b);
+  // A wall and a floor are at right angles, whatever the wall's direction.
+  if (planes_[a].type != planes_[b].type) return 0.0;
+  return Stddev(AngleRow(a) - AngleRow(b));
+}
+
+double PlaneCovariance::DistanceStddev(const Eigen::Vector3d& point, int plane) const {
+  return Stddev(DistanceRow(Find(plane), point));
+}
+
+double PlaneCovariance::SeparationStddev(const Eigen::Vector3d& point,
+                                         int plane_a,
+                                         int plane_b) const {
+  const size_t a = Find(plane_a);
+  const size_t b = Find(plane_b);
+  const PlanePatch& first = planes_[a];
+  const Eigen::Vector3d on_a = point - first.SignedDistance(point) * first.normal;
+  // When a moves away from the point by e along its normal, the point of a follows.
+  const double follows = planes_[b].normal.dot(first.normal);
+  return Stddev(DistanceRow(b, on_a) - follows * DistanceRow(a, on_a));
+}
+
+std::vector<PlaneCovariance::Correlation> PlaneCovariance::LargestCorrelations(
+    size_t count) const {
+  struct Quantity {
+    size_t plane;
+    bool angle;
+  };
+  std::vector<Quantity> quantities;
+  Eigen::MatrixXd rows(0, covariance_.cols());
+  const auto add = [&](size_t plane, bool angle, const Eigen::RowVectorXd& row) {
+    if (Stddev(row) == 0.0) return;  // held by the gauge
+    quantities.push_back({plane, angle});
+    rows.conservativeResize(rows.rows() + 1, Eigen::NoChange);
+    rows.bottomRows<1>() = row / Stddev(row);
+  };
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    add(i, true, AngleRow(i));
+    add(i, false, DistanceRow(i, planes_[i].centre));
+  }
+  const Eigen::MatrixXd values = rows * covariance_ * rows.transpose();
+  std::vector<Correlation> correlations;
+  for (size_t i = 0; i < quantities.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const Quantity& a = quantities[j];
+      const Quantity& b = quantities[i];
+      if (a.plane == b.plane) continue;
+      correlations.push_back(
+          {planes_[a.plane].id,
+           planes_[b.plane].id,
+           a.angle,
+           b.angle,
+           values(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i))});
+    }
+  }
+  const size_t num_kept = std::min(count, correlations.size());
+  std::partial_sort(correlations.begin(),
+                    correlations.begin() + static_cast<std::ptrdiff_t>(num_kept),
+                    correlations.end(),
+                    [](const Correlation& a, const Correlation& b) {
+                      return std::abs(a.value) > std::abs(b.value);
+                    });
+  correlations.resize(num_kept);
+  return correlations;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,242 @@
+#include "core/result/result_reader.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "core/util/error.h"
+
+namespace plumbline {
+
+namespace {
+
+constexpr double kRadiansPerDegree = M_PI / 180.0;
+// How far the length of a unit vector or quaternion may be off, given with few decimals.
+constexpr double kUnitTolerance = 1e-3;
+constexpr long double kMaxTimeS = 9.2e9L;  // int64 nanoseconds
+
+// long double holds seconds since 1970 with 9 decimals, double does not.
+using Json = nlohmann::
+    basic_json<std::map, std::vector, std::string, bool, int64_t, uint64_t, long double>;
+
+std::string ReadText(const std::string& path) {
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream || (text.tellp() <= 0 && errno != 0)) {
+    throw Error(path + ": can not be read: " + std::strerror(errno != 0 ? errno : EIO));
+  }
+  return text.str();
+}
+
+int64_t NanosecondsFromLongSeconds(long double seconds) {
+  return std::llroundl(seconds * 1e9L);
+}
+
+// Reads the numbers of one line; false where it holds anything else or another number of them.
+bool ParseNumbers(const std::string& line, std::vector<long double>* numbers, size_t count) {
+  numbers->clear();
+  const char* position = line.c_str();
+  while (true) {
+    char* end = nullptr;
+    const long double number = std::strtold(position, &end);
+    if (end == position) break;
+    numbers->push_back(number);
+    position = end;
+  }
+  return numbers->size() == count && std::strspn(position, " \t\r") == std::strlen(position);
+}
+
+// Reads the fields of one plane and names what is wrong with them.
+class PlaneReader {
+ public:
+  PlaneReader(const std::string& path, size_t element, const Json& json)
+      : location_(path + ": element " + std::to_string(element)), json_(json) {
+    if (!json.is_object()) throw Error(location_ + " is not an object");
+    if (json.contains("id") && json["id"].is_number_integer()) {
+      location_ += " (plane " + std::to_string(json["id"].get<int64_t>()) + ")";
+    }
+  }
+
+  PlanePatch Read() const {
+    PlanePatch plane;
+    plane.id = static_cast<int>(Integer("id", std::numeric_limits<int>::max()));
+    plane.type = Type();
+    plane.normal = Vector("normal", Field("normal"));
+    if (std::abs(plane.normal.norm() - 1.0) > kUnitTolerance) Fail("normal", "a unit vector");
+    plane.normal.normalize();
+    plane.distance = Number("distance", Field("distance"));
+    plane.sigma_angle_rad = Sigma("sigma_angle_deg") * kRadiansPerDegree;
+    plane.sigma_distance_m = Sigma("sigma_distance_m");
+    plane.centre = Vector("centre", Field("centre"));
+    const Json& outline = Field("outline");
+    if (!outline.is_array()) Fail("outline", "an array of points");
+    for (const Json& corner : outline) plane.outline.push_back(Vector("outline", corner));
+    plane.num_points = Integer("num_points", std::numeric_limits<int64_t>::max());
+    plane.num_segments =
+        static_cast<int>(Integer("num_segments", std::numeric_limits<int>::max()));
+    plane.first_time_ns = Time("first_time");
+    plane.last_time_ns = Time("last_time");
+    return plane;
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& key, const std::string& expected) const {
+    throw Error(location_ + ": '" + key + "' must be " + expected);
+  }
+
+  const Json& Field(const std::string& key) const {
+    const auto field = json_.find(key);
+    if (field == json_.end()) throw Error(location_ + ": has no '" + key + "'");
+    return *field;
+  }
+
+  double Number(const std::string& key, const Json& json) const {
+    if (!json.is_number()) Fail(key, "a number");
+    const double number = json.get<double>();
+    if (!std::isfinite(number)) Fail(key, "a finite number");
+    return number;
+  }
+
+  // Written as null where there is none.
+  double Sigma(const std::string& key) const {
+    const Json& json = Field(key);
+    if (json.is_null()) return std::numeric_limits<double>::quiet_NaN();
+    const double sigma = Number(key, json);
+    if (sigma < 0.0) Fail(key, "zero or positive");
+    return sigma;
+  }
+
+  int64_t Integer(const std::string& key, int64_t max) const {
+    const Json& json = Field(key);
+    if (!json.is_number_integer() || json.get<long double>() < 0.0L ||
+        json.get<long double>() > static_cast<long double>(max)) {
+      Fail(key, "an integer from 0 to " + std::to_string(max));
+    }
+    return json.get<int64_t>();
+  }
+
+  int64_t Time(const std::string& key) const {
+    const Json& json = Field(key);
+    if (!json.is_number()) Fail(key, "a time in seconds");
+    const long double seconds = json.get<long double>();
+    if (!(std::abs(seconds) <= kMaxTimeS)) Fail(key, "a time in seconds");
+    return NanosecondsFromLongSeconds(seconds);
+  }
+
+  Eigen::Vector3d Vector(const std::string& key, const Json& json) const {
+    if (!json.is_array() || json.size() != 3) Fail(key, "made of three numbers");
+    return {Number(key, json[0]), Number(key, json[1]), Number(key, json[2])};
+  }
+
+  PlaneType Type() const {
+    const Json& json = Field("type");
+    for (PlaneType type :
+         {PlaneType::kHorizontal, PlaneType::kVertical, PlaneType::kGeneral}) {
+      if (json.is_string() && json.get<std::string>() == PlaneTypeName(type)) return type;
+    }
+    Fail("type", "horizontal, vertical or general");
+  }
+
+  std::string location_;
+  const Json& json_;
+};
+
+StampedPose ParsePose(const std::string& line, const std::string& location) {
+  std::vector<long double> numbers;
+  if (!ParseNumbers(line, &numbers, 8)) {
+    throw Error(location + ": not the eight numbers t x y z qx qy qz qw");
+  }
+  for (const long double number : numbers) {
+    if (!std::isfinite(number)) throw Error(location + ": a number is not finite");
+  }
+  if (std::abs(numbers[0]) > kMaxTimeS) throw Error(location + ": time out of range");
+  const auto number = [&numbers](size_t i) { return static_cast<double>(numbers[i]); };
+  StampedPose pose;
+  pose.time_ns = NanosecondsFromLongSeconds(numbers[0]);
+  pose.world_from_body.translation = {number(1), number(2), number(3)};
+  const Eigen::Quaterniond rotation(number(7), number(4), number(5), number(6));
+  if (std::abs(rotation.norm() - 1.0) > kUnitTolerance) {
+    throw Error(location + ": qx qy qz qw is not a unit quaternion");
+  }
+  pose.world_from_body.rotation = rotation.normalized();
+  return pose;
+}
+
+}  // namespace
+
+std::vector<StampedPose> ReadTrajectory(const std::string& path) {
+  std::istringstream text(ReadText(path));
+  std::vector<StampedPose> poses;
+  std::string line;
+  for (int line_number = 1; std::getline(text, line); ++line_number) {
+    const size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    const std::string location = path + ":" + std::to_string(line_number);
+    const StampedPose pose = ParsePose(line, location);
+    if (!poses.empty() && pose.time_ns <= poses.back().time_ns) {
+      throw Error(location + ": time does not increase");
+    }
+    poses.push_back(pose);
+  }
+  if (poses.empty()) throw Error(path + ": holds no poses");
+  return poses;
+}
+
+std::vector<PlanePatch> ReadPlanes(const std::string& path) {
+  const std::string text = ReadText(path);
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    throw Error(path + ": byte " + std::to_string(error.byte) + ": is not valid JSON");
+  } catch (const Json::exception& error) {
+    throw Error(path + ": is not valid JSON: " + error.what());
+  }
+  if (!json.is_array()) throw Error(path + ": is not an array of planes");
+  std::vector<PlanePatch> planes;
+  for (size_t i = 0; i < json.size(); ++i) {
+    planes.push_back(PlaneReader(path, i, json[i]).Read());
+  }
+  return planes;
+}
+
+PlaneCovariance ReadPlaneCovariance(const std::string& result_directory) {
+  const std::filesystem::path directory = result_directory;
+  std::vector<PlanePatch> planes = ReadPlanes((directory / "planes.json").string());
+  const std::string path = (directory / "plane_covariance.csv").string();
+  int size = 0;
+  for (const PlanePatch& plane : planes)
+    size += static_cast<int>(ParameterNames(plane).size());
+  std::ifstream file(path);
+  if (!file) throw Error(path + ": can not be read");
+  Eigen::MatrixXd covariance(size, size);
+  std::string line;
+  std::getline(file, line);
+  for (int row = 0; row < size; ++row) {
+    const std::string place = path + ":" + std::to_string(row + 2);
+    if (!std::getline(file, line)) throw Error(place + ": a line for each parameter expected");
+    std::istringstream fields(line);
+    std::string field;
+    std::getline(fields, field, ',');
+    std::getline(fields, field, ',');
+    for (int column = 0; column < size; ++column) {
+      char* end = nullptr;
+      if (!std::getline(fields, field, ',')) throw Error(place + ": too few numbers");
+      covariance(row, column) = std::strtod(field.c_str(), &end);
+      if (end == field.c_str() || *end != '\0') {
+        throw Error(place + ": not a number: '" + field + "'");
+      }
+    }
+  }
+  return PlaneCovariance(std::move(planes), std::move(covariance));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,231 @@
+#include "core/result/result_text.h"
+
+#include <glog/logging.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace plumbline {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+// Exact: a double can not hold today's nanoseconds.
+std::string SecondsText(int64_t time_ns) {
+  constexpr uint64_t kNanoseconds = 1'000'000'000;
+  const uint64_t magnitude =
+      time_ns < 0 ? -static_cast<uint64_t>(time_ns) : static_cast<uint64_t>(time_ns);
+  char text[48];
+  std::snprintf(text,
+                sizeof(text),
+                "%s%llu.%09llu",
+                time_ns < 0 ? "-" : "",
+                static_cast<unsigned long long>(magnitude / kNanoseconds),
+                static_cast<unsigned long long>(magnitude % kNanoseconds));
+  return text;
+}
+
+// With so many digits after the point. printf's %f and %e, faster: a trajectory has hundreds
+// of thousands of numbers.
+void AppendNumber(double value, std::chars_format format, int digits, std::string* text) {
+  std::array<char, 400> number;  // the largest double has 309 digits before the point
+  const auto [end, error] =
+      std::to_chars(number.data(), number.data() + number.size(), value, format, digits);
+  CHECK(error == std::errc());
+  text->append(number.data(), end);
+}
+
+// The shortest text that reads back as the same double.
+std::string NumberText(double value) { return nlohmann::json(value).dump(); }
+
+std::string VectorText(const Eigen::Vector3d& vector) {
+  return "[" + NumberText(vector.x()) + ", " + NumberText(vector.y()) + ", " +
+         NumberText(vector.z()) + "]";
+}
+
+std::string PlaneText(const PlanePatch& plane) {
+  std::string outline;
+  for (const Eigen::Vector3d& corner : plane.outline) {
+    outline += (outline.empty() ? "" : ", ") + VectorText(corner);
+  }
+  std::string text = "{\"id\": " + std::to_string(plane.id);
+  const auto add = [&text](const std::string& key, const std::string& value) {
+    text += ", \"" + key + "\": " + value;
+  };
+  add("type", "\"" + PlaneTypeName(plane.type) + "\"");
+  add("normal", VectorText(plane.normal));
+  add("distance", NumberText(plane.distance));
+  add("sigma_angle_deg", NumberText(plane.sigma_angle_rad * kDegreesPerRadian));
+  add("sigma_distance_m", NumberText(plane.sigma_distance_m));
+  add("centre", VectorText(plane.centre));
+  add("outline", "[" + outline + "]");
+  add("num_points", std::to_string(plane.num_points));
+  add("num_segments", std::to_string(plane.num_segments));
+  add("first_time", SecondsText(plane.first_time_ns));
+  add("last_time", SecondsText(plane.last_time_ns));
+  return text + "}";
+}
+
+// A bright colour "red green blue"; hues of successive ids are far apart (golden ratio).
+std::string ColourText(int id) {
+  const double hue = 6.0 * std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0);
+  const auto channel = [hue](double offset) {
+    const double position = std::fmod(hue + offset + 6.0, 6.0);
+    const double ramp = std::min(std::max(std::abs(position - 3.0) - 1.0, 0.0), 1.0);
+    return std::to_string(static_cast<int>(std::lround(64.0 + 191.0 * ramp)));
+  };
+  return channel(0.0) + " " + channel(4.0) + " " + channel(2.0);
+}
+
+}  // namespace
+
+std::string FormatTrajectory(const std::vector<StampedPose>& poses) {
+  std::string text;
+  for (const StampedPose& pose : poses) {
+    const Eigen::Vector3d& p = pose.world_from_body.translation;
+    Eigen::Quaterniond q = pose.world_from_body.rotation.normalized();
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+    CHECK(p.allFinite() && q.coeffs().allFinite()) << "pose at " << pose.time_ns << " ns";
+    text += SecondsText(pose.time_ns);
+    const auto append = [&text](double value, int digits) {
+      text += ' ';
+      AppendNumber(value, std::chars_format::fixed, digits, &text);
+    };
+    for (const double value : p) append(value, 9);
+    for (const double value : q.coeffs()) append(value, 12);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string FormatPlanes(const std::vector<PlanePatch>& planes) {
+  std::string text = "[";
+  for (const PlanePatch& plane : planes) {
+    text += text.size() == 1 ? "\n  " : ",\n  ";
+    text += PlaneText(plane);
+  }
+  return text + "\n]\n";
+}
+
+std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
+  std::string vertices;
+  std::string faces;
+  int num_vertices = 0;
+  int num_faces = 0;
+  for (const PlanePatch& plane : planes) {
+    if (plane.outline.size() < 3) continue;
+    const std::string colour = ColourText(plane.id);
+    faces += std::to_string(plane.outline.size());
+    for (const Eigen::Vector3d& corner : plane.outline) {
+      char position[128];
+      std::snprintf(
+          position, sizeof(position), "%.6g %.6g %.6g ", corner.x(), corner.y(), corner.z());
+      vertices += position + colour + "\n";
+      faces += " " + std::to_string(num_vertices++);
+    }
+    faces += " " + colour + " " + std::to_string(plane.id) + "\n";
+    ++num_faces;
+  }
+  // Colours stand with the corners too: few viewers show those of faces.
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(num_vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
+         std::to_string(num_faces) +
+         "\nproperty list int int vertex_indices\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "property int plane_id\nend_header\n" +
+         vertices + faces;
+}
+
+std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& poses) {
+  const char* const names[] = {"px", "py", "pz", "rx", "ry", "rz"};
+  std::string text = "t";
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) text += std::string(",") + names[i] + "_" + names[j];
+  }
+  text += "\n";
+  for (const StampedCovariance& pose : poses) {
+    text += SecondsText(pose.time_ns);
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) {
+        text += ',';
+        AppendNumber(pose.covariance(i, j), std::chars_format::scientific, 6, &text);
+      }
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string FormatSummary(const Summary& summary) {
+  nlohmann::ordered_json json;
+  json["scans"] = summary.scans;
+  json["points"] = summary.points;
+  json["points_used"] = summary.points_used;
+  json["segments"] = summary.segments;
+  json["planes"] = summary.planes;
+  json["control_points"] = summary.control_points;
+  json["residual_rms_m"] = summary.residual_rms_m;
+  json["variance_factor"] = summary.variance_factor;
+  json["duration_s"] = summary.duration_s;
+  nlohmann::ordered_json stages = nlohmann::ordered_json::object();
+  for (const auto& [name, seconds] : summary.stages) {
+    stages[name] = stages.value(name, 0.0) + seconds;
+  }
+  json["stages"] = stages;
+  json["real_time_factor"] = summary.real_time_factor;
+  json["peak_memory_mb"] = summary.peak_memory_mb;
+  const auto list = [](const std::vector<std::pair<std::string, double>>& figures) {
+    nlohmann::ordered_json array = nlohmann::ordered_json::array();
+    for (const auto& [what, value] : figures) {
+      array.push_back({{"what", what}, {"value", value}});
+    }
+    return array;
+  };
+  json["largest_correlations"] = list(summary.largest_correlations);
+  json["weakest_directions"] = list(summary.weakest_directions);
+  json["motion"] = summary.motion;
+  const auto object = [](const std::vector<std::pair<std::string, double>>& figures) {
+    nlohmann::ordered_json named = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : figures) named[name] = value;
+    return named;
+  };
+  json["motion_noise"] = object(summary.motion_noise);
+  json["motion_found"] = object(summary.motion_found);
+  json["reference_plane_id"] = summary.reference_plane_id;
+  json["warnings"] = summary.warnings;
+  // File names in warnings need not be UTF-8.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string FormatPlaneCovariance(const PlaneCovariance& covariance) {
+  std::vector<std::pair<std::string, std::string>> names;  // id, parameter
+  for (const PlanePatch& plane : covariance.planes()) {
+    for (const std::string& name : ParameterNames(plane)) {
+      names.emplace_back(std::to_string(plane.id), name);
+    }
+  }
+  std::string text = "plane,parameter";
+  for (const auto& [id, name] : names) text += "," + id + ":" + name;
+  text += "\n";
+  char number[40];
+  for (size_t i = 0; i < names.size(); ++i) {
+    text += names[i].first + "," + names[i].second;
+    for (size_t j = 0; j < names.size(); ++j) {
+      std::snprintf(
+          number,
+          sizeof(number),
+          ",%.10e",
+          covariance.covariance()(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+      text += number;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline

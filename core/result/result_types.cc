@@ -1,0 +1,19 @@
+#include "core/result/result_types.h"
+
+#include <glog/logging.h>
+
+namespace plumbline {
+
+std::string PlaneTypeName(PlaneType type) {
+  switch (type) {
+    case PlaneType::kHorizontal:
+      return "horizontal";
+    case PlaneType::kVertical:
+      return "vertical";
+    case PlaneType::kGeneral:
+      return "general";
+  }
+  LOG(FATAL) << "plane type " << static_cast<int>(type);
+}
+
+}  // namespace plumbline

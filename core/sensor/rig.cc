@@ -1,0 +1,160 @@
+#include "core/sensor/rig.h"
+
+#include <array>
+#include <charconv>
+#include <set>
+#include <sstream>
+
+#include "core/util/atomic_file.h"
+#include "core/util/error.h"
+#include "core/util/yaml_node.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+const std::array<const char*, 3> kMotionNames = {"automatic", "spatial", "planar"};
+
+Rigid3d ReadRigid(const YamlNode& node) {
+  const std::vector<double> t = node["translation"].AsDoubles(3, -100.0, 100.0);
+  const std::vector<double> rpy = node["rotation_rpy_deg"].AsDoubles(3, -360.0, 360.0);
+  node.RejectUnreadKeys();
+  return {RotationFromRollPitchYaw(rpy[0] * kDegree, rpy[1] * kDegree, rpy[2] * kDegree),
+          Eigen::Vector3d(t[0], t[1], t[2])};
+}
+
+Scanner ReadScanner(const YamlNode& node) {
+  Scanner scanner;
+  scanner.name = node["name"].AsString();
+  scanner.topic = node["topic"].AsString();
+  scanner.body_from_scanner = ReadRigid(node["body_from_scanner"]);
+  scanner.range_noise_m = node["range_noise_m"].AsDouble(1e-6, 10.0);
+  scanner.min_range_m = node["min_range_m"].AsDouble(0.0, 1000.0);
+  scanner.max_range_m = node["max_range_m"].AsDouble(0.0, 1000.0);
+  if (scanner.min_range_m >= scanner.max_range_m) {
+    node["min_range_m"].Fail("min_range_m must be less than max_range_m");
+  }
+  node.Optional("time_offset_s", &scanner.time_offset_s, -10.0, 10.0);
+  double angle_noise_deg = scanner.angle_noise_rad / kDegree;
+  node.Optional("angle_noise_deg", &angle_noise_deg, 0.0, 10.0);
+  scanner.angle_noise_rad = angle_noise_deg * kDegree;
+  node.Optional("beams", &scanner.beams, 2, 100000);
+  node.Optional("field_of_view_deg", &scanner.field_of_view_deg, 0.1, 360.0);
+  node.Optional("scan_rate_hz", &scanner.scan_rate_hz, 0.1, 1000.0);
+  node.RejectUnreadKeys();
+  return scanner;
+}
+
+// Shortest text that reads back as the same double.
+std::string Format(double value) {
+  std::array<char, 32> buffer;
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return std::string(buffer.data(), result.ptr);
+}
+
+std::string Format(const Eigen::Vector3d& v) {
+  return "[" + Format(v.x()) + ", " + Format(v.y()) + ", " + Format(v.z()) + "]";
+}
+
+// Always in double quotes, so that any name reads back as the text it was.
+std::string Quote(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n') {
+      quoted += "\\n";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+Eigen::Vector3d RollPitchYawDegrees(const Eigen::Quaterniond& rotation) {
+  const Eigen::Matrix3d r = rotation.toRotationMatrix();
+  const double cos_pitch = std::hypot(r(0, 0), r(1, 0));
+  const double pitch = std::atan2(-r(2, 0), cos_pitch);
+  // Looking straight up or down only the sum of roll and yaw counts.
+  if (cos_pitch < 1e-9) {
+    return Eigen::Vector3d(0.0, pitch, std::atan2(-r(0, 1), r(1, 1))) / kDegree;
+  }
+  return Eigen::Vector3d(std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))) /
+         kDegree;
+}
+
+void WriteScanner(const Scanner& scanner, std::ostream& out) {
+  const Rigid3d& pose = scanner.body_from_scanner;
+  out << "  - name: " << Quote(scanner.name) << "\n"
+      << "    topic: " << Quote(scanner.topic) << "\n"
+      << "    body_from_scanner:\n"
+      << "      translation: " << Format(pose.translation) << "\n"
+      << "      rotation_rpy_deg: " << Format(RollPitchYawDegrees(pose.rotation)) << "\n"
+      << "    range_noise_m: " << Format(scanner.range_noise_m) << "\n"
+      << "    angle_noise_deg: " << Format(scanner.angle_noise_rad / kDegree) << "\n"
+      << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
+      << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
+      << "    time_offset_s: " << Format(scanner.time_offset_s) << "\n"
+      << "    beams: " << scanner.beams << "\n"
+      << "    field_of_view_deg: " << Format(scanner.field_of_view_deg) << "\n"
+      << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";
+}
+
+}  // namespace
+
+Rig ReadRig(const std::string& path) {
+  const YamlNode root = YamlNode::ReadFile(path);
+  Rig rig;
+  if (root.Has("motion")) {
+    rig.motion = static_cast<MotionModel>(
+        root["motion"].AsChoice({kMotionNames.begin(), kMotionNames.end()}));
+  }
+  std::set<std::string> names;
+  std::set<std::string> topics;
+  for (const YamlNode& node : root["scanners"].Elements()) {
+    const Scanner scanner = ReadScanner(node);
+    if (!names.insert(scanner.name).second) {
+      node["name"].Fail("a scanner named '" + scanner.name + "' stands above already");
+    }
+    if (!topics.insert(scanner.topic).second) {
+      node["topic"].Fail("topic '" + scanner.topic + "' belongs to a scanner above already");
+    }
+    rig.scanners.push_back(scanner);
+  }
+  if (rig.scanners.empty()) root["scanners"].Fail("the rig has no scanner");
+  root.RejectUnreadKeys();
+  return rig;
+}
+
+void WriteRig(const Rig& rig, const std::string& path) {
+  std::ostringstream out;
+  out << "motion: " << kMotionNames.at(static_cast<size_t>(rig.motion)) << "\nscanners:\n";
+  for (const Scanner& scanner : rig.scanners) WriteScanner(scanner, out);
+  WriteFileAtomically(path, out.str());
+}
+
+bool IsPlanar(const Rig& rig) {
+  // Scan planes tilted by less than this against each other and the body see no heights.
+  constexpr double kTolerance = 2.0 * M_PI / 180.0;
+  return rig.motion == MotionModel::kPlanar ||
+         (rig.motion == MotionModel::kAutomatic && AllScannersHorizontal(rig, kTolerance));
+}
+
+bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
+  for (const Scanner& scanner : rig.scanners) {
+    const Eigen::Vector3d normal_body =
+        scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+    const double tilt = std::atan2(normal_body.head<2>().norm(), std::abs(normal_body.z()));
+    if (tilt > tolerance_rad) return false;
+  }
+  return true;
+}
+
+double MaxRangeNoise(const Rig& rig) {
+  double range_noise_m = 0.0;
+  for (const Scanner& scanner : rig.scanners) {
+    range_noise_m = std::max(range_noise_m, scanner.range_noise_m);
+  }
+  return range_noise_m;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/util/time.h"
+
+namespace plumbline {
+
+// One revolution of one scanner as it stands in the recording. Beam i points along
+// (cos a, sin a, 0), a = angle_min + i * angle_increment, in the scanner frame and was taken
+// at stamp_ns + i * time_increment_s. Ranges in metres; no return is NaN, infinite, zero,
+// negative or outside the scanner's limits (Scanner::IsValidRange).
+struct ScanLine {
+  int scanner_index = 0;          // position in Rig::scanners
+  int64_t stamp_ns = 0;           // instant of beam 0, without Scanner::time_offset_s
+  double angle_min = 0.0;         // rad
+  double angle_increment = 0.0;   // rad
+  double time_increment_s = 0.0;  // between neighbouring beams
+  std::vector<float> ranges;      // m
+  // Unit vectors along the beams, as the angles say: a scanner's lines share them. Those that
+  // are not there are computed when asked for.
+  std::shared_ptr<const std::vector<Eigen::Vector2d>> directions;
+
+  int num_beams() const { return static_cast<int>(ranges.size()); }
+  int64_t BeamTime(int beam) const {
+    return stamp_ns + NanosecondsFromSeconds(beam * time_increment_s);
+  }
+  double BeamAngle(int beam) const { return angle_min + beam * angle_increment; }
+  Eigen::Vector2d BeamDirection(int beam) const {
+    const auto at = static_cast<size_t>(beam);  // huge below 0
+    if (directions != nullptr && at < directions->size()) return (*directions)[at];
+    const double angle = BeamAngle(beam);
+    return {std::cos(angle), std::sin(angle)};
+  }
+};
+
+}  // namespace plumbline

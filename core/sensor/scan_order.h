@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// What one message of a recording says about itself before its ranges are read.
+struct ScanStamp {
+  int64_t stamp_ns = 0;
+  int scanner_index = 0;
+  bool usable = true;  // false: no ranges, or angles or times that make no sense
+};
+
+// Which messages of a recording to use, and in which order.
+struct ScanOrder {
+  // Indices of messages, ordered by stamp, at equal stamps by scanner. Strictly increasing
+  // stamps for each scanner.
+  std::vector<size_t> positions;
+  double scan_period_s = 0.0;  // median over all scanners; 0 if none has two scan lines
+  std::vector<std::string> warnings;
+};
+
+// Orders the messages of a recording (given in the order of the recording), leaves out those
+// that are not usable or whose stamps repeat or jump back, and warns of those and of gaps:
+//   - a scanner without any scan line, one that starts late or stops early: by more than 1 s
+//     and 10 of its periods;
+//   - a gap in all scanners at once: more than 0.5 s and 10 periods.
+// Times in warnings count from the first scan line that is used.
+ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps);
+
+}  // namespace plumbline

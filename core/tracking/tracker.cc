@@ -1,0 +1,459 @@
+#include "core/tracking/tracker.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/association/joint_association.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/trajectory/pose_gaussian.h"
+#include "core/util/error.h"
+#include "factors/linear_algebra/symmetric_inverse.h"
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPoseSize = 6;  // rows of a control point
+constexpr int kMaxRounds = 4;
+constexpr int kMaxIterations = 4;
+constexpr int kMaxHalvings = 4;
+// The step that lowers the cost by less than this share of it is the last one.
+constexpr double kFunctionTolerance = 1e-4;
+// Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
+constexpr double kHuberWidth = 5.0;
+// Knot intervals after an unsteady scan in which the window's estimate of the newest control
+// points is not trusted: until the spline is no longer held by the scans before.
+constexpr int kLooseIntervals = 2;
+// A share of associated segments (by length) that drops below this part of the usual one.
+constexpr double kSuddenDrop = 0.6;
+constexpr double kShareGain = 0.1;
+// A segment that knows its direction to no better than this (a right angle is five of them)
+// may lie on a wall or across it. Where nothing else is in sight, as in a doorway, its plane
+// would decide where the rig is.
+constexpr double kMaxDirectionSigma = 0.3;  // rad
+
+bool TellsDirection(const Observation& observation) {
+  return observation.sigma_direction_rad < kMaxDirectionSigma;
+}
+
+// In empty rooms more than nine tenths of the segments, by length, have planes, in a room of
+// furniture three quarters and at times a quarter.
+constexpr double kGoodShare = 0.9;
+
+// How a rig may have moved since the last scan, beyond what its spline can follow: in
+// multiples of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long
+// as what has been found explains less than max_length_share of the scan's segments (by
+// length), and believed from min_length_share on.
+struct MotionRegime {
+  double scale;
+  double share;
+  double max_length_share;
+  double min_length_share;
+};
+constexpr MotionRegime kMotionRegimes[] = {
+    {0.0, 1.0, 1.0, 0.0},    // steady
+    {1.0, 1e-3, 0.8, 0.0},   // a turn sets in
+    {10.0, 1e-5, 0.5, 0.5},  // a jolt
+};
+
+}  // namespace
+
+struct Tracker::System {
+  double cost = 0.0;
+  Eigen::MatrixXd hessian;  // lower triangle
+  Eigen::VectorXd gradient;
+};
+
+Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+    : rig_(rig), planar_(planar), options_(options), state_(state) {}
+
+std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
+  std::vector<int> rows;
+  for (int row = 0; row < static_cast<int>(size); ++row) {
+    const int component = row % kPoseSize;  // 0, 1: roll, pitch; 5: height
+    if (planar_ && (component < 2 || component == 5)) continue;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
+  const std::vector<int> rows = FreeRows(information.rows());
+  std::optional<Eigen::MatrixXd> inverse =
+      planar_ ? SymmetricInverse(information(rows, rows)) : SymmetricInverse(information);
+  if (!inverse) throw Error("the poses are not determined by the scans: singular estimate");
+  if (!planar_) return std::move(*inverse);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
+  covariance(rows, rows) = *inverse;
+  return covariance;
+}
+
+std::vector<MotionTerm> Tracker::MotionTerms() const {
+  const bool at_start = gaussian_.mean.empty();
+  return MakeMotionTerms(
+      options_.trajectory,
+      first(),
+      at_start ? 0 : gaussian_.end(),
+      at_start ? std::optional<int64_t>(state_->origin_time_ns) : std::nullopt,
+      &state_->trajectory);
+}
+
+Tracker::System Tracker::Linearise(const std::vector<MotionTerm>& terms,
+                                   const std::vector<ObservationGroup>& groups) const {
+  const Eigen::Index size = kPoseSize * (state_->trajectory.num_control_points() - first());
+  System system;
+  system.hessian.setZero(size, size);
+  system.gradient.setZero(size);
+  const auto num_known = static_cast<Eigen::Index>(kPoseSize * gaussian_.mean.size());
+  if (num_known > 0) {
+    Eigen::VectorXd moved(num_known);
+    for (size_t i = 0; i < gaussian_.mean.size(); ++i) {
+      const ControlPoint& mean = gaussian_.mean[i];
+      const ControlPoint& now =
+          state_->trajectory.control_point(gaussian_.first + static_cast<int>(i));
+      using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
+      using Vector = Eigen::Map<const Eigen::Vector3d>;
+      moved.segment<6>(static_cast<Eigen::Index>(kPoseSize * i)) << Log(
+          Quaternion(now.rotation.data()) * Quaternion(mean.rotation.data()).conjugate()),
+          Vector(now.position.data()) - Vector(mean.position.data());
+    }
+    const Eigen::VectorXd gradient =
+        gaussian_.information.selfadjointView<Eigen::Lower>() * moved;
+    system.hessian.topLeftCorner(num_known, num_known) = gaussian_.information;
+    system.gradient.head(num_known) = gradient;
+    system.cost = 0.5 * moved.dot(gradient);
+  }
+  for (const MotionTerm& term : terms) {
+    term.AddTo(&system.cost, &system.gradient, &system.hessian);
+  }
+  for (const ObservationGroup& group : groups) AddGroup(group, &system);
+  return system;
+}
+
+void Tracker::AddGroup(const ObservationGroup& group, System* system) const {
+  const int count = group.group.num_control_points();
+  std::vector<const double*> parameters;
+  for (int j = 0; j < count; ++j) {
+    parameters.push_back(
+        state_->trajectory.control_point(group.first_control_point + j).rotation.data());
+  }
+  for (int j = 0; j < count; ++j) {
+    parameters.push_back(
+        state_->trajectory.control_point(group.first_control_point + j).position.data());
+  }
+  for (const int id : group.landmark_ids) {
+    parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
+  }
+  SegmentGroup::Quadratic quadratic;
+  group.group.LinearisePoses(parameters.data(), &quadratic);
+  system->cost += quadratic.cost;
+  // Of the control points before first() nothing is asked.
+  const int num_before = std::max(0, first() - group.first_control_point);
+  const Eigen::Index size = kPoseSize * (count - num_before);
+  if (size <= 0) return;
+  const Eigen::Index at = kPoseSize * (group.first_control_point + num_before - first());
+  system->gradient.segment(at, size) += quadratic.gradient.tail(size);
+  system->hessian.block(at, at, size, size) += quadratic.hessian.bottomRightCorner(size, size);
+}
+
+std::vector<ControlPoint> Tracker::ControlPoints() const {
+  std::vector<ControlPoint> control_points;
+  for (int i = first(); i < state_->trajectory.num_control_points(); ++i) {
+    control_points.push_back(state_->trajectory.control_point(i));
+  }
+  return control_points;
+}
+
+void Tracker::Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step) {
+  for (size_t i = 0; i < from.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(kPoseSize * i);
+    ControlPoint& control_point =
+        state_->trajectory.control_point(first() + static_cast<int>(i));
+    const Eigen::Map<const Eigen::Quaterniond> rotation(from[i].rotation.data());
+    const Eigen::Map<const Eigen::Vector3d> position(from[i].position.data());
+    Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) =
+        (Exp(step.segment<3>(row)) * rotation).normalized();
+    Eigen::Map<Eigen::Vector3d>(control_point.position.data()) =
+        position + step.segment<3>(row + 3);
+  }
+}
+
+Tracker::System Tracker::Estimate(const std::vector<MotionTerm>& terms,
+                                  const std::vector<ObservationGroup>& groups) {
+  System system = Linearise(terms, groups);
+  const std::vector<int> rows = FreeRows(system.gradient.size());
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(system.hessian(rows, rows)));
+    if (factor.info() != Eigen::Success) {
+      throw Error("the poses are not determined by the scans: singular estimate");
+    }
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(system.gradient.size());
+    const Eigen::VectorXd gradient = system.gradient(rows);
+    step(rows) = -factor.solve(gradient);
+    const std::vector<ControlPoint> from = ControlPoints();
+    const double cost = system.cost;
+    if (-0.5 * system.gradient.dot(step) < kFunctionTolerance * cost) {
+      Move(from, step);
+      break;
+    }
+    int halvings = 0;
+    for (; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
+      Move(from, step);
+      System next = Linearise(terms, groups);
+      if (!(next.cost <= cost)) continue;
+      system = std::move(next);
+      break;
+    }
+    if (halvings > kMaxHalvings) {
+      Move(from, Eigen::VectorXd::Zero(step.size()));
+      break;
+    }
+    if (cost - system.cost < kFunctionTolerance * cost) break;
+  }
+  return system;
+}
+
+std::vector<ObservationGroup> Tracker::Groups(int first_observation,
+                                              int last_observation) const {
+  std::vector<const Observation*> associated;
+  const auto add = [&](int index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) associated.push_back(&observation);
+  };
+  for (const int index : recent_) add(index);
+  for (int index = first_observation; index <= last_observation; ++index) add(index);
+  return GroupObservations(
+      rig_, state_->trajectory, state_->landmarks, associated, kHuberWidth);
+}
+
+void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
+  gaussian_ = std::move(gaussian);
+  recent_.clear();
+  if (now_ns < loose_until_ns_) Loosen();
+  pose_uncertainty_ =
+      PoseUncertainty(first(), Covariance(Linearise(MotionTerms(), {}).hessian));
+}
+
+bool Tracker::FollowsWell(int64_t now_ns) const {
+  return usual_share_ > kGoodShare && IsSteady(now_ns);
+}
+
+Matrix6d Tracker::UnsteadyCovariance() const {
+  // An acceleration that changes by its standard deviation from one knot to the next moves
+  // the control points' third difference by sqrt(2) h^2 times as much; the cubic that fits
+  // best stays up to 1/32 of a third difference away from such a motion.
+  const double interval_s = state_->trajectory.knot_interval_s();
+  const double share = std::sqrt(2.0) * interval_s * interval_s / 32.0;
+  const TrajectoryOptions& options = options_.trajectory;
+  const double rotation = share * options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
+  const double position = share * options.acceleration_stddev_m_s2;
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const int row : FreeRows(kPoseSize)) {
+    const double sigma = row < 3 ? rotation : position;
+    covariance(row, row) = sigma * sigma;
+  }
+  return covariance;
+}
+
+void Tracker::Loosen() {
+  // The third difference of independent errors has 20 times their variance.
+  const Matrix6d of_control_point = 32.0 * 32.0 / 20.0 * UnsteadyCovariance();
+  Eigen::MatrixXd covariance = Covariance(gaussian_.information);
+  for (Eigen::Index row = 0; row < covariance.rows(); row += kPoseSize) {
+    covariance.block<6, 6>(row, row) += of_control_point;
+  }
+  gaussian_.information = Covariance(covariance);
+}
+
+Tracker::Association Tracker::AssociateJointly(int first_observation,
+                                               int last_observation,
+                                               const LandmarksWithinGap& landmarks) const {
+  std::vector<int> order;
+  const auto at = [&](int index) -> const Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  for (int index = first_observation; index <= last_observation; ++index) {
+    if (TellsDirection(at(index))) order.push_back(index);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return at(a).length_m() > at(b).length_m();
+  });
+  double total_length = 0.0;
+  for (const int index : order) total_length += at(index).length_m();
+  Association best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const MotionRegime& regime : kMotionRegimes) {
+    // The likelier explanation of the scan wins; once one leaves little over, there is no need
+    // for the wilder ones.
+    if (best.length_m >= regime.max_length_share * total_length) break;
+    Association association =
+        ChooseUnder(regime.scale * regime.scale * UnsteadyCovariance(), order, landmarks);
+    if (association.length_m < regime.min_length_share * total_length) continue;
+    const double cost = association.cost - 2.0 * std::log(regime.share);
+    if (cost >= best_cost) continue;
+    best_cost = cost;
+    best = std::move(association);
+    best.unsteady = regime.scale > 0.0;
+  }
+  return best;
+}
+
+std::vector<LandmarkCandidate> Tracker::OfScan(int first_observation,
+                                               const Matrix6d& pose_covariance,
+                                               const LandmarksWithinGap& landmarks) const {
+  const auto first = static_cast<size_t>(first_observation);
+  const int64_t time_ns = state_->observations[first].middle_time_ns();
+  return CandidatesWithin(ReachOfScan(rig_,
+                                      state_->observations,
+                                      first,
+                                      state_->trajectory.WorldFromBody(time_ns).translation,
+                                      pose_covariance,
+                                      options_.association),
+                          landmarks);
+}
+
+Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
+                                          const std::vector<int>& observations,
+                                          const LandmarksWithinGap& landmarks) const {
+  const auto at = [&](int index) -> const Observation& {
+    return state_->observations[static_cast<size_t>(index)];
+  };
+  if (observations.empty()) return {};
+  int64_t begin_ns = std::numeric_limits<int64_t>::max();
+  int64_t end_ns = std::numeric_limits<int64_t>::min();
+  for (const int index : observations) {
+    begin_ns = std::min(begin_ns, at(index).middle_time_ns());
+    end_ns = std::max(end_ns, at(index).middle_time_ns());
+  }
+  MotionCovariance covariance = pose_uncertainty_.AtBoth(state_->trajectory, begin_ns, end_ns);
+  // What the control points can not follow is the same all through the scan.
+  covariance += unsteady.replicate<2, 2>();
+  // The poses pass linearly between both ends: neither is less certain than these together.
+  const std::vector<LandmarkCandidate> near =
+      OfScan(*std::min_element(observations.begin(), observations.end()),
+             covariance.topLeftCorner<6, 6>() + covariance.bottomRightCorner<6, 6>(),
+             landmarks);
+  std::vector<Pairing> pairings;
+  int num_paired = 0;
+  SharedPoses poses(rig_, state_->trajectory);
+  for (const int index : observations) {
+    const Observation& observation = at(index);
+    const double share = end_ns > begin_ns
+                             ? static_cast<double>(observation.middle_time_ns() - begin_ns) /
+                                   static_cast<double>(end_ns - begin_ns)
+                             : 0.0;
+    const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
+    const size_t num_before = pairings.size();
+    for (const PossibleLandmark& possible :
+         PossibleLandmarks(observation,
+                           poses.Of(observation),
+                           PoseCovariance(covariance, share),
+                           near,
+                           options_.association)) {
+      pairings.push_back({index,
+                          possible.id,
+                          possible.deviation.value,
+                          possible.noise,
+                          possible.deviation.by_pose.lazyProduct(by_motion)});
+    }
+    if (pairings.size() > num_before) ++num_paired;
+  }
+  const JointChoice choice = ChooseJointly(pairings, covariance, options_.association);
+  Association association;
+  // Observations without any pairing are clutter too.
+  association.cost = choice.cost + ClutterCost(options_.association) *
+                                       (static_cast<int>(observations.size()) - num_paired);
+  for (const size_t i : choice.pairings) {
+    const int index = pairings[i].observation_index;
+    association.chosen.emplace_back(index, pairings[i].landmark_id);
+    association.length_m += state_->observations[static_cast<size_t>(index)].length_m();
+  }
+  return association;
+}
+
+void Tracker::Track(int first_observation,
+                    int last_observation,
+                    const LandmarksWithinGap& landmarks) {
+  const std::vector<MotionTerm> terms = MotionTerms();
+  const bool has_new_control_points =
+      gaussian_.end() != state_->trajectory.num_control_points();
+  if (has_new_control_points) {
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(Linearise(terms, {}).hessian));
+  }
+  System system;
+  bool unsteady = false;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    // By the prediction first, all segments together; once the poses are known, one by one,
+    // unless they are known not to describe the motion.
+    bool changed = false;
+    if (round == 0) {
+      const Association association =
+          AssociateJointly(first_observation, last_observation, landmarks);
+      for (const auto& [index, id] : association.chosen) {
+        state_->observations[static_cast<size_t>(index)].landmark_id = id;
+        changed = true;
+      }
+      double length_m = 0.0;
+      for (int index = first_observation; index <= last_observation; ++index) {
+        length_m += state_->observations[static_cast<size_t>(index)].length_m();
+      }
+      const double share = association.length_m / std::max(length_m, 1e-9);
+      unsteady = association.unsteady || share < kSuddenDrop * usual_share_;
+      usual_share_ += kShareGain * (share - usual_share_);
+    } else {
+      changed = !unsteady && Associate(first_observation, last_observation, landmarks);
+    }
+    if (!changed && round > 0) break;
+    const std::vector<ObservationGroup> groups = Groups(first_observation, last_observation);
+    system = changed ? Estimate(terms, groups) : Linearise(terms, groups);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(system.hessian));
+  }
+  // The scan becomes part of the prior, so that the next scan's system is as small.
+  gaussian_ = {first(), ControlPoints(), std::move(system.hessian)};
+  recent_.clear();
+  if (!unsteady) return;
+  const int64_t now_ns =
+      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
+  loose_until_ns_ = now_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
+  Loosen();
+}
+
+bool Tracker::Associate(int first_observation,
+                        int last_observation,
+                        const LandmarksWithinGap& landmarks) {
+  bool changed = false;
+  if (first_observation > last_observation) return changed;
+  const auto covariance_at = [&](int index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    return pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns());
+  };
+  const std::vector<LandmarkCandidate> near =
+      OfScan(first_observation,
+             covariance_at(first_observation) + covariance_at(last_observation),
+             landmarks);
+  SharedPoses shared(rig_, state_->trajectory);
+  int64_t middle_ns = 0;
+  Matrix6d covariance;  // of the pose then
+  for (int index = first_observation; index <= last_observation; ++index) {
+    Observation& observation = state_->observations[static_cast<size_t>(index)];
+    const ObservationPoses& poses = shared.Of(observation);
+    if (poses.times_ns[1] != middle_ns) {
+      middle_ns = poses.times_ns[1];
+      covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
+    }
+    const int id =
+        TellsDirection(observation)
+            ? FindLandmark(observation, poses, covariance, near, options_.association)
+            : -1;
+    changed |= id != observation.landmark_id;
+    observation.landmark_id = id;
+  }
+  return changed;
+}
+
+}  // namespace plumbline

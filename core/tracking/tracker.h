@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "core/association/association.h"
+#include "core/estimation/motion_terms.h"
+#include "core/estimation/segment_groups.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
+#include "core/sensor/rig.h"
+#include "core/trajectory/pose_gaussian.h"
+#include "core/trajectory/pose_uncertainty.h"
+#include "core/trajectory/trajectory.h"
+
+namespace plumbline {
+
+// The light step of every scan: estimates the newest control points alone, the planes given,
+// by Gauss-Newton on some 24 unknowns. Its prior comes from the window (Reset) and takes in
+// scan after scan until the window is solved again.
+class Tracker {
+ public:
+  Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+
+  // Associates the observations first .. last of the newest scan with the landmarks and
+  // estimates its poses, in turn until the associations stand.
+  void Track(int first_observation, int last_observation, const LandmarksWithinGap& landmarks);
+
+  // An observation that was given a landmark after its scan had been tracked.
+  void Add(int observation_index) { recent_.push_back(observation_index); }
+
+  // What the window knows of the newest control points.
+  void Reset(int64_t now_ns, PoseGaussian gaussian);
+
+  // Whether it may go on without the window for a while: the rig moves steadily, and most of
+  // what the scans show are known planes.
+  bool FollowsWell(int64_t now_ns) const;
+  // Whether the rig moves as its spline can follow.
+  bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
+
+  // Uncertainty of the newest poses, the planes given.
+  const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
+
+ private:
+  struct System;
+
+  // A scan's segments and their planes, chosen together. How the rig's poses differ from their
+  // prediction is an error of the control points and, where the motion is `unsteady`, what
+  // no spline of these knots can follow.
+  struct Association {
+    std::vector<std::pair<int, int>> chosen;  // observation index, landmark id
+    bool unsteady = false;
+    double cost = 0.0;      // -2 ln of its likelihood
+    double length_m = 0.0;  // of the segments that have a plane
+  };
+
+  int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
+  std::vector<int> FreeRows(Eigen::Index size) const;
+  Eigen::MatrixXd Covariance(const Eigen::MatrixXd& information) const;
+  std::vector<MotionTerm> MotionTerms() const;
+  System Linearise(const std::vector<MotionTerm>& terms,
+                   const std::vector<ObservationGroup>& groups) const;
+  void AddGroup(const ObservationGroup& group, System* system) const;
+  std::vector<ControlPoint> ControlPoints() const;
+  void Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step);
+  // Gauss-Newton from where the control points are; returns the system where they end.
+  System Estimate(const std::vector<MotionTerm>& terms,
+                  const std::vector<ObservationGroup>& groups);
+  std::vector<ObservationGroup> Groups(int first_observation, int last_observation) const;
+  // What a motion of the prior's accelerations does between two knots: as rotation and
+  // position of the body.
+  Matrix6d UnsteadyCovariance() const;
+  // Gives the control points the freedom of an unsteady motion.
+  void Loosen();
+  // Those within reach of the newest scan.
+  std::vector<LandmarkCandidate> OfScan(int first_observation,
+                                        const Matrix6d& pose_covariance,
+                                        const LandmarksWithinGap& landmarks) const;
+  // The observations, weightiest first, with poses that differ from the prediction by the
+  // control points' errors and by this covariance on top.
+  Association ChooseUnder(const Matrix6d& unsteady,
+                          const std::vector<int>& observations,
+                          const LandmarksWithinGap& landmarks) const;
+  Association AssociateJointly(int first_observation,
+                               int last_observation,
+                               const LandmarksWithinGap& landmarks) const;
+  // Finds the observations' landmarks one by one; true when any is another one than before.
+  bool Associate(int first_observation,
+                 int last_observation,
+                 const LandmarksWithinGap& landmarks);
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  MapState* state_;
+  PoseGaussian gaussian_;    // from all scans so far, planes given; empty before the first
+  std::vector<int> recent_;  // observations that gaussian_ does not know of
+  PoseUncertainty pose_uncertainty_;
+  int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
+  double usual_share_ = 1.0;    // of a scan's segments, by length, that find their planes
+};
+
+}  // namespace plumbline

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/trajectory/trajectory.h"
+
+namespace plumbline {
+
+// A Gaussian on consecutive control points about the values they had. Rows: 6 for each control
+// point, rotation (rad, world frame) and position (m); for planar rigs the rows of roll, pitch
+// and height are zero.
+struct PoseGaussian {
+  int first = 0;
+  std::vector<ControlPoint> mean;
+  Eigen::MatrixXd information;  // its lower triangle counts
+
+  int end() const { return first + static_cast<int>(mean.size()); }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,127 @@
+#include "core/trajectory/trajectory.h"
+
+#include <glog/logging.h>
+
+#include <string>
+
+#include "core/util/error.h"
+#include "core/util/time.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kOrder = 4;
+
+ControlPoint ControlPointAt(const Eigen::Quaterniond& rotation,
+                            const Eigen::Vector3d& position) {
+  ControlPoint control_point;
+  Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = rotation.normalized();
+  Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = position;
+  return control_point;
+}
+
+}  // namespace
+
+Trajectory::Trajectory(int64_t start_ns,
+                       int64_t knot_interval_ns,
+                       const Rigid3d& world_from_body)
+    : start_ns_(start_ns),
+      knot_interval_ns_(knot_interval_ns),
+      control_points_(kOrder,
+                      ControlPointAt(world_from_body.rotation, world_from_body.translation)) {
+  CHECK_GT(knot_interval_ns, 0);
+}
+
+int64_t Trajectory::end_ns() const {
+  return start_ns_ + (num_control_points() - (kOrder - 1)) * knot_interval_ns_;
+}
+
+Trajectory::Location Trajectory::Locate(int64_t time_ns) const {
+  if (time_ns < start_ns_ || time_ns >= end_ns()) {
+    throw Error("instant " + std::to_string(SecondsBetween(start_ns_, time_ns)) +
+                " s lies outside the trajectory, which spans 0 to " +
+                std::to_string(SecondsBetween(start_ns_, end_ns())) + " s");
+  }
+  const int64_t since_start = time_ns - start_ns_;
+  const int64_t interval = since_start / knot_interval_ns_;
+  const int64_t since_knot = since_start - interval * knot_interval_ns_;
+  return {static_cast<int>(interval),
+          static_cast<double>(since_knot) / static_cast<double>(knot_interval_ns_)};
+}
+
+namespace {
+
+struct Support {
+  const double* rotations[kOrder];
+  const double* positions[kOrder];
+};
+
+Support SupportAt(const Trajectory& trajectory, int first) {
+  Support support;
+  for (int j = 0; j < kOrder; ++j) {
+    const ControlPoint& control_point = trajectory.control_point(first + j);
+    support.rotations[j] = control_point.rotation.data();
+    support.positions[j] = control_point.position.data();
+  }
+  return support;
+}
+
+}  // namespace
+
+Rigid3d Trajectory::WorldFromBody(int64_t time_ns) const {
+  const Location at = Locate(time_ns);
+  const Support support = SupportAt(*this, at.first);
+  const SplinePose pose = EvaluatePose(support.rotations, support.positions, at.u, nullptr);
+  return {pose.world_from_body, pose.position};
+}
+
+Rigid3d PoseSampler::WorldFromBody(int64_t time_ns) {
+  const Trajectory::Location at = trajectory_.Locate(time_ns);
+  const Support support = SupportAt(trajectory_, at.first);
+  if (at.first != first_) {
+    for (size_t j = 0; j < steps_.size(); ++j) {
+      steps_[j] = MakeRotationStep(support.rotations[j], support.rotations[j + 1]);
+    }
+    first_ = at.first;
+  }
+  const SplinePose pose =
+      EvaluatePose(steps_.data(), support.rotations[0], support.positions, at.u, nullptr);
+  return {pose.world_from_body, pose.position};
+}
+
+SplinePoseJacobian Trajectory::PoseJacobian(const Location& at) const {
+  const Support support = SupportAt(*this, at.first);
+  SplinePoseJacobian jacobian;
+  EvaluatePose(support.rotations, support.positions, at.u, &jacobian);
+  return jacobian;
+}
+
+void Trajectory::Velocity(int64_t time_ns,
+                          Eigen::Vector3d* angular_world,
+                          Eigen::Vector3d* linear_world) const {
+  const Location at = Locate(time_ns);
+  const Support support = SupportAt(*this, at.first);
+  EvaluateVelocity(support.rotations,
+                   support.positions,
+                   at.u,
+                   knot_interval_s(),
+                   angular_world,
+                   linear_world);
+}
+
+void Trajectory::ExtendTo(int64_t time_ns) {
+  while (time_ns >= end_ns()) {
+    const ControlPoint& last = control_points_[control_points_.size() - 1];
+    const ControlPoint& previous = control_points_[control_points_.size() - 2];
+    const Eigen::Map<const Eigen::Quaterniond> last_rotation(last.rotation.data());
+    const Eigen::Map<const Eigen::Quaterniond> previous_rotation(previous.rotation.data());
+    const Eigen::Map<const Eigen::Vector3d> last_position(last.position.data());
+    const Eigen::Map<const Eigen::Vector3d> previous_position(previous.position.data());
+    control_points_.push_back(
+        ControlPointAt(last_rotation * (previous_rotation.conjugate() * last_rotation),
+                       2.0 * last_position - previous_position));
+  }
+}
+
+}  // namespace plumbline

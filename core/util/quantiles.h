@@ -1,0 +1,15 @@
+#pragma once
+
+namespace plumbline {
+
+// x with P(|z| > x) = probability for a standard normal z.
+double TwoSidedNormalQuantile(double probability);
+
+// Upper quantile of the chi square distribution by Wilson and Hilferty's approximation, for
+// the normal quantile of the same probability.
+double Chi2Quantile(int degrees, double normal_quantile);
+
+// -2 ln(significance): the quantile of a chi-square variable of two degrees of freedom.
+double TwoDegreesQuantile(double significance);
+
+}  // namespace plumbline

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/map/landmark.h"
+#include "core/map/landmark_view.h"
+#include "core/sensor/rig.h"
+#include "core/sensor/scan_line.h"
+#include "core/visibility/opening_grid.h"
+#include "core/visibility/plane_set.h"
+#include "core/visibility/plane_trace.h"
+
+namespace plumbline {
+
+// What the known planes say of single beams of a scan line: each lies on the plane that it
+// meets first, or on none.
+class FirstPlanes {
+ public:
+  // Consecutive beams on one plane.
+  struct Run {
+    const LandmarkCandidate* plane;
+    Trace trace;
+    int first_beam;
+    int last_beam;  // inclusive
+  };
+
+  // placement: at the instant of the beams asked for. openings: of the landmarks, by id.
+  FirstPlanes(const ScanLine& scan_line,
+              const Scanner& scanner,
+              const ScanPlacement& placement,
+              const PlaneSet& planes,
+              const std::vector<PlaneOpenings>& openings)
+      : scan_line_(scan_line),
+        scanner_(scanner),
+        placement_(placement),
+        planes_(planes),
+        ranges_(planes, placement),
+        openings_(openings) {}
+
+  // Of the beams first .. last those whose ranges agree with the plane that they meet first.
+  // Where a plane ends at an edge of which the other side has not been seen, those that meet
+  // it close to the edge are left out: they may lie on the face round the corner.
+  std::vector<Run> RunsWithin(int first_beam, int last_beam) const;
+
+ private:
+  // nullptr where the range does not agree.
+  const LandmarkCandidate* PlaneOf(int beam) const;
+  // Whether it has been seen there, and no opening.
+  bool IsSolidAt(const LandmarkCandidate& plane,
+                 const Eigen::Vector3d& p_world,
+                 double margin_m) const;
+  // Whether the plane ends close by at another one's edge, and the point lies beyond: in front
+  // of the other, where nothing has been seen of the plane.
+  bool EndsBefore(const LandmarkCandidate& plane, const Eigen::Vector3d& p_world) const;
+  // Whether it is solid there, and the point not beyond its end; p: scanner frame.
+  bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
+  // Whether the plane does not end close beyond the beam, or at an edge that is known.
+  bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;
+  // Whether that of the beam beyond its end stands in front of the plane and hides the rest of
+  // it. How far a plane was seen to a free edge is known to centimetres only.
+  bool IsMet(const LandmarkCandidate& plane,
+             const LandmarkCandidate* beyond,
+             int end,
+             int step) const;
+
+  const ScanLine& scan_line_;
+  const Scanner& scanner_;
+  const ScanPlacement& placement_;
+  const PlaneSet& planes_;
+  PlaneRanges ranges_;
+  const std::vector<PlaneOpenings>& openings_;
+};
+
+}  // namespace plumbline

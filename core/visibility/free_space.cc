@@ -1,0 +1,125 @@
+#include "core/visibility/free_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/association/association.h"
+#include "core/association/plane_merging.h"
+#include "core/geometry/plan_grid.h"
+#include "core/map/landmark_view.h"
+#include "core/map/patch_extent.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMarginSigmas = 6.0;  // of range noise, on both sides of the plane
+constexpr double kMiddleShare = 0.6;   // of a wall's width: its rim may border an opening
+constexpr double kPassedShare = 0.5;   // of a landmark's cells
+// Beams that cross a cell for each segment on it. Well above one: railings and rows of chairs
+// are surfaces too, though many beams find their gaps.
+constexpr int kPassagesPerSegment = 10;
+// Of a segment's beams one is asked, the next scan another: it stands for the first, the one
+// in the middle and the last.
+constexpr int kBeamsPerSegment = 3;
+
+Eigen::Vector2d AskedPoint(const Observation& observation) {
+  switch (observation.scan_index % kBeamsPerSegment) {
+    case 0:
+      return observation.centroid();
+    case 1:
+      return observation.start();
+    default:
+      return observation.end();
+  }
+}
+
+// Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
+// ends.
+void CountPassage(const LandmarkCandidate& plane,
+                  const Eigen::Vector3d& start_world,
+                  const Eigen::Vector3d& end_world,
+                  double margin_m,
+                  CellGrid* passages) {
+  const double start = plane.SignedDistance(start_world);
+  const double end = plane.SignedDistance(end_world);
+  if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) return;
+  const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
+  const auto cell = plane.landmark->extent.MiddleCell(at, kMiddleShare);
+  if (cell) passages->Add(*cell, kBeamsPerSegment);
+}
+
+// Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
+Eigen::AlignedBox2d PlanBox(const LandmarkCandidate& plane) {
+  constexpr double kRim = 0.5;  // m, more than a cell
+  const PatchExtent& extent = plane.landmark->extent;
+  Eigen::AlignedBox2d box;
+  if (extent.empty()) return box;
+  // Of the width only the middle counts.
+  const double width = extent.max_corner().x() - extent.min_corner().x();
+  const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
+  const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);
+  // Along their own normal the patch's axes may have been left behind by the plane.
+  const Eigen::Vector3d across = extent.u_axis().cross(extent.v_axis());
+  const double slope = plane.normal.dot(across);
+  if (std::abs(slope) < 0.5) {
+    constexpr double kAnywhere = 1e6;  // m
+    box.extend(Eigen::Vector2d(-kAnywhere, -kAnywhere));
+    box.extend(Eigen::Vector2d(kAnywhere, kAnywhere));
+    return box;
+  }
+  for (const auto corner : {Eigen::AlignedBox2d::BottomLeft,
+                            Eigen::AlignedBox2d::BottomRight,
+                            Eigen::AlignedBox2d::TopLeft,
+                            Eigen::AlignedBox2d::TopRight}) {
+    const Eigen::Vector3d on_axes = extent.ToWorld(patch.corner(corner));
+    const double away = (plane.distance - plane.normal.dot(on_axes)) / slope;
+    box.extend(Eigen::Vector2d((on_axes + away * across).head<2>()));
+  }
+  return box;
+}
+
+}  // namespace
+
+std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
+  const double margin_m = kMarginSigmas * MaxRangeNoise(rig);
+  std::vector<CellGrid> passages(state.landmarks.size());
+  LoopClosureOptions no_gap;
+  no_gap.enabled = true;
+  const std::vector<LandmarkCandidate> planes =
+      CandidatesWithinGap(state.landmarks, 0, no_gap);
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const LandmarkCandidate& plane : planes) boxes.push_back(PlanBox(plane));
+  PlanGrid grid(boxes);
+  SharedPoses poses(rig, state.trajectory);
+  for (const Observation& observation : state.observations) {
+    if (observation.landmark_id < 0) continue;
+    const ScanPlacement placement =
+        poses.Of(observation).motion.At(observation.middle_time_ns());
+    const Eigen::Vector3d start_world = placement.col(2);
+    const Eigen::Vector3d end_world = placement * AskedPoint(observation).homogeneous();
+    grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
+      const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
+      if (plane.landmark->id == observation.landmark_id) return;
+      CountPassage(plane,
+                   start_world,
+                   end_world,
+                   margin_m,
+                   &passages[static_cast<size_t>(plane.landmark->id)]);
+    });
+  }
+  std::vector<bool> passed_through;
+  for (const Landmark& landmark : state.landmarks) {
+    const CellGrid& seen_on = landmark.extent.cells();
+    int num_passed = 0;
+    passages[static_cast<size_t>(landmark.id)].Any([&](const CellGrid::Cell& cell, int count) {
+      if (count > kPassagesPerSegment * seen_on.Count(cell)) ++num_passed;
+      return false;
+    });
+    passed_through.push_back(num_passed >
+                             kPassedShare * kMiddleShare * seen_on.num_occupied());
+  }
+  return passed_through;
+}
+
+}  // namespace plumbline

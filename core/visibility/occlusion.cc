@@ -1,0 +1,302 @@
+#include "core/visibility/occlusion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/map/landmark_view.h"
+#include "core/map/patch_extent.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+// At less than this between beam and normal, the pose does not tell where on the plane the
+// beam lies: 1 mm across it is 20 mm along the beam.
+constexpr double kMinCosine = 0.05;
+constexpr double kSafeCosine = 0.06;  // the plane's turn as the scanner moves left out
+// Down to this cosine it tells it to a quarter of a metre; farther from an opening than that
+// such a beam may count.
+constexpr double kGrazingCosine = 0.004;
+constexpr double kGrazingReach = 0.25;  // m
+// How near the walls' seen parts have to come to what they hide.
+constexpr double kReach = PatchExtent::kCellSize;
+
+// Beams that are asked for openings together, before each alone.
+constexpr int kBeamsAtOnce = 16;
+// Beams on both sides of an end that may tell of an opening. Beyond them, beams go on telling
+// of it for as long as they go through: at a grazing angle those on its far jamb meet the
+// plane decimetres before it.
+constexpr int kNumBeams = 8;
+constexpr double kSpacing = 0.01;  // m, of those farther ones: half a cell of the openings
+constexpr int kNumHits = 8;        // of a segment's beams, count for all of them
+constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
+// A beam that went through a plane ended so far behind it.
+constexpr double kMinPassageDepth = 0.05;  // m
+// What a beam met farther before the plane does not stand where the beam would have met that:
+// behind a wall, it may be the floor of the next room.
+constexpr double kMaxBlockDistance = 0.4;  // m
+
+// Where a beam meets the plane at a segment's end, p in the scanner's frame; nothing where
+// that is out of range.
+std::optional<Eigen::Vector3d> MeetingPoint(const SegmentEnd& end, const Eigen::Vector2d& p) {
+  if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
+  return end.placement * p.homogeneous();
+}
+
+}  // namespace
+
+HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
+  return {poses.motion.TraceOf(plane.normal, plane.distance), poses.motion};
+}
+
+int64_t HiddenBeams::BeamInstantNs(int beam) const {
+  return scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
+}
+
+std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const Meeting& meeting,
+                                                         int beam,
+                                                         const Eigen::Vector2d& direction,
+                                                         double min_cosine) const {
+  const int64_t time_ns = BeamInstantNs(beam);
+  const Eigen::Vector3d line = meeting.trace.At(time_ns);
+  const double cosine = line.head<2>().dot(direction);
+  if (std::abs(cosine) < min_cosine) return std::nullopt;
+  return meeting.motion.ToWorld(line.z() / cosine * direction, time_ns);
+}
+
+std::optional<Eigen::Vector3d> HiddenBeams::SafeMeetingPoint(const Meeting& meeting,
+                                                             int beam) const {
+  return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+}
+
+std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
+  std::vector<int> beams;
+  if (openings.none()) return beams;
+  const Meeting meeting = MakeMeeting();
+  const auto is_open = [&](int beam) {
+    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
+    return at && openings.IsAt(*at);
+  };
+  if (!openings.has_height()) {  // at the ends only
+    int first = first_beam;
+    while (first <= last_beam && first < first_beam + kNumBeams && is_open(first)) {
+      beams.push_back(first++);
+    }
+    for (int last = last_beam; last > first && last > last_beam - kNumBeams && is_open(last);
+         --last) {
+      beams.push_back(last);
+    }
+    return beams;
+  }
+  AddOpen(meeting,
+          openings,
+          {first_beam,
+           last_beam,
+           SafeMeetingPoint(meeting, first_beam),
+           SafeMeetingPoint(meeting, last_beam)},
+          &beams);
+  return beams;
+}
+
+// Most segments pass no opening, of the others most beams: between ends that are not grazing
+// and have none along them no beam is in one.
+void HiddenBeams::AddOpen(const Meeting& meeting,
+                          const PlaneOpenings& openings,
+                          const Stretch& stretch,
+                          std::vector<int>* beams) const {
+  if (stretch.start && stretch.end && !openings.MayBeAlong(*stretch.start, *stretch.end)) {
+    return;
+  }
+  if (stretch.last - stretch.first >= kBeamsAtOnce) {
+    const int middle = (stretch.first + stretch.last) / 2;
+    AddOpen(meeting,
+            openings,
+            {stretch.first, middle, stretch.start, SafeMeetingPoint(meeting, middle)},
+            beams);
+    AddOpen(meeting,
+            openings,
+            {middle + 1, stretch.last, SafeMeetingPoint(meeting, middle + 1), stretch.end},
+            beams);
+    return;
+  }
+  // The scanner's motion over so few beams is even.
+  const int64_t start_ns = BeamInstantNs(stretch.first);
+  const int64_t end_ns = BeamInstantNs(stretch.last);
+  const double share = 1.0 / std::max(1, stretch.last - stretch.first);
+  Eigen::Vector3d line = meeting.trace.At(start_ns);
+  const Eigen::Vector3d line_step = share * (meeting.trace.At(end_ns) - line);
+  Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(meeting.motion.At(start_ns));
+  const Eigen::Matrix<double, 2, 3> on_axes_step =
+      share * (openings.OnAxes(meeting.motion.At(end_ns)) - on_axes);
+  for (int beam = stretch.first; beam <= stretch.last; ++beam) {
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const double cosine = line.head<2>().dot(direction);
+    const bool is_open =
+        std::abs(cosine) < kMinCosine
+            ? IsNearOpening(meeting, beam, direction, openings)
+            : openings.IsAtLocal(on_axes * (line.z() / cosine * direction).homogeneous());
+    if (is_open) beams->push_back(beam);
+    line += line_step;
+    on_axes += on_axes_step;
+  }
+}
+
+bool HiddenBeams::IsNearOpening(const Meeting& meeting,
+                                int beam,
+                                const Eigen::Vector2d& direction,
+                                const PlaneOpenings& openings) const {
+  const std::optional<Eigen::Vector3d> at =
+      MeetingPoint(meeting, beam, direction, kGrazingCosine);
+  if (!at) return true;
+  const Eigen::Vector3d from =
+      meeting.motion.ToWorld(Eigen::Vector2d::Zero(), BeamInstantNs(beam));
+  const Eigen::Vector3d reach = kGrazingReach * (*at - from).normalized();
+  return openings.MayBeAlong(*at - reach, *at + reach);
+}
+
+HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
+    const Meeting& meeting, const std::vector<LandmarkCandidate>& others) const {
+  WallCrossings crossings;
+  const std::optional<Eigen::Vector3d> start =
+      MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
+  const std::optional<Eigen::Vector3d> end =
+      MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam), kMinCosine);
+  if (!start || !end) return crossings;
+  crossings.start = *start;
+  crossings.end = *end;
+  for (const LandmarkCandidate& other : others) {
+    if (!other.is_vertical) continue;
+    const double from = other.SignedDistance(*start);
+    const double to = other.SignedDistance(*end);
+    if (from * to >= 0.0) continue;
+    auto& of_kind = from > 0.0 ? crossings.leaving : crossings.entering;
+    of_kind.push_back({&other, from / (from - to)});
+  }
+  return crossings;
+}
+
+double HiddenBeams::BeamAt(const WallCrossings& crossings, double share) const {
+  const Rigid3d scanner_from_world = poses.world_from_scanner.Inverse();
+  const Eigen::Vector3d p = scanner_from_world * crossings.PointAt(share);
+  const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
+  return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
+}
+
+std::vector<int> HiddenBeams::BehindCorners(
+    const std::vector<LandmarkCandidate>& others) const {
+  std::vector<int> beams;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
+  const WallCrossings crossings = FindCrossings(MakeMeeting(), others);
+  for (const WallCrossing& first : crossings.leaving) {
+    for (const WallCrossing& second : crossings.entering) {
+      if (first.at >= second.at) continue;
+      if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCornerCosine) continue;
+      const Eigen::Vector3d middle = crossings.PointAt(0.5 * (first.at + second.at));
+      const auto is_near = [&](const WallCrossing& crossing) {
+        return crossing.wall->landmark->extent.IsNear(middle, middle, kReach);
+      };
+      if (!is_near(first) || !is_near(second)) continue;
+      // One beam more on both sides, for the motion within the scan line.
+      const auto [low, high] =
+          std::minmax({BeamAt(crossings, first.at), BeamAt(crossings, second.at)});
+      const int from = std::max(first_beam, static_cast<int>(std::ceil(low)) - 1);
+      const int to = std::min(last_beam, static_cast<int>(std::floor(high)) + 1);
+      for (int beam = from; beam <= to; ++beam) beams.push_back(beam);
+    }
+  }
+  return beams;
+}
+
+std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& others) const {
+  std::vector<int> beams;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
+  const Meeting meeting = MakeMeeting();
+  const WallCrossings crossings = FindCrossings(meeting, others);
+  const auto is_hidden = [&](int beam, const LandmarkCandidate& wall) {
+    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
+    return at && wall.SignedDistance(*at) > -kReach &&
+           wall.landmark->extent.IsNear(*at, *at, kReach);
+  };
+  // From the crossing away from the wall, both ways along the segment.
+  const auto add = [&](const WallCrossing& crossing, int step) {
+    int beam = static_cast<int>(std::lround(BeamAt(crossings, crossing.at)));
+    for (; beam >= first_beam && beam <= last_beam && is_hidden(beam, *crossing.wall);
+         beam += step) {
+      beams.push_back(beam);
+    }
+  };
+  for (const WallCrossing& crossing : crossings.leaving) add(crossing, 1);
+  for (const WallCrossing& crossing : crossings.entering) add(crossing, -1);
+  return beams;
+}
+
+void HiddenBeams::CountHits(OpeningMap* openings) const {
+  const Meeting meeting = MakeMeeting();
+  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
+  const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
+  for (int beam = first_beam + kNumBeams; beam <= last_beam - kNumBeams; beam += stride) {
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    const int64_t time_ns = BeamInstantNs(beam);
+    const Eigen::Vector3d line = meeting.trace.At(time_ns);
+    const double cosine = line.head<2>().dot(direction);
+    if (std::abs(cosine) < kMinCosine) continue;
+    const double on_plane_m = line.z() / cosine;
+    const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!(std::abs(range - on_plane_m) < margin_m)) continue;
+    openings->CountHit(
+        *plane.landmark, meeting.motion.ToWorld(on_plane_m * direction, time_ns), stride);
+  }
+}
+
+void CountHitsAtEnd(const SegmentEnd& end, OpeningMap* openings) {
+  for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
+    const std::optional<Eigen::Vector3d> at =
+        MeetingPoint(end, end.trace.RangeAlong(direction) * direction);
+    if (!at) break;
+    openings->CountHit(end.landmark, *at);
+  }
+}
+
+void CountPassages(const SegmentEnd& end, OpeningMap* openings) {
+  const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
+  bool is_opening = false;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
+  int last_k = 0;
+  for (int k = 1;; ++k) {
+    const bool is_close = k <= kNumBeams;
+    if (!is_close && !is_opening) break;
+    const int beam = end.beam + k * end.step;
+    if (beam < 0 || beam >= end.scan_line.num_beams()) break;
+    const double range = end.scan_line.ranges[static_cast<size_t>(beam)];
+    if (!end.scanner.IsValidRange(range)) continue;
+    const Eigen::Vector2d direction = end.scan_line.BeamDirection(beam);
+    const double on_plane_m = end.trace.RangeAlong(direction);
+    const double beyond_m = range - on_plane_m;
+    // At grazing incidence the pose's uncertainty moves the range by decimetres.
+    const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
+    const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
+    const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m &&
+                       beyond_m > -kMaxBlockDistance;
+    if (!is_close && !passes) break;
+    if (!passes && !stops) continue;
+    const std::optional<Eigen::Vector3d> at = MeetingPoint(end, on_plane_m * direction);
+    if (!at) continue;
+    if (!passes) {
+      openings->CountBlock(end.landmark, *at);
+      continue;
+    }
+    is_opening = true;
+    if (!is_close) {
+      if (!end.landmark.extent.IsWithin(*at, 0.0)) break;
+      if ((*at - last).norm() < kSpacing) continue;
+    }
+    openings->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
+    last = *at;
+    last_k = k;
+  }
+}
+
+}  // namespace plumbline

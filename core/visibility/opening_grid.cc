@@ -1,0 +1,204 @@
+#include "core/visibility/opening_grid.h"
+
+#include "core/map/patch_extent.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kNarrowPerMetre = 50.0;  // cells of 0.02 m
+constexpr double kWidePerMetre = 4.0;     // cells of 0.25 m
+constexpr double kWide = 1.0 / kWidePerMetre;
+// What is farther than this from a plane's bounding rectangle says nothing of it.
+constexpr double kMargin = 1.0;
+constexpr int kMinCount = 2;
+constexpr double kMinShare = 0.1;
+constexpr double kMinShareLevel = 0.5;
+// Cells where more went through are open, whatever the other kind's cell tells.
+constexpr double kMixedShare = 0.5;
+// An opening goes on along an upright edge where beams on the plane are fewer than this share
+// of those that went through.
+constexpr double kContradiction = 0.25;
+
+bool HasHeight(const PatchExtent& extent) {
+  return extent.max_corner().y() - extent.min_corner().y() > kWide;
+}
+
+CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
+  return {CellIndex(u * (narrow_along_u ? kNarrowPerMetre : kWidePerMetre)),
+          CellIndex(v * (narrow_along_u ? kWidePerMetre : kNarrowPerMetre))};
+}
+
+// Without height there are no level edges: cells that are wide along u would only blur.
+bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || has_height; }
+
+size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
+
+// The cell so many further across the edges that cells of this kind tell.
+CellGrid::Cell Beside(const CellGrid::Cell& cell, int aside, bool narrow_along_u) {
+  return narrow_along_u ? CellGrid::Cell(cell.first + aside, cell.second)
+                        : CellGrid::Cell(cell.first, cell.second + aside);
+}
+
+}  // namespace
+
+void OpeningMap::Count(const Landmark& landmark,
+                       const Eigen::Vector3d& p_world,
+                       int num_beams,
+                       CellGrid Counts::*grid) {
+  const PatchExtent& extent = landmark.extent;
+  const Eigen::Vector2d uv = extent.Project(p_world);
+  if (!extent.Contains(uv, kMargin)) return;
+  const auto id = static_cast<size_t>(landmark.id);
+  if (id >= counts_.size()) counts_.resize(id + 1);
+  CountsOfPlane& counts = counts_[id];
+  (counts[Index(true)].*grid).Add(CellOf(uv.x(), uv.y(), true), num_beams);
+  if (HasHeight(extent)) {
+    (counts[Index(false)].*grid).Add(CellOf(uv.x(), uv.y(), false), num_beams);
+  }
+}
+
+void OpeningMap::CountHit(const Landmark& landmark,
+                          const Eigen::Vector3d& p_world,
+                          int num_beams) {
+  Count(landmark, p_world, num_beams, &Counts::hits);
+}
+void OpeningMap::CountPassage(const Landmark& landmark,
+                              const Eigen::Vector3d& p_world,
+                              int num_beams) {
+  Count(landmark, p_world, num_beams, &Counts::passages);
+}
+void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
+  Count(landmark, p_world, 1, &Counts::blocks);
+}
+
+void OpeningMap::Add(OpeningMap other) {
+  if (counts_.empty()) {
+    counts_ = std::move(other.counts_);
+    return;
+  }
+  if (counts_.size() < other.counts_.size()) counts_.resize(other.counts_.size());
+  for (size_t id = 0; id < other.counts_.size(); ++id) {
+    for (size_t kind = 0; kind < other.counts_[id].size(); ++kind) {
+      for (const auto grid : {&Counts::hits, &Counts::passages, &Counts::blocks}) {
+        CellGrid& counts = counts_[id][kind].*grid;
+        (other.counts_[id][kind].*grid).Any([&](const CellGrid::Cell& cell, int count) {
+          counts.Add(cell, count);
+          return false;
+        });
+      }
+    }
+  }
+}
+
+void PlaneOpenings::Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state) {
+  states_[Index(narrow_along_u)].Raise(cell, state);
+  if (state == kSolid) return;
+  // A narrow cell may lie across the edge of two wide ones.
+  const int narrow = narrow_along_u ? cell.first : cell.second;
+  const int wide = narrow_along_u ? cell.second : cell.first;
+  for (const int edge : {narrow, narrow + 1}) {
+    const int near = CellIndex(edge * (kWidePerMetre / kNarrowPerMetre));
+    nearby_.Add(narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
+  }
+}
+
+bool PlaneOpenings::IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const {
+  const int narrow = narrow_along_u ? cell.first : cell.second;
+  const int wide = narrow_along_u ? cell.second : cell.first;
+  const int near = CellIndex((narrow + 0.5) * (kWidePerMetre / kNarrowPerMetre));
+  return nearby_.IsNear(
+      narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
+}
+
+bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
+  const CellGrid::Cell wide(CellIndex(uv.x() * kWidePerMetre),
+                            CellIndex(uv.y() * kWidePerMetre));
+  if (nearby_.Count(wide) == 0) return false;
+  const int along_u = states_[Index(true)].Count(CellOf(uv.x(), uv.y(), true));
+  const int along_v = states_[Index(false)].Count(CellOf(uv.x(), uv.y(), false));
+  return along_u == kOpen || along_v == kOpen || (along_u == kMixed && along_v != kSolid) ||
+         (along_v == kMixed && along_u != kSolid);
+}
+
+bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
+                               const Eigen::Vector3d& b_world) const {
+  const Eigen::Vector2d a = Project(a_world) * kWidePerMetre;
+  const Eigen::Vector2d b = Project(b_world) * kWidePerMetre;
+  const int steps = static_cast<int>((b - a).norm()) + 1;  // of one cell at most
+  const Eigen::Vector2d step = (b - a) / steps;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d p = a + i * step;
+    if (nearby_.IsNear({CellIndex(p.x()), CellIndex(p.y())}, 1)) return true;
+  }
+  return false;
+}
+
+void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings) {
+  counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
+    if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
+      openings->Mark(cell, narrow_along_u, PlaneOpenings::kOpen);
+    }
+    return false;
+  });
+  const double min_share = openings->has_height_ ? kMinShare : kMinShareLevel;
+  counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
+    const int num_beams = passed + counts.hits.Count(cell);
+    if (passed < kMinCount || !(passed > min_share * num_beams)) return false;
+    const auto state =
+        passed > kMixedShare * num_beams ? PlaneOpenings::kOpen : PlaneOpenings::kMixed;
+    if (narrow_along_u) {
+      for (const int next : {cell.second - 1, cell.second + 1}) {
+        const CellGrid::Cell along(cell.first, next);
+        if (counts.hits.Count(along) < kContradiction * passed) {
+          openings->Mark(along, narrow_along_u, state);
+        }
+      }
+    }
+    for (int aside = -1; aside <= 1; ++aside) {
+      openings->Mark(Beside(cell, aside, narrow_along_u), narrow_along_u, state);
+    }
+    return false;
+  });
+}
+
+void OpeningMap::MarkSolid(const Counts& counts,
+                           bool narrow_along_u,
+                           PlaneOpenings* openings) {
+  const CellGrid& states = openings->states_[Index(narrow_along_u)];
+  counts.hits.Any([&](const CellGrid::Cell& cell, int hits) {
+    if (hits < kMinCount || !openings->IsNearby(cell, narrow_along_u)) return false;
+    for (int aside = -1; aside <= 1; ++aside) {
+      const CellGrid::Cell near = Beside(cell, aside, narrow_along_u);
+      if (states.Count(near) > PlaneOpenings::kSolid) return false;
+    }
+    openings->Mark(cell, narrow_along_u, PlaneOpenings::kSolid);
+    return false;
+  });
+}
+
+PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
+  PlaneOpenings openings;
+  const auto id = static_cast<size_t>(landmark.id);
+  if (id >= counts_.size()) return openings;
+  openings.has_height_ = HasHeight(landmark.extent);
+  openings.anchor_ = landmark.extent.anchor();
+  openings.u_axis_ = landmark.extent.u_axis();
+  openings.v_axis_ = landmark.extent.v_axis();
+  for (const auto mark : {&MarkOpen, &MarkSolid}) {
+    for (const bool narrow_along_u : {true, false}) {
+      if (!HasCells(openings.has_height_, narrow_along_u)) continue;
+      mark(counts_[id][Index(narrow_along_u)], narrow_along_u, &openings);
+    }
+  }
+  return openings;
+}
+
+std::vector<PlaneOpenings> OpeningMap::OpeningsOf(
+    const std::deque<Landmark>& landmarks) const {
+  std::vector<PlaneOpenings> of_all;
+  of_all.reserve(landmarks.size());
+  for (const Landmark& landmark : landmarks) of_all.push_back(OpeningsOf(landmark));
+  return of_all;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,98 @@
+#include "core/visibility/plane_intersections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/map/landmark_view.h"
+#include "core/map/patch_extent.h"
+
+namespace plumbline {
+namespace {
+
+// How near a patch's seen part has to come to a crossing.
+constexpr double kReach = PatchExtent::kCellSize;
+// What lies farther behind a plane than this does not touch it: half of the thinnest wall.
+constexpr double kMinDepth = 0.05;  // m
+// Planes farther than this from a segment's end do not bound it.
+constexpr double kMaxDistance = 1.0;  // m
+// Within this of its own rim a wall has not been seen beyond a floor or ceiling.
+constexpr double kRim = 0.3;  // m
+
+// Whether all that was seen of the other plane lies behind this one without touching it.
+bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
+  const PatchExtent& extent = other.landmark->extent;
+  for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
+    for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
+      const Eigen::Vector3d corner = extent.ToWorld({u, v});
+      if (own.SignedDistance(corner) > -kMinDepth) return false;
+    }
+  }
+  return true;
+}
+
+// Where the trace meets the other plane's patch; middle: direction of the segment's middle.
+std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
+                                 const LandmarkCandidate& other,
+                                 const FreeEnd& end,
+                                 const Eigen::Vector2d& middle) {
+  const ScanLine& scan_line = own.scan_line;
+  const Trace other_trace(own.placement, other);
+  const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
+  if (!at) return std::nullopt;
+  // No two points of a line are half a turn apart: the sign tells on which side of the middle.
+  const double turn_from_middle = middle.x() * at->y() - middle.y() * at->x();
+  if (turn_from_middle * end.step * scan_line.angle_increment < 0.0) return std::nullopt;
+  const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+    return own.placement * p.homogeneous();
+  };
+  const Eigen::Vector3d at_world = to_world(*at);
+  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
+  const double turn =
+      std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
+  const double beyond = end.step * turn / scan_line.angle_increment;
+  const bool is_free = beyond < end.step * (end.limit - end.beam);
+  if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
+  Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);
+  // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
+  if (own.plane.is_vertical && other.is_vertical) outwards.z() = 0.0;
+  outwards.normalize();
+  const PatchExtent& own_extent = own.plane.landmark->extent;
+  if (IsBehind(other, own.plane)) {
+    // Unless this one ends where they would meet.
+    const Eigen::Vector3d beyond = at_world + kReach * outwards;
+    if (own_extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
+  }
+  // The middle beam of a segment that does not belong there may pass its plane by.
+  const bool at_upright_edge =
+      own.plane.is_vertical && other.is_vertical && outwards.allFinite();
+  const bool goes_on = at_upright_edge ? own_extent.GoesOnBeyond(at_world, outwards)
+                                       : own_extent.IsWithin(at_world, -kRim);
+  const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
+  return PlaneMeeting{static_cast<int>(std::floor(beyond)),
+                      other_trace,
+                      &other,
+                      goes_on,
+                      at_upright_edge && is_turned_away && !goes_on};
+}
+
+}  // namespace
+
+std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
+                                       const Eigen::Vector3d& p_world,
+                                       const PlaneSet& others,
+                                       const FreeEnd& end) {
+  std::vector<PlaneMeeting> meetings;
+  const Eigen::Vector2d middle = own.scan_line.BeamDirection(end.middle);
+  others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkCandidate& other) {
+    if (other.landmark == own.plane.landmark) return;
+    const auto meeting = Meet(own, other, end, middle);
+    if (meeting) meetings.push_back(*meeting);
+  });
+  std::sort(meetings.begin(),
+            meetings.end(),
+            [](const PlaneMeeting& a, const PlaneMeeting& b) { return a.last > b.last; });
+  return meetings;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <set>
+#include <vector>
+
+#include "core/estimation/block_layout.h"
+#include "core/map/landmark.h"
+#include "core/window/marginal_prior.h"
+#include "factors/linear_algebra/elimination.h"
+
+namespace plumbline {
+
+// The part of the window's history that rests: planes that have been out of view for a while,
+// as a Gaussian conditional on blocks that the history itself still holds,
+//
+//   y = mean + gain x + e,    e ~ N(0, covariance),
+//
+// y the dormant planes' parameters, x how far the blocks of given() are from the values they
+// have in the history. The history then only needs to hold the cost of all the rest, and no
+// step of the window's touches the dormant planes: history and conditional together are the
+// same Gaussian, to rounding, that a history of all planes would be. Taking planes in and
+// giving them back takes (dormant planes)^2 operations for each of them, never a new
+// factorisation.
+//
+// All that x was must stay in the history until the next planes are taken in. For control
+// points that the window has left behind this means that they stay as anchors.
+class DormantPlanes {
+ public:
+  bool empty() const { return ids_.empty(); }
+  bool Contains(int landmark_id) const { return ids_.count(landmark_id) > 0; }
+  const std::vector<BlockId>& given() const { return given_; }
+  bool DependsOn(const BlockId& block) const;
+
+  // Moves these planes from the history to the dormant ones, and drops the history's control
+  // points before first_control_point, its anchors. Throws Error when the history does not
+  // determine them.
+  void TakeIn(const std::set<int>& landmark_ids, int first_control_point, History* history);
+
+  // Moves these planes back to the history, where they are about the landmarks' parameters.
+  void GiveBack(const std::set<int>& landmark_ids,
+                const std::deque<Landmark>& landmarks,
+                History* history);
+
+  // The history's values move by this much (its rows): what is given is measured from there.
+  void Rebase(const History& history, const Eigen::VectorXd& moved);
+
+  // Plane `from` of the history becomes part of its plane `into`; from's parameters are
+  // measured from values that are `shift` larger, and by_into is their derivative by into's.
+  // hold_first: into's first parameter never moves.
+  void Merge(int into,
+             int from,
+             const Eigen::VectorXd& shift,
+             const Eigen::MatrixXd& by_into,
+             bool hold_first);
+
+  // Sets the landmarks' parameters and covariances as they follow from the history's blocks:
+  // their steps from the history's values, their joint covariance.
+  void Update(const History& history,
+              const Eigen::VectorXd& steps,
+              const Eigen::MatrixXd& covariance,
+              std::deque<Landmark>* landmarks) const;
+
+ private:
+  struct Plane {
+    int id;
+    int row;  // first of its rows
+    int size;
+  };
+  // Rows of given() in the history.
+  std::vector<int> GivenRows(const History& history) const;
+  // The gain with respect to these rows of the history.
+  Eigen::MatrixXd ByHistory(const History& history, const std::vector<int>& rows) const;
+  // Replaces what leaves the history by what it is given the rest, and appends the first
+  // num_taken variables that leave, their means zero; returns these, from the history's
+  // values. Columns of by_leaving, by_staying: as `elimination` eliminates, keeps.
+  Eigen::VectorXd Compose(const Elimination& elimination,
+                          Eigen::Index num_taken,
+                          const Eigen::MatrixXd& by_leaving,
+                          const Eigen::MatrixXd& by_staying);
+  std::vector<int> RowsOfPlanes(const std::set<int>& landmark_ids) const;
+  // covariance_, where it holds something.
+  Eigen::Block<const Eigen::MatrixXd> Covariance() const {
+    return covariance_.topLeftCorner(mean_.size(), mean_.size());
+  }
+  // Sees to it that covariance_ has room for so many rows.
+  void Reserve(Eigen::Index size);
+  // Keeps only these planes' rows.
+  void RemovePlanes(const std::set<int>& landmark_ids);
+
+  std::set<int> ids_;
+  std::vector<Plane> planes_;
+  std::vector<BlockId> given_;
+  std::vector<int> given_offsets_ = {0};
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd gain_;
+  // Its first mean_.size() rows and columns; the rest is room for more planes. Planes come and
+  // go all the time: a matrix of hundreds of them is not to be copied for each.
+  Eigen::MatrixXd covariance_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,146 @@
+#include "core/window/marginal_prior.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/estimation/block_layout.h"
+#include "core/estimation/normal_equations.h"
+#include "factors/manifold/anchored_plane.h"
+
+namespace plumbline {
+
+Eigen::Vector2d AnchorOf(const Landmark& landmark) {
+  if (landmark.model != PlaneModel::kVertical || landmark.heading_fixed) {
+    return Eigen::Vector2d::Zero();
+  }
+  return landmark.extent.anchor().head<2>();
+}
+
+Eigen::VectorXd AnchoredParameters(const Landmark& landmark) {
+  const Eigen::VectorXd parameters =
+      Eigen::Map<const Eigen::VectorXd>(landmark.parameters.data(), landmark.num_parameters());
+  if (landmark.model != PlaneModel::kVertical) return parameters;
+  return AnchoredFromPlane(parameters, AnchorOf(landmark));
+}
+
+void SetFromAnchored(const Eigen::VectorXd& anchored, Landmark* landmark) {
+  Eigen::Map<Eigen::VectorXd> parameters(landmark->parameters.data(),
+                                         landmark->num_parameters());
+  parameters = anchored;
+  if (landmark->model != PlaneModel::kVertical) return;
+  parameters = PlaneFromAnchored(anchored, AnchorOf(*landmark));
+}
+
+Eigen::MatrixXd ParametersByAnchored(const Landmark& landmark) {
+  if (landmark.model != PlaneModel::kVertical) {
+    return Eigen::MatrixXd::Identity(landmark.num_parameters(), landmark.num_parameters());
+  }
+  return PlaneByAnchored(landmark.parameters[0], AnchorOf(landmark));
+}
+
+void SetCovarianceFromAnchored(const Eigen::MatrixXd& covariance, Landmark* landmark) {
+  const Eigen::MatrixXd by_anchored = ParametersByAnchored(*landmark);
+  landmark->covariance.setZero();
+  landmark->covariance.topLeftCorner(covariance.rows(), covariance.cols()) =
+      by_anchored * covariance * by_anchored.transpose();
+}
+
+namespace {
+
+// Calls visit(row, landmark) for each vertical landmark's first row.
+template <typename Visit>
+void ForEachVertical(const std::deque<Landmark>& landmarks,
+                     const NormalEquations& equations,
+                     Visit visit) {
+  for (size_t i = 0; i < equations.blocks.size(); ++i) {
+    if (!IsLandmark(equations.blocks[i])) continue;
+    const Landmark& landmark = landmarks[static_cast<size_t>(equations.blocks[i].index)];
+    if (landmark.model == PlaneModel::kVertical) visit(equations.offsets[i], landmark);
+  }
+}
+
+// Rows row and row + 1 are measured in other coordinates; by_new: the derivative of those that
+// they have been measured in.
+void ChangeCoordinates(const Eigen::Matrix2d& by_new, int row, NormalEquations* equations) {
+  auto columns = equations->hessian.middleCols<2>(row);
+  columns = (columns * by_new).eval();
+  auto rows = equations->hessian.middleRows<2>(row);
+  rows = (by_new.transpose() * rows).eval();
+  auto gradient = equations->gradient.segment<2>(row);
+  gradient = (by_new.transpose() * gradient).eval();
+}
+
+}  // namespace
+
+void EquationsToAnchored(const std::deque<Landmark>& landmarks, NormalEquations* equations) {
+  ForEachVertical(landmarks, *equations, [&](int row, const Landmark& landmark) {
+    ChangeCoordinates(ParametersByAnchored(landmark), row, equations);
+  });
+}
+
+void CovarianceToAnchored(const std::deque<Landmark>& landmarks,
+                          const NormalEquations& equations,
+                          Eigen::MatrixXd* covariance) {
+  ForEachVertical(landmarks, equations, [&](int row, const Landmark& landmark) {
+    const Eigen::Matrix2d by_parameters = ParametersByAnchored(landmark).inverse();
+    auto columns = covariance->middleCols<2>(row);
+    columns = (columns * by_parameters.transpose()).eval();
+    auto rows = covariance->middleRows<2>(row);
+    rows = (by_parameters * rows).eval();
+  });
+}
+
+Reanchoring MergePlanes(const Landmark& into, const Landmark& from, History* history) {
+  NormalEquations& past = history->equations;
+  const size_t from_at = FindBlock(past, LandmarkBlock(from.id));
+  CHECK_LT(from_at, past.blocks.size());
+  const size_t into_at = FindBlock(past, LandmarkBlock(into.id));
+  const int row = past.offsets[from_at];
+  const int size = BlockSize(past, from_at);
+  // The plane that both are taken to be, by either anchor.
+  Landmark as_into = into;
+  Landmark as_from = from;
+  Reanchoring change;
+  change.shift = Eigen::VectorXd::Zero(size);
+  if (into_at < past.blocks.size()) {
+    SetFromAnchored(history->at[into_at], &as_into);
+    as_from.parameters = as_into.parameters;
+    change.shift = AnchoredParameters(as_from) - history->at[from_at];
+    if (size == 2) change.shift[0] = std::remainder(change.shift[0], 2.0 * M_PI);
+    past.gradient += past.hessian.middleCols(row, size) * change.shift;
+  } else {
+    SetFromAnchored(history->at[from_at], &as_from);
+    as_into.parameters = as_from.parameters;
+  }
+  change.by_into = ParametersByAnchored(as_from).inverse() * ParametersByAnchored(as_into);
+  if (size == 2) ChangeCoordinates(change.by_into, row, &past);
+
+  std::vector<BlockId> names = past.blocks;
+  names[from_at] = LandmarkBlock(into.id);
+  std::map<BlockId, Eigen::VectorXd> at;
+  std::map<BlockId, int> sizes;
+  for (size_t i = 0; i < names.size(); ++i) {
+    at[names[i]] = history->at[i];
+    sizes[names[i]] = BlockSize(past, i);
+  }
+  at[LandmarkBlock(into.id)] = AnchoredParameters(as_into);
+  NormalEquations merged = ZeroSystem(sizes);
+  AddTo(past, names, &merged);
+  history->at.clear();
+  for (size_t i = 0; i < merged.blocks.size(); ++i) {
+    const BlockId& block = merged.blocks[i];
+    history->at.push_back(at.at(block));
+    if (!(block == LandmarkBlock(into.id)) || !into.heading_fixed) continue;
+    merged.hessian.row(merged.offsets[i]).setZero();  // a held direction has no say
+    merged.hessian.col(merged.offsets[i]).setZero();
+    merged.gradient[merged.offsets[i]] = 0.0;
+  }
+  past = std::move(merged);
+  return change;
+}
+
+}  // namespace plumbline

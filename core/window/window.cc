@@ -1,0 +1,396 @@
+#include "core/window/window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/estimation/block_layout.h"
+#include "core/estimation/normal_equations.h"
+#include "core/trajectory/pose_gaussian.h"
+#include "core/trajectory/pose_uncertainty.h"
+#include "core/util/error.h"
+#include "core/util/time.h"
+#include "factors/linear_algebra/elimination.h"
+#include "factors/linear_algebra/square_root_marginalisation.h"
+#include "factors/linear_algebra/symmetric_inverse.h"
+#include "factors/manifold/manifolds.h"
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+namespace {
+
+// Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
+constexpr double kHuberWidth = 5.0;
+// The window only has to be good enough for the next associations and as the batch's start: an
+// iteration that lowers the cost by less than this share of it is the last one.
+constexpr double kFunctionTolerance = 1e-4;
+constexpr int kMaxIterations = 5;
+constexpr char kNotDetermined[] =
+    "the poses and planes are not determined by the scans: singular estimate";
+
+// Inverse on the rows and directions that are estimated; zero on the others.
+Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<int>& on) {
+  std::vector<int> rows;
+  for (const int row : on) {
+    if (equations.hessian(row, row) > 0.0) rows.push_back(row);
+  }
+  const std::optional<Eigen::MatrixXd> inverse =
+      SymmetricInverse(equations.hessian(rows, rows));
+  if (!inverse) throw Error(kNotDetermined);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+  covariance(rows, rows) = *inverse;
+  return covariance;
+}
+
+void SetCovariance(const Eigen::MatrixXd& covariance, Landmark* landmark) {
+  landmark->covariance.setZero();
+  landmark->covariance.topLeftCorner(covariance.rows(), covariance.cols()) = covariance;
+}
+
+}  // namespace
+
+Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+    : rig_(rig), planar_(planar), options_(options), state_(state) {}
+
+void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) const {
+  for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, options_.trajectory);
+}
+
+void Window::AddStart(EstimationProblem* problem) const {
+  problem->AddStartVelocityPrior(options_.trajectory);
+  problem->AddOrigin(state_->origin_time_ns);
+}
+
+void Window::Add(int observation_index) {
+  const Observation& observation =
+      state_->observations[static_cast<size_t>(observation_index)];
+  const int first =
+      state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
+  if (first >= start_) window_.push_back(observation_index);
+}
+
+std::set<int> Window::LandmarksInWindow() const {
+  std::set<int> ids;
+  for (const int index : window_) {
+    ids.insert(state_->observations[static_cast<size_t>(index)].landmark_id);
+  }
+  return ids;
+}
+
+Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) const {
+  const BlockId& id = history_.equations.blocks[block];
+  const Eigen::VectorXd& at = history_.at[block];
+  if (IsLandmark(id)) {
+    return AnchoredParameters(state_->landmarks[static_cast<size_t>(id.index)]) - at;
+  }
+  const double* now = problem.Data(id);
+  if (id.kind != BlockId::Kind::kRotation) {
+    return Eigen::Map<const Eigen::VectorXd>(now, at.size()) - at;
+  }
+  if (planar_) return Eigen::VectorXd::Constant(1, YawDifference(now, at.data()));
+  using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
+  return Log(Quaternion(now) * Quaternion(at.data()).conjugate());
+}
+
+bool Window::WakePlanes(const std::set<int>& in_view) {
+  std::set<int> waking;
+  for (const int id : in_view) {
+    last_in_view_[id] = num_solves_;
+    if (dormant_.Contains(id)) waking.insert(id);
+  }
+  dormant_.GiveBack(waking, state_->landmarks, &history_);
+  return !waking.empty();
+}
+
+void Window::RestPlanes() {
+  std::set<int> resting;
+  for (const BlockId& block : history_.equations.blocks) {
+    if (!IsLandmark(block)) continue;
+    const Landmark& landmark = state_->landmarks[static_cast<size_t>(block.index)];
+    // Of a plane that is held in part, the conditional would be singular.
+    if (landmark.heading_fixed) continue;
+    if (num_solves_ - last_in_view_[block.index] >= kRestAfter) resting.insert(block.index);
+  }
+  if (!resting.empty()) dormant_.TakeIn(resting, start_, &history_);
+}
+
+Window::Passive Window::EliminatePassive(const std::set<int>& in_view) const {
+  const NormalEquations& past = history_.equations;
+  Passive passive;
+  std::vector<int> order;
+  std::vector<int> active_rows;
+  for (size_t i = 0; i < past.blocks.size(); ++i) {
+    const BlockId& block = past.blocks[i];
+    const bool is_active =
+        IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_;
+    (is_active ? passive.active_blocks : passive.blocks).push_back(i);
+    for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
+      (is_active ? active_rows : order).push_back(row);
+    }
+  }
+  const auto num_passive = static_cast<Eigen::Index>(order.size());
+  order.insert(order.end(), active_rows.begin(), active_rows.end());
+  passive.elimination =
+      Elimination::Make(past.hessian(order, order), past.gradient(order), num_passive);
+  if (!passive.elimination) throw Error(kNotDetermined);
+  return passive;
+}
+
+void Window::AddHistory(const Passive& passive, EstimationProblem* problem) const {
+  if (passive.active_blocks.empty()) return;
+  Prior prior;
+  for (const size_t i : passive.active_blocks) {
+    const BlockId& block = history_.equations.blocks[i];
+    prior.blocks.push_back(block);
+    prior.linear.blocks.push_back(
+        {problem->KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
+    if (!IsLandmark(block)) continue;
+    prior.linear.blocks.back().anchor =
+        AnchorOf(state_->landmarks[static_cast<size_t>(block.index)]);
+  }
+  const MarginalisedSystem root = plumbline::Marginalise(
+      passive.elimination->hessian(), passive.elimination->gradient(), 0);
+  prior.linear.root = root.root;
+  prior.linear.offset = root.offset;
+  problem->AddPrior(prior);
+}
+
+void Window::MovePassive(const Passive& passive,
+                         const EstimationProblem& problem,
+                         const NormalEquations& equations,
+                         Eigen::MatrixXd covariance,
+                         bool dormant_too) {
+  if (passive.blocks.empty() && !dormant_too) return;
+  const NormalEquations& past = history_.equations;
+  const std::vector<int> active_rows = RowsOf(past, passive.active_blocks);
+  const std::vector<int> passive_rows = RowsOf(past, passive.blocks);
+  Eigen::VectorXd steps(past.size());
+  std::vector<size_t> solved_blocks;  // the history's active blocks in the solution
+  for (const size_t i : passive.active_blocks) {
+    solved_blocks.push_back(FindBlock(equations, past.blocks[i]));
+    steps.segment(past.offsets[i], BlockSize(past, i)) = Moved(problem, i);
+  }
+  const std::vector<int> solved_rows = RowsOf(equations, solved_blocks);
+  steps(passive_rows) = passive.elimination->BackSubstitute(steps(active_rows));
+  const Eigen::MatrixXd gain = passive.elimination->Gain();
+  const Eigen::MatrixXd root = passive.elimination->ConditionalRoot();
+  CovarianceToAnchored(state_->landmarks, equations, &covariance);
+  const Eigen::MatrixXd of_active = covariance(solved_rows, solved_rows);
+  const Eigen::MatrixXd spread = gain * of_active;
+  Eigen::MatrixXd joint(past.size(), past.size());
+  joint(passive_rows, passive_rows) = root.transpose() * root + spread * gain.transpose();
+  for (const size_t i : passive.blocks) {
+    if (!IsLandmark(past.blocks[i])) continue;
+    const int row = past.offsets[i];
+    const int size = BlockSize(past, i);
+    Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
+    SetFromAnchored(history_.at[i] + steps.segment(row, size), &landmark);
+    SetCovarianceFromAnchored(joint.block(row, row, size, size), &landmark);
+  }
+  if (!dormant_too) return;
+  joint(active_rows, active_rows) = of_active;
+  joint(passive_rows, active_rows) = spread;
+  joint(active_rows, passive_rows) = spread.transpose();
+  dormant_.Update(history_, steps, joint, &state_->landmarks);
+}
+
+PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
+  ++num_solves_;
+  const std::set<int> in_view = LandmarksInWindow();
+  const bool woken = WakePlanes(in_view);
+  const Passive passive = EliminatePassive(in_view);
+  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  AddHistory(passive, &problem);
+  if (start_ == 0) AddStart(&problem);
+  AddMotionPriors(&problem, start_, state_->trajectory.num_control_points() - 3);
+  std::vector<const Observation*> in_window;
+  for (const int index : window_) {
+    in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
+  }
+  problem.AddSegments(in_window, kHuberWidth, &groups_);
+  const NormalEquations equations =
+      problem.SolveNormalEquations(kMaxIterations, kFunctionTolerance);
+
+  const int newest = state_->trajectory.Locate(now_ns).first;
+  PoseGaussian newest_poses = NewestPoses(equations, newest);
+  if (options_.window.keep_statements) KeepStatement(equations, newest, now_ns);
+
+  // What the planes' uncertainty is to somebody who stands at the newest pose.
+  Eigen::MatrixXd covariance =
+      InverseOn(equations, RowsOf(equations, [&](const BlockId& block) {
+                  return IsLandmark(block) || block.index < newest;
+                }));
+  for (size_t i = 0; i < equations.blocks.size(); ++i) {
+    const BlockId& block = equations.blocks[i];
+    const int row = equations.offsets[i];
+    if (!IsLandmark(block)) continue;
+    SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
+                  &state_->landmarks[static_cast<size_t>(block.index)]);
+  }
+  MovePassive(passive,
+              problem,
+              equations,
+              std::move(covariance),
+              !dormant_.empty() && (woken || num_solves_ % kDormantPeriod == 0));
+  const int64_t oldest_ns =
+      std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
+  Marginalise(state_->trajectory.Locate(oldest_ns).first);
+  if (num_solves_ % kRestAfter == 0) RestPlanes();
+  return newest_poses;
+}
+
+PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) const {
+  std::vector<int> order = RowsOf(equations, [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index < newest;
+  });
+  const auto num_older = static_cast<Eigen::Index>(order.size());
+  const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index >= newest;
+  });
+  order.insert(order.end(), newest_rows.begin(), newest_rows.end());
+  const std::optional<Elimination> older =
+      Elimination::Make(equations.hessian(order, order),
+                        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(order.size())),
+                        num_older);
+  if (!older) throw Error(kNotDetermined);
+  PoseGaussian gaussian;
+  gaussian.first = newest;
+  for (int i = newest; i < state_->trajectory.num_control_points(); ++i) {
+    gaussian.mean.push_back(state_->trajectory.control_point(i));
+  }
+  const std::vector<int> rows = RowsInPoses(equations, newest);
+  const auto size = static_cast<Eigen::Index>(6 * gaussian.mean.size());
+  gaussian.information.setZero(size, size);
+  gaussian.information(rows, rows) = older->hessian();
+  return gaussian;
+}
+
+std::vector<int> Window::RowsInPoses(const NormalEquations& equations, int newest) const {
+  std::vector<int> rows;
+  for (size_t i = 0; i < equations.blocks.size(); ++i) {
+    const BlockId& block = equations.blocks[i];
+    if (IsLandmark(block) || block.index < newest) continue;
+    const int base = 6 * (block.index - newest);
+    const int size = BlockSize(equations, i);
+    const int first = block.kind == BlockId::Kind::kPosition ? 3 : 3 - size;
+    for (int k = 0; k < size; ++k) rows.push_back(base + first + k);
+  }
+  return rows;
+}
+
+void Window::KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns) {
+  const Eigen::MatrixXd covariance =
+      InverseOn(equations, RowsOf(equations, [](const BlockId&) { return true; }));
+  const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index >= newest;
+  });
+  const std::vector<int> rows = RowsInPoses(equations, newest);
+  const int size = 6 * (state_->trajectory.num_control_points() - newest);
+  Eigen::MatrixXd of_poses = Eigen::MatrixXd::Zero(size, size);
+  of_poses(rows, rows) = covariance(newest_rows, newest_rows);
+  WindowStatement statement;
+  statement.newest_pose = {now_ns, state_->trajectory.WorldFromBody(now_ns)};
+  statement.pose_covariance =
+      PoseUncertainty(newest, std::move(of_poses)).At(state_->trajectory, now_ns);
+  for (const BlockId& block : equations.blocks) {
+    if (IsLandmark(block)) statement.landmark_ids.push_back(block.index);
+  }
+  const std::vector<int> landmark_rows = RowsOf(equations, IsLandmark);
+  statement.landmark_covariance = covariance(landmark_rows, landmark_rows);
+  if (!statements_.empty()) {
+    statements_.back().landmark_ids.clear();
+    statements_.back().landmark_covariance.resize(0, 0);
+  }
+  statements_.push_back(std::move(statement));
+}
+
+void Window::Marginalise(int new_start) {
+  if (new_start <= start_) return;
+  EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  if (start_ == 0) AddStart(&leaving);
+  AddMotionPriors(&leaving, start_, new_start - 1);
+  std::vector<int> staying;
+  std::vector<const Observation*> gone;
+  for (const int index : window_) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    const int first =
+        state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
+    if (first >= new_start) {
+      staying.push_back(index);
+    } else {
+      gone.push_back(&observation);
+    }
+  }
+  leaving.AddSegments(gone, kHuberWidth, &groups_);
+  NormalEquations added = leaving.Linearise();
+  EquationsToAnchored(state_->landmarks, &added);
+  groups_.ForgetBefore(new_start);
+
+  // The history's gradient where its blocks stand now.
+  NormalEquations& past = history_.equations;
+  Eigen::VectorXd moved(past.size());
+  for (size_t i = 0; i < past.blocks.size(); ++i) {
+    moved.segment(past.offsets[i], BlockSize(past, i)) = Moved(leaving, i);
+  }
+  past.gradient += past.hessian * moved;
+  dormant_.Rebase(history_, moved);
+
+  std::map<BlockId, int> sizes;
+  for (const BlockId& block : past.blocks) sizes[block] = leaving.TangentSize(block);
+  for (const BlockId& block : added.blocks) sizes[block] = leaving.TangentSize(block);
+  NormalEquations all = ZeroSystem(sizes);
+  AddTo(past, past.blocks, &all);
+  AddTo(added, added.blocks, &all);
+  // What dormant planes depend on stays, as an anchor.
+  const auto leaves = [&](const BlockId& block) {
+    return !IsLandmark(block) && block.index < new_start && !dormant_.DependsOn(block);
+  };
+  std::vector<int> order = RowsOf(all, leaves);
+  const auto num_leaving = static_cast<Eigen::Index>(order.size());
+  const std::vector<int> rows =
+      RowsOf(all, [&](const BlockId& block) { return !leaves(block); });
+  order.insert(order.end(), rows.begin(), rows.end());
+  const std::optional<Elimination> rest =
+      Elimination::Make(all.hessian(order, order), all.gradient(order), num_leaving);
+  if (!rest) throw Error(kNotDetermined);
+  past.blocks.clear();
+  past.offsets.assign(1, 0);
+  history_.at.clear();
+  for (size_t i = 0; i < all.blocks.size(); ++i) {
+    const BlockId& block = all.blocks[i];
+    if (leaves(block)) continue;
+    past.blocks.push_back(block);
+    past.offsets.push_back(past.offsets.back() + BlockSize(all, i));
+    if (IsLandmark(block)) {
+      history_.at.push_back(
+          AnchoredParameters(state_->landmarks[static_cast<size_t>(block.index)]));
+      continue;
+    }
+    history_.at.emplace_back(
+        Eigen::Map<const Eigen::VectorXd>(leaving.Data(block), leaving.AmbientSize(block)));
+  }
+  past.hessian = rest->hessian();
+  past.gradient = rest->gradient();
+  window_ = std::move(staying);
+  start_ = new_start;
+}
+
+void Window::MergeLandmarks(int into, int from) {
+  std::set<int> waking;
+  for (const int id : {into, from}) {
+    if (dormant_.Contains(id)) waking.insert(id);
+  }
+  dormant_.GiveBack(waking, state_->landmarks, &history_);
+  for (const int id : waking) last_in_view_[id] = num_solves_;
+  if (FindBlock(history_.equations, LandmarkBlock(from)) == history_.equations.blocks.size()) {
+    return;
+  }
+  const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
+  const Reanchoring moved =
+      MergePlanes(landmark, state_->landmarks[static_cast<size_t>(from)], &history_);
+  dormant_.Merge(into, from, moved.shift, moved.by_into, landmark.heading_fixed);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/normal_equations.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
+#include "core/result/result_types.h"
+#include "core/sensor/rig.h"
+#include "core/trajectory/pose_gaussian.h"
+#include "core/window/inactive_landmarks.h"
+#include "core/window/marginal_prior.h"
+#include "factors/linear_algebra/elimination.h"
+
+namespace plumbline {
+
+// What the window knows after a solution, in the model frame.
+struct WindowStatement {
+  StampedPose newest_pose;
+  Matrix6d pose_covariance;             // world-frame rotation (rad) and position (m)
+  std::vector<int> landmark_ids;        // in view, ascending
+  Eigen::MatrixXd landmark_covariance;  // of their parameters together
+};
+
+// The full step of the estimation while scans come in, every other knot interval (paper,
+// section 4.6, with marginalised history in place of frozen planes): all control points and
+// planes of the window. What leaves it is marginalised into a history of the planes met so far
+// and the oldest control points that remain.
+//
+// Planes out of view for kRestAfter solves are dormant (DormantPlanes): they wait outside of
+// the history until they are seen again. Their parameters and covariances in the map, for
+// association and loop closure, are renewed every kDormantPeriod solves, a second with the
+// default knots, and in each solve that a dormant plane comes into view, as when a loop
+// closes; while none does, they hardly change. What is in view is estimated as if no plane
+// ever rested.
+class Window {
+ public:
+  Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+
+  // An observation that has been given a landmark: takes part from now on, unless it is older
+  // than the window.
+  void Add(int observation_index);
+
+  // Estimates the window's control points and all planes, and leaves the planes' covariances,
+  // the newest pose given. Returns what is then known of the newest control points, the planes
+  // given. Throws Error when the scans do not determine the poses and planes.
+  PoseGaussian Solve(int64_t now_ns, double window_s);
+
+  // What it has stated so far; empty unless the options ask for it. The planes are those of
+  // the last statement only.
+  const std::vector<WindowStatement>& statements() const { return statements_; }
+
+  // Makes landmark `from` part of landmark `into` in the history.
+  void MergeLandmarks(int into, int from);
+
+ private:
+  static constexpr int kRestAfter = 16;
+  static constexpr int kDormantPeriod = 8;
+
+  // The history's blocks that take no part in the window's iterations, eliminated: planes out
+  // of view and anchors. They follow what the other blocks do. Positions in
+  // history_.equations.blocks.
+  struct Passive {
+    std::vector<size_t> blocks;
+    std::vector<size_t> active_blocks;  // the others
+    std::optional<Elimination> elimination;
+  };
+
+  // Brings back what is in view from the dormant planes; true when there was any.
+  bool WakePlanes(const std::set<int>& in_view);
+  void RestPlanes();
+  Passive EliminatePassive(const std::set<int>& in_view) const;
+  // What the history says of the active blocks, as a square-root prior.
+  void AddHistory(const Passive& passive, EstimationProblem* problem) const;
+  // Estimates and covariances of the passive planes, and of the dormant ones where that is
+  // due, from the solution of the others, whose covariance is in the rows of `equations`.
+  void MovePassive(const Passive& passive,
+                   const EstimationProblem& problem,
+                   const NormalEquations& equations,
+                   Eigen::MatrixXd covariance,
+                   bool dormant_too);
+  void AddStart(EstimationProblem* problem) const;
+  void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
+  std::set<int> LandmarksInWindow() const;
+  // How far a block has moved since the history was written, in its tangent.
+  Eigen::VectorXd Moved(const EstimationProblem& problem, size_t block) const;
+  PoseGaussian NewestPoses(const NormalEquations& equations, int newest) const;
+  // Rows of the control points from `newest` on in a matrix with six for each; a planar
+  // rotation is a yaw.
+  std::vector<int> RowsInPoses(const NormalEquations& equations, int newest) const;
+  void KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns);
+  void Marginalise(int new_start);
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  MapState* state_;
+  int start_ = 0;  // first control point of the window
+  // On control points from start_, on anchors before it, and on the planes that are not
+  // dormant.
+  History history_;
+  DormantPlanes dormant_;
+  int num_solves_ = 0;
+  std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
+  std::vector<int> window_;          // observations not yet marginalised
+  ObservationGroupCache groups_{LinearisedGroup::kCoarse, 1};
+  std::vector<WindowStatement> statements_;
+};
+
+}  // namespace plumbline

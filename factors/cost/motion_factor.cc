@@ -1,0 +1,96 @@
+#include "factors/cost/motion_factor.h"
+
+#include <ceres/autodiff_cost_function.h>
+
+#include <Eigen/Core>
+
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+namespace {
+
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+// Rotation vector from q0 to q1, in the body frame of q0.
+template <typename T>
+Vector3<T> RotationDifference(const T* q0, const T* q1) {
+  using ConstQuaternion = Eigen::Map<const Eigen::Quaternion<T>>;
+  return Log(ConstQuaternion(q0).conjugate() * ConstQuaternion(q1));
+}
+
+struct PositionAccelerationFunctor {
+  Eigen::Vector3d whitening;
+
+  template <typename T>
+  bool operator()(const T* p0, const T* p1, const T* p2, T* residuals) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      residuals[axis] = whitening[axis] * (p0[axis] - 2.0 * p1[axis] + p2[axis]);
+    }
+    return true;
+  }
+};
+
+struct RotationAccelerationFunctor {
+  double whitening;
+
+  template <typename T>
+  bool operator()(const T* q0, const T* q1, const T* q2, T* residuals) const {
+    Eigen::Map<Vector3<T>>{residuals} =
+        (RotationDifference(q1, q2) - RotationDifference(q0, q1)) * T(whitening);
+    return true;
+  }
+};
+
+struct PositionVelocityFunctor {
+  double whitening;
+
+  template <typename T>
+  bool operator()(const T* p0, const T* p1, T* residuals) const {
+    for (int axis = 0; axis < 3; ++axis) residuals[axis] = whitening * (p1[axis] - p0[axis]);
+    return true;
+  }
+};
+
+struct RotationVelocityFunctor {
+  double whitening;
+
+  template <typename T>
+  bool operator()(const T* q0, const T* q1, T* residuals) const {
+    Eigen::Map<Vector3<T>>{residuals} = RotationDifference(q0, q1) * T(whitening);
+    return true;
+  }
+};
+
+template <int... kBlockSizes, typename Functor>
+std::unique_ptr<ceres::CostFunction> MakeFactor(Functor functor) {
+  return std::make_unique<ceres::AutoDiffCostFunction<Functor, 3, kBlockSizes...>>(
+      new Functor(functor));
+}
+
+}  // namespace
+
+std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
+    const Eigen::Vector3d& stddev, double knot_interval_s) {
+  const Eigen::Vector3d whitening =
+      (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
+  return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{whitening});
+}
+
+std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(double stddev,
+                                                                      double knot_interval_s) {
+  const double whitening = 1.0 / (stddev * knot_interval_s * knot_interval_s);
+  return MakeFactor<4, 4, 4>(RotationAccelerationFunctor{whitening});
+}
+
+std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,
+                                                                  double knot_interval_s) {
+  return MakeFactor<3, 3>(PositionVelocityFunctor{1.0 / (stddev * knot_interval_s)});
+}
+
+std::unique_ptr<ceres::CostFunction> CreateRotationVelocityFactor(double stddev,
+                                                                  double knot_interval_s) {
+  return MakeFactor<4, 4>(RotationVelocityFunctor{1.0 / (stddev * knot_interval_s)});
+}
+
+}  // namespace plumbline

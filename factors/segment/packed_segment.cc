@@ -1,0 +1,63 @@
+#include "factors/segment/packed_segment.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/LU>
+
+#include "factors/segment/segment_measurement.h"
+
+namespace plumbline {
+namespace {
+
+using DoubleRows = Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10>;
+// What a row says of the three nodes.
+using NodeRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+}  // namespace
+
+Eigen::Matrix3d SegmentFrame::Matrix() const {
+  const Eigen::Vector2d t = tangent.cast<double>();
+  const Eigen::Vector2d o = origin.cast<double>();
+  Eigen::Matrix3d matrix;
+  matrix << t.x(), -t.y(), o.x(),  //
+      t.y(), t.x(), o.y(),         //
+      0.0, 0.0, 1.0;
+  return matrix;
+}
+
+StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
+                                     const SegmentFrame& frame)
+    : frame_(frame),
+      first_node_ns_(measurement.node_times_ns[0]),
+      half_span_ns_(
+          static_cast<int32_t>(measurement.node_times_ns[1] - measurement.node_times_ns[0])),
+      constant_(static_cast<float>(measurement.constant)) {
+  CHECK_EQ(measurement.node_times_ns[1] - measurement.node_times_ns[0], half_span_ns_);
+  CHECK_EQ(measurement.node_times_ns[2] - measurement.node_times_ns[1], half_span_ns_);
+  CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
+  const Eigen::Matrix3d to_own = frame.Matrix().inverse().transpose();
+  DoubleRows rows = measurement.rows;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    Eigen::Map<NodeRows> of_nodes(rows.row(i).data());
+    of_nodes = of_nodes * to_own;
+  }
+  const Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rounded =
+      rows.cast<float>();
+  rows_ = CompactArray<float>(rounded.data(), static_cast<size_t>(rounded.size()));
+}
+
+SegmentMeasurement StoredMeasurement::Unpack() const {
+  SegmentMeasurement measurement;
+  measurement.node_times_ns = node_times_ns();
+  measurement.num_nodes = num_nodes();
+  measurement.constant = constant_;
+  const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();
+  measurement.rows = rows().cast<double>();
+  for (Eigen::Index i = 0; i < measurement.rows.rows(); ++i) {
+    Eigen::Map<NodeRows> of_nodes(measurement.rows.row(i).data());
+    of_nodes = of_nodes * to_scanner;
+  }
+  return measurement;
+}
+
+}  // namespace plumbline

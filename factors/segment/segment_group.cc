@@ -1,0 +1,452 @@
+#include "factors/segment/segment_group.h"
+
+#include <ceres/jet.h>
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "factors/linear_algebra/square_root_marginalisation.h"
+#include "factors/manifold/manifolds.h"
+#include "factors/segment/segment_measurement.h"
+#include "factors/spline/so3.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumNodes = 3;
+constexpr int kMaxControlPoints = 9;
+constexpr int kPoseSize = 6;
+constexpr int kMaxPlaneSize = 4;
+using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
+
+constexpr int kLineSize = kNumNodes * kPoseSize;
+using LineVector = Eigen::Matrix<double, kLineSize, 1>;
+using LineMatrix = Eigen::Matrix<double, kLineSize, kLineSize, Eigen::RowMajor>;
+
+// The poses at the nodes of a scan line.
+struct NodePoses {
+  std::array<Eigen::Matrix3d, kNumNodes> world_from_body;
+  std::array<Eigen::Vector3d, kNumNodes> position;
+  std::array<SplinePoseJacobian, kNumNodes> splines;
+};
+
+// Normal equations of a scan line's segments in the poses at its nodes, [ rotation tangent |
+// position ] each, and in the planes' parameters.
+struct LineSystem {
+  LineMatrix poses;
+  LineVector gradient;
+  // Columns: planes' parameters.
+  Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
+  std::vector<bool> sees_plane;
+};
+
+// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the
+// body's position, in the world's axes.
+using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumNodes>;
+
+ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& poses) {
+  Eigen::Matrix3d in_body = scanner.body_from_scanner_rotation;
+  in_body.col(2) = scanner.body_from_scanner_translation;
+  ScannerAtNodes nodes;
+  for (size_t k = 0; k < kNumNodes; ++k) nodes[k] = poses.world_from_body[k] * in_body;
+  return nodes;
+}
+
+// A plane's normal and distance, differentiated by its parameters; columns beyond their number
+// are zero.
+struct PlaneDerivatives {
+  Eigen::Vector3d normal;
+  double distance = 0.0;
+  Eigen::Matrix<double, 3, kMaxPlaneSize> normal_by_plane;
+  Eigen::Matrix<double, 1, kMaxPlaneSize> distance_by_plane;
+};
+
+PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* parameters) {
+  PlaneDerivatives derivatives;
+  derivatives.normal_by_plane.setZero();
+  derivatives.distance_by_plane.setZero();
+  VisitPlaneModel(plane.model, plane.sign, [&](const auto& model) {
+    constexpr int kSize = std::decay_t<decltype(model)>::kSize;
+    using T = ceres::Jet<double, kSize>;
+    T jets[kSize];
+    for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[i], i);
+    T normal[3];
+    T distance;
+    model.Evaluate(jets, normal, &distance);
+    for (int i = 0; i < 3; ++i) {
+      derivatives.normal[i] = normal[i].a;
+      derivatives.normal_by_plane.template block<1, kSize>(i, 0) = normal[i].v.transpose();
+    }
+    derivatives.distance = distance.a;
+    derivatives.distance_by_plane.template head<kSize>() = distance.v.transpose();
+  });
+  return derivatives;
+}
+
+// A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ];
+// kPlaneSize 0: the plane is held.
+template <int kPlaneSize>
+struct SegmentRows {
+  static constexpr int kColumns = kLineSize + kPlaneSize;
+  Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns> jacobian;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residuals;
+};
+
+// A row (a, b, c) of the compressed segment stands for c times the signed distance of one
+// point, v from the body's position: of v = a along + b across + c origin and c alone, with
+// the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
+// rotation's cross product with it.
+template <int kPlaneSize>
+void Differentiate(const StoredMeasurement& measurement,
+                   const SegmentWeights& by,
+                   const ScannerAtNodes& scanner,
+                   const NodePoses& poses,
+                   const PlaneDerivatives& plane,
+                   SegmentRows<kPlaneSize>* rows) {
+  const auto stored = measurement.rows();
+  const Eigen::Matrix3d frame = measurement.frame().Matrix();
+  rows->jacobian.setZero(stored.rows(), SegmentRows<kPlaneSize>::kColumns);
+  rows->residuals.setZero(stored.rows());
+  for (int k = 0; k < measurement.num_nodes(); ++k) {
+    const Eigen::Vector3d& position = poses.position[static_cast<size_t>(k)];
+    const Eigen::Matrix3d segment = scanner[static_cast<size_t>(k)] * frame;
+    const double body_distance = plane.normal.dot(position) - plane.distance;
+    for (Eigen::Index row = 0; row < stored.rows(); ++row) {
+      const Eigen::Vector3d weights =
+          by.scale *
+          stored.template block<1, 3>(row, 3 * k).transpose().template cast<double>();
+      const Eigen::Vector3d v = segment * weights;
+      rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
+      auto jacobian = rows->jacobian.row(row);
+      jacobian.template segment<3>(kPoseSize * k) = v.cross(plane.normal).transpose();
+      jacobian.template segment<3>(kPoseSize * k + 3) = weights.z() * plane.normal.transpose();
+      if constexpr (kPlaneSize > 0) {
+        jacobian.template segment<kPlaneSize>(kLineSize) +=
+            (v + weights.z() * position).transpose() *
+                plane.normal_by_plane.template leftCols<kPlaneSize>() -
+            weights.z() * plane.distance_by_plane.template head<kPlaneSize>();
+      }
+    }
+  }
+  rows->residuals += by.offset * stored.col(9).template cast<double>();
+}
+
+// Weighs the rows by Huber's loss of their norm; returns the cost.
+template <int kPlaneSize>
+double Weigh(double huber_width, SegmentRows<kPlaneSize>* rows, bool* is_outlier) {
+  const double squared = rows->residuals.squaredNorm();
+  if (huber_width <= 0.0 || squared <= huber_width * huber_width) return 0.5 * squared;
+  *is_outlier = true;
+  const double norm = std::sqrt(squared);
+  const double weight = std::sqrt(huber_width / norm);
+  rows->residuals *= weight;
+  rows->jacobian *= weight;
+  return huber_width * (norm - 0.5 * huber_width);
+}
+
+// Adds the rows of the poses' normal matrix that belong to one node, up to its diagonal block.
+template <int kNode, typename Jacobian>
+void AddNode(const Jacobian& jacobian, LineSystem* line) {
+  constexpr int kWidth = kPoseSize * (kNode + 1);
+  for (int i = kPoseSize * kNode; i < kWidth; ++i) {
+    Eigen::Matrix<double, 1, kWidth> sum = line->poses.template block<1, kWidth>(i, 0);
+    for (Eigen::Index row = 0; row < jacobian.rows(); ++row) {
+      sum += jacobian(row, i) * jacobian.template block<1, kWidth>(row, 0);
+    }
+    line->poses.template block<1, kWidth>(i, 0) = sum;
+  }
+}
+
+// Adds a segment to the line's system (the poses' matrix in its lower triangle of blocks) and,
+// for the plane alone, to the group's.
+template <int kPlaneSize>
+void AddRows(const SegmentRows<kPlaneSize>& rows,
+             int plane_column,
+             int plane_row,
+             LineSystem* line,
+             SegmentGroup::Quadratic* quadratic) {
+  AddNode<0>(rows.jacobian, line);
+  AddNode<1>(rows.jacobian, line);
+  AddNode<2>(rows.jacobian, line);
+  const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
+  line->gradient += by_poses.transpose().lazyProduct(rows.residuals);
+  if constexpr (kPlaneSize > 0) {
+    const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
+    for (int i = 0; i < kPlaneSize; ++i) {
+      LineVector sum = line->cross.col(plane_column + i);
+      for (Eigen::Index row = 0; row < by_plane.rows(); ++row) {
+        sum += by_plane(row, i) * by_poses.row(row).transpose();
+      }
+      line->cross.col(plane_column + i) = sum;
+    }
+    quadratic->gradient.template segment<kPlaneSize>(plane_row) +=
+        by_plane.transpose().lazyProduct(rows.residuals);
+    quadratic->hessian.template block<kPlaneSize, kPlaneSize>(plane_row, plane_row) +=
+        by_plane.transpose().lazyProduct(by_plane);
+  }
+}
+
+void FillUpperBlocks(LineSystem* line) {
+  for (int k = 0; k < kNumNodes; ++k) {
+    for (int l = 0; l < k; ++l) {
+      line->poses.block<kPoseSize, kPoseSize>(kPoseSize * l, kPoseSize * k) =
+          line->poses.block<kPoseSize, kPoseSize>(kPoseSize * k, kPoseSize * l).transpose();
+    }
+  }
+}
+
+// The chain rule through the spline, from the nodes' poses to the control points: adds a
+// line's system to the group's.
+class Spread {
+ public:
+  // first: of the control points that each node uses.
+  Spread(const std::array<int, kNumNodes>& first, const NodePoses& poses, int num_nodes) {
+    const auto [begin, last] = std::minmax_element(first.begin(), first.begin() + num_nodes);
+    begin_ = *begin;
+    end_ = *last + kSplineOrder;
+    for (int control_point = begin_; control_point < end_; ++control_point) {
+      NodesByControlPoint& nodes = nodes_[static_cast<size_t>(control_point)];
+      for (size_t k = 0; k < kNumNodes; ++k) {
+        const int j = control_point - first[k];
+        const bool is_used = static_cast<int>(k) < num_nodes && j >= 0 && j < kSplineOrder;
+        const SplinePoseJacobian& spline = poses.splines[k];
+        nodes.weights[k] = is_used ? spline.position_weights[static_cast<size_t>(j)] : 0.0;
+        if (is_used) {
+          nodes.rotations[k] = spline.rotation_wrt_control[static_cast<size_t>(j)];
+        } else {
+          nodes.rotations[k].setZero();
+        }
+      }
+    }
+  }
+
+  void Add(const LineSystem& line,
+           const std::vector<int>& plane_offsets,
+           SegmentGroup::Quadratic* quadratic) const {
+    for (int column = begin_; column < end_; ++column) {
+      const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(column)];
+      const int at = kPoseSize * column;
+      quadratic->gradient.segment<kPoseSize>(at) += Gather(nodes, line.gradient);
+      const Product product = Multiply(line.poses, nodes);
+      for (int row = begin_; row < end_; ++row) {
+        AddPair(row, column, product, &quadratic->hessian);
+      }
+      for (size_t i = 0; i < line.sees_plane.size(); ++i) {
+        if (!line.sees_plane[i]) continue;
+        for (int row = plane_offsets[i]; row < plane_offsets[i + 1]; ++row) {
+          quadratic->hessian.block<1, kPoseSize>(row, at) +=
+              Gather(nodes, line.cross.col(row - plane_offsets[0])).transpose();
+        }
+      }
+    }
+  }
+
+ private:
+  using PoseVector = Eigen::Matrix<double, kPoseSize, 1>;
+
+  // The nodes' poses differentiated by one control point; zero where a node does not use it.
+  struct NodesByControlPoint {
+    std::array<Eigen::Matrix3d, kNumNodes> rotations;
+    std::array<double, kNumNodes> weights;  // of the position
+  };
+
+  // Columns of a control point, rows of the nodes' poses: those of the rotation, and those of
+  // the position for the nodes' positions.
+  struct Product {
+    std::array<Eigen::Matrix<double, kPoseSize, 3>, kNumNodes> rotation;
+    std::array<Eigen::Matrix3d, kNumNodes> position;
+  };
+
+  // What a form in the nodes' poses is in a control point.
+  template <typename Vector>
+  static PoseVector Gather(const NodesByControlPoint& nodes, const Vector& by_nodes) {
+    PoseVector sum = PoseVector::Zero();
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const auto at = kPoseSize * static_cast<int>(k);
+      sum.head<3>() += nodes.rotations[k].transpose() * by_nodes.template segment<3>(at);
+      sum.tail<3>() += nodes.weights[k] * by_nodes.template segment<3>(at + 3);
+    }
+    return sum;
+  }
+
+  static Product Multiply(const LineMatrix& poses, const NodesByControlPoint& nodes) {
+    Product product;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const auto row = kPoseSize * static_cast<int>(k);
+      product.rotation[k].setZero();
+      product.position[k].setZero();
+      for (size_t l = 0; l < kNumNodes; ++l) {
+        const auto column = kPoseSize * static_cast<int>(l);
+        product.rotation[k] +=
+            poses.block<kPoseSize, 3>(row, column).lazyProduct(nodes.rotations[l]);
+        product.position[k] += nodes.weights[l] * poses.block<3, 3>(row + 3, column + 3);
+      }
+    }
+    return product;
+  }
+
+  // The blocks of two control points that lie in the lower triangle.
+  void AddPair(int row, int column, const Product& product, Eigen::MatrixXd* hessian) const {
+    const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(row)];
+    const int row_at = kPoseSize * row;
+    const int column_at = kPoseSize * column;
+    Eigen::Matrix3d mixed = nodes.weights[0] * product.rotation[0].bottomRows<3>();
+    for (size_t k = 1; k < kNumNodes; ++k) {
+      mixed += nodes.weights[k] * product.rotation[k].bottomRows<3>();
+    }
+    if (row < column) {
+      hessian->block<3, 3>(column_at, row_at + 3) += mixed.transpose();
+      return;
+    }
+    hessian->block<3, 3>(row_at + 3, column_at) += mixed;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      hessian->block<3, 3>(row_at, column_at) +=
+          nodes.rotations[k].transpose().lazyProduct(product.rotation[k].topRows<3>());
+      hessian->block<3, 3>(row_at + 3, column_at + 3) +=
+          nodes.weights[k] * product.position[k];
+    }
+  }
+
+  int begin_;
+  int end_;
+  std::array<NodesByControlPoint, kMaxControlPoints> nodes_;
+};
+
+bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
+               const std::array<SplineNode, kNumNodes>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
+    return x.first == y.first && x.u == y.u;
+  });
+}
+
+}  // namespace
+
+SegmentGroup::SegmentGroup(int num_control_points,
+                           std::vector<Scanner> scanners,
+                           std::vector<Plane> planes,
+                           std::vector<Segment> segments,
+                           double huber_width)
+    : num_control_points_(num_control_points),
+      scanners_(std::move(scanners)),
+      planes_(std::move(planes)),
+      plane_offsets_(1, 6 * num_control_points),
+      huber_width_(huber_width) {
+  CHECK_GE(num_control_points, kSplineOrder);
+  CHECK_LE(num_control_points, kMaxControlPoints);
+  for (const Plane& plane : planes_) {
+    plane_offsets_.push_back(plane_offsets_.back() + PlaneModelSize(plane.model));
+  }
+  for (const Segment& segment : segments) {
+    CHECK(segment.scanner >= 0 && segment.scanner < static_cast<int>(scanners_.size()));
+    CHECK(segment.plane >= 0 && segment.plane < static_cast<int>(planes_.size()));
+    for (const SplineNode& node : segment.nodes) {
+      CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
+    }
+  }
+  // Those with the same nodes one after the other.
+  std::stable_sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.nodes[0].first, a.nodes[0].u) < std::tie(b.nodes[0].first, b.nodes[0].u);
+  });
+  members_.reserve(segments.size());
+  for (const Segment& segment : segments) {
+    const int num_nodes = segment.measurement->num_nodes();
+    if (scan_lines_.empty() || num_nodes != scan_lines_.back().num_nodes ||
+        !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
+      scan_lines_.push_back({segment.nodes, num_nodes, 0});
+    }
+    members_.push_back({segment.measurement,
+                        static_cast<float>(segment.weights.scale),
+                        static_cast<float>(segment.weights.offset),
+                        segment.scanner,
+                        segment.plane});
+    scan_lines_.back().end = members_.size();
+  }
+  scan_lines_.shrink_to_fit();
+}
+
+void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
+  Sum<false>(parameters, quadratic);
+}
+
+void SegmentGroup::LinearisePoses(double const* const* parameters,
+                                  Quadratic* quadratic) const {
+  Sum<true>(parameters, quadratic);
+}
+
+template <bool kPlanesHeld>
+void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) const {
+  const int num_rows = kPlanesHeld ? plane_offsets_.front() : size();
+  double const* const* const q = parameters;
+  double const* const* const p = parameters + num_control_points_;
+  double const* const* const plane_parameters = parameters + 2 * num_control_points_;
+  Steps steps;
+  for (int j = 0; j + 1 < num_control_points_; ++j) {
+    steps[static_cast<size_t>(j)] = MakeRotationStep(q[j], q[j + 1]);
+  }
+  std::vector<PlaneDerivatives> planes;
+  planes.reserve(planes_.size());
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    planes.push_back(DerivativesOf(planes_[i], plane_parameters[i]));
+  }
+  quadratic->cost = 0.0;
+  quadratic->has_outliers = false;
+  quadratic->gradient.setZero(num_rows);
+  quadratic->hessian.setZero(num_rows, num_rows);
+  LineSystem line;
+  NodePoses poses;
+  size_t next = 0;
+  for (const ScanLine& scan_line : scan_lines_) {
+    std::array<int, kNumNodes> first;
+    for (size_t k = 0; k < kNumNodes; ++k) {
+      const SplineNode& node = scan_line.nodes[k];
+      const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
+                                           q[node.first],
+                                           p + node.first,
+                                           node.u,
+                                           &poses.splines[k]);
+      poses.world_from_body[k] = pose.world_from_body.toRotationMatrix();
+      poses.position[k] = pose.position;
+      first[k] = node.first;
+    }
+    line.poses.setZero();
+    line.gradient.setZero();
+    line.cross.setZero(kLineSize, num_rows - plane_offsets_.front());
+    line.sees_plane.assign(planes_.size(), false);
+    ScannerAtNodes scanner;
+    int scanner_at_nodes = -1;
+    for (; next < scan_line.end; ++next) {
+      const Member& segment = members_[next];
+      const auto plane = static_cast<size_t>(segment.plane);
+      line.sees_plane[plane] = !kPlanesHeld;
+      if (segment.scanner != scanner_at_nodes) {
+        scanner_at_nodes = segment.scanner;
+        scanner = AtNodes(scanners_[static_cast<size_t>(segment.scanner)], poses);
+      }
+      VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
+        using Model = std::decay_t<decltype(model)>;
+        SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
+        Differentiate(*segment.measurement,
+                      {segment.scale, segment.offset},
+                      scanner,
+                      poses,
+                      planes[plane],
+                      &rows);
+        quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
+        AddRows(rows,
+                plane_offsets_[plane] - plane_offsets_.front(),
+                plane_offsets_[plane],
+                &line,
+                quadratic);
+      });
+    }
+    FillUpperBlocks(&line);
+    Spread(first, poses, scan_line.num_nodes).Add(line, plane_offsets_, quadratic);
+  }
+}
+
+}  // namespace plumbline

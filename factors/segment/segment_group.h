@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "factors/manifold/plane_model.h"
+#include "factors/segment/packed_segment.h"
+#include "factors/segment/segment_measurement.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+
+// All segments of one stretch of the trajectory as one least squares term. Its cost is the sum
+// of the segments' costs (CreateSegmentFactor, with Huber's loss where asked for); what they
+// share, the spline's steps above all, is computed once, and whatever their number, a solver
+// sees no more rows than the term has unknowns, plus one.
+//
+// Extrinsics are constant here: to estimate them, use the segments' own factors.
+class SegmentGroup {
+ public:
+  struct Scanner {
+    Eigen::Matrix3d body_from_scanner_rotation;
+    Eigen::Vector3d body_from_scanner_translation;
+  };
+  struct Plane {
+    PlaneModel model = PlaneModel::kVertical;
+    double sign = 1.0;  // horizontal planes
+  };
+  struct Segment {
+    const StoredMeasurement* measurement = nullptr;  // outlives the group
+    std::array<SplineNode, 3> nodes;
+    int scanner = 0;  // position in scanners
+    int plane = 0;    // position in planes
+    SegmentWeights weights;
+  };
+
+  // Quadratic model at some parameters: cost(delta) = cost + gradient.delta + delta^T hessian
+  // delta / 2. Rows: rotation tangent (3) and position (3) of one control point after the
+  // other, then the planes' parameters.
+  struct Quadratic {
+    double cost = 0.0;
+    bool has_outliers = false;  // segments beyond Huber's width
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;  // lower triangle
+  };
+
+  // huber_width: in standard deviations of the norm of a segment's residuals; 0: plain least
+  // squares.
+  SegmentGroup(int num_control_points,
+               std::vector<Scanner> scanners,
+               std::vector<Plane> planes,
+               std::vector<Segment> segments,
+               double huber_width);
+
+  int num_control_points() const { return num_control_points_; }
+  const std::vector<Plane>& planes() const { return planes_; }
+  // First row of a plane's parameters; the last element is the number of rows.
+  const std::vector<int>& plane_offsets() const { return plane_offsets_; }
+  int size() const { return plane_offsets_.back(); }
+
+  // parameters: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | planes ]. Gauss-Newton, each segment
+  // weighted by its loss' first derivative.
+  void Linearise(double const* const* parameters, Quadratic* quadratic) const;
+  // The same with the planes held: the rows of the poses alone.
+  void LinearisePoses(double const* const* parameters, Quadratic* quadratic) const;
+
+ private:
+  // Segments that share their nodes.
+  struct ScanLine {
+    std::array<SplineNode, 3> nodes;
+    int num_nodes;
+    size_t end;  // of its members
+  };
+  struct Member {
+    const StoredMeasurement* measurement;
+    float scale;  // the weights', in the precision of what they multiply
+    float offset;
+    int scanner;
+    int plane;
+  };
+
+  template <bool kPlanesHeld>
+  void Sum(double const* const* parameters, Quadratic* quadratic) const;
+
+  int num_control_points_;
+  std::vector<Scanner> scanners_;
+  std::vector<Plane> planes_;
+  std::vector<int> plane_offsets_;
+  std::vector<ScanLine> scan_lines_;  // by their first node
+  std::vector<Member> members_;       // by scan line
+  double huber_width_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+namespace plumbline {
+
+// All points of one segment of a scan line, compressed to at most nine rows.
+//
+// The whitened signed distance of point i, measured at t_i in the scan plane, is
+//   e_i = w_i sum_k L_k(t_i) (x_i, y_i, 1) . g_k
+//   g_k = ( (R_bs^T R(tau_k)^T n)_x, (R_bs^T R(tau_k)^T n)_y, n.(R(tau_k) t_bs + p(tau_k)) - d
+//   )
+// where g is interpolated in time by the quadratic through the nodes tau_0, tau_1, tau_2, L_k
+// being its Lagrange weights. The N x 9 matrix of this linear form depends on the measurements
+// only; an orthogonal transformation of its rows leaves U with
+//   sum_i e_i^2 = |U g + b|^2 + constant,   g = (g_0, g_1, g_2).
+//
+// b and the constant come from the points' offsets: what a point lies off its place on the
+// segment's line, along its beam. Left within (x_i, y_i), this noise of the range would stand
+// in the residual and in its lever arm both; their product does not average out and turns the
+// plane (errors in variables), by more than the bound allows for after a dozen walls.
+struct SegmentMeasurement {
+  // Three instants, equally far from each other. A segment whose points were all taken within
+  // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
+  std::array<int64_t, 3> node_times_ns{};
+  int num_nodes = 3;
+  Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows;  // [ U | b ]
+  double constant = 0.0;  // sum of squares that no g changes
+
+  auto root() const { return rows.leftCols<9>(); }
+  auto offset() const { return rows.col(9); }
+};
+
+// What the plane in question makes of a measurement's whitening:
+//   |scale U g + offset b|^2 + offset^2 constant
+struct SegmentWeights {
+  double scale = 1.0;
+  double offset = 1.0;
+};
+
+// First, middle and last instant of a span, equally far from each other (to 1 ns).
+std::array<int64_t, 3> NodesOfSpan(int64_t first_ns, int64_t last_ns);
+
+}  // namespace plumbline

@@ -1,0 +1,433 @@
+#include "simulation/bound/bound.h"
+
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/association/association.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/map_covariance.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/map_state.h"
+#include "core/map/plane_patches.h"
+#include "core/result/result_text.h"
+#include "core/sensor/beam_instant.h"
+#include "core/sensor/scan_reader.h"
+#include "core/trajectory/motion_noise.h"
+#include "core/util/atomic_file.h"
+#include "core/util/error.h"
+#include "factors/segment/segment_measurement.h"
+#include "simulation/sensing/simulator.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+constexpr double kSamePlane = 1e-6;  // rad and m: rounding of the building's geometry
+
+// Faces that are one plane get the same number.
+std::vector<int> PlaneOfFace(const Building& building) {
+  std::vector<int> plane_of;
+  for (const Face& face : building.faces) {
+    int plane = face.id;
+    for (const Face& other : building.faces) {
+      if (other.id >= face.id) break;
+      if ((other.normal - face.normal).norm() < kSamePlane &&
+          std::abs(other.distance - face.distance) < kSamePlane) {
+        plane = plane_of[static_cast<size_t>(other.id)];
+        break;
+      }
+    }
+    plane_of.push_back(plane);
+  }
+  return plane_of;
+}
+
+// Consecutive beams on one plane.
+struct BeamRun {
+  int plane = 0;  // a face's id
+  Segment segment;
+};
+
+std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
+                              const ScanLine& scan_line,
+                              const std::vector<int>& plane_of_face) {
+  std::vector<BeamRun> runs;
+  bool continues = false;
+  for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
+    const auto index = static_cast<size_t>(beam);
+    const std::optional<RayHit>& hit = perfect.beams[index];
+    if (!hit || !std::isfinite(scan_line.ranges[index])) {
+      continues = false;
+      continue;
+    }
+    const int plane = plane_of_face[static_cast<size_t>(hit->face_id)];
+    if (!continues || runs.back().plane != plane) {
+      runs.emplace_back();
+      runs.back().plane = plane;
+      runs.back().segment.first_beam = beam;
+      continues = true;
+    }
+    runs.back().segment.last_beam = beam;
+    ++runs.back().segment.num_points;
+  }
+  return runs;
+}
+
+class BoundComputer {
+ public:
+  // Without a seed, for errorless beams.
+  BoundComputer(const Experiment& experiment,
+                const MapperOptions& options,
+                std::optional<uint64_t> seed)
+      : experiment_(experiment),
+        options_(options),
+        seed_(seed),
+        simulator_(experiment),
+        plane_of_face_(PlaneOfFace(experiment.building)),
+        planar_(IsPlanar(experiment.rig)) {}
+
+  Bound Run(const std::function<void(double)>& progress) {
+    int num_done = 0;
+    simulator_.Run([&](const PerfectScanLine& perfect) {
+      Take(perfect);
+      progress(static_cast<double>(++num_done) / simulator_.num_scan_lines());
+    });
+    if (seed_) Estimate();
+    const auto problem = MakeProblem();
+    const MapCovariance covariance = MapCovariance::Of(*problem);
+    for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
+      const int offset = covariance.offsets()[i];
+      const int size = covariance.offsets()[i + 1] - offset;
+      state_->landmarks[static_cast<size_t>(covariance.landmark_ids()[i])]
+          .covariance.topLeftCorner(size, size) =
+          covariance.landmarks().block(offset, offset, size, size);
+    }
+    Bound bound;
+    bound.planes = PlaneCovariance(PlanePatches(*state_), covariance.landmarks());
+    for (const PlanePatch& plane : bound.planes.planes()) {
+      bound.face_ids.push_back(face_of_landmark_[static_cast<size_t>(plane.id)]);
+    }
+    const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
+    for (const int64_t time_ns : scan_times_ns_) {
+      bound.trajectory.push_back({time_ns, state_->trajectory.WorldFromBody(time_ns)});
+      const Matrix6d pose = covariance.PoseAt(state_->trajectory, time_ns);
+      bound.poses.push_back({time_ns, pose(position_first, position_first)});
+    }
+    return bound;
+  }
+
+ private:
+  // Beams that an observation was made of.
+  struct Source {
+    std::shared_ptr<const ScanLine> scan_line;
+    Segment segment;
+  };
+
+  std::unique_ptr<EstimationProblem> MakeProblem() {
+    auto problem = std::make_unique<EstimationProblem>(
+        experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
+    problem->AddTrajectoryTerms(
+        options_.trajectory, MotionNoise::Of(options_.trajectory), state_->origin_time_ns);
+    std::vector<const Observation*> observations;
+    for (const Observation& observation : state_->observations) {
+      Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
+      // Fewer beams than a segment needs may leave a plane open.
+      if (landmark.num_points < options_.segmentation.min_points) {
+        landmark.num_segments = 0;
+        continue;
+      }
+      observations.push_back(&observation);
+    }
+    problem->AddSegments(observations, 0.0);
+    return problem;
+  }
+
+  // Least squares with the true associations. Lever arms and weights follow the estimate.
+  void Estimate() {
+    constexpr int kRounds = 3;
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    solver.function_tolerance = 1e-9;
+    solver.initial_trust_region_radius = 1e12;
+    solver.num_threads = 1;
+    solver.logging_type = ceres::SILENT;
+    for (int round = 0; round < kRounds; ++round) {
+      MakeProblem()->Solve(solver);
+      for (size_t i = 0; i < sources_.size(); ++i) {
+        Observation& observation = state_->observations[i];
+        Observation anew =
+            Observe(*sources_[i].scan_line, sources_[i].segment, observation.landmark_id);
+        anew.scan_index = observation.scan_index;
+        observation = std::move(anew);
+      }
+    }
+    MakeProblem()->Solve(solver);
+  }
+
+  Observation Observe(const ScanLine& scan_line, const Segment& segment, int landmark_id) {
+    const Scanner& scanner =
+        experiment_.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
+    // Single beams have no line of their own to be weighted by.
+    Observation observation = MakeObservationOn(
+        TraceOf(scan_line, scanner, segment, landmark), scan_line, scanner, segment, false);
+    observation.landmark_id = landmark_id;
+    return observation;
+  }
+
+  void Take(const PerfectScanLine& perfect) {
+    NoiseOptions noise = experiment_.noise;
+    if (!seed_) {
+      noise.scale = 0.0;
+      noise.dropout = 0.0;
+    }
+    const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
+    const Scanner& scanner = experiment_.rig.scanners[scanner_index];
+    const ScanLine scan_line = AddNoise(perfect, scanner, noise, seed_.value_or(0));
+    std::vector<BeamRun> runs = FindRuns(perfect, scan_line, plane_of_face_);
+    if (!state_) {
+      first_lines_.emplace_back(scan_line, runs);
+      if (!Start()) return;
+      for (auto& [line, its_runs] : first_lines_) Add(line, std::move(its_runs));
+      first_lines_.clear();
+      return;
+    }
+    Add(scan_line, std::move(runs));
+  }
+
+  // The model frame from the wall that the scan lines so far see with most beams, once every
+  // scanner has had its turn.
+  bool Start() {
+    const int64_t first_ns = first_lines_.front().first.stamp_ns;
+    const int64_t last_ns = first_lines_.back().first.stamp_ns;
+    if (first_lines_.size() < experiment_.rig.scanners.size() && last_ns == first_ns) {
+      return false;
+    }
+    std::map<int, int> num_beams;
+    for (const auto& [line, runs] : first_lines_) {
+      for (const BeamRun& run : runs) num_beams[run.plane] += run.segment.num_points;
+    }
+    int reference = -1;
+    for (const auto& [plane, count] : num_beams) {
+      if (FaceOf(plane).type != PlaneType::kVertical) continue;
+      if (reference < 0 || count > num_beams.at(reference)) reference = plane;
+    }
+    if (reference < 0) throw Error("the first scan lines see no wall: no model frame");
+    const Eigen::Vector3d& normal = FaceOf(reference).normal;
+    const Eigen::Quaterniond heading(
+        Eigen::AngleAxisd(-std::atan2(normal.y(), normal.x()), Eigen::Vector3d::UnitZ()));
+    const Path& path = simulator_.path();
+    model_from_world_ = {heading, -(heading * path.PoseAt(path.start_ns()).translation)};
+    // Its control points where the path is at the instant at which each counts most: close
+    // enough to the true motion for derivatives.
+    const double interval_s = std::max(options_.trajectory.knot_interval_s,
+                                       options_.trajectory.min_scans_per_knot / MaxScanRate());
+    const int64_t interval_ns = NanosecondsFromSeconds(interval_s);
+    int64_t earliest_ns = path.start_ns();
+    int64_t latest_ns = path.end_ns();
+    for (const Scanner& scanner : experiment_.rig.scanners) {
+      const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+      earliest_ns = std::min(earliest_ns, path.start_ns() + offset_ns);
+      latest_ns = std::max(latest_ns, path.end_ns() + offset_ns);
+    }
+    Trajectory trajectory(earliest_ns, interval_ns, Rigid3d());
+    trajectory.ExtendTo(latest_ns);
+    for (int i = 0; i < trajectory.num_control_points(); ++i) {
+      const Rigid3d pose =
+          model_from_world_ * PathPose(trajectory.start_ns() + (i - 1) * interval_ns);
+      ControlPoint& control_point = trajectory.control_point(i);
+      Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = pose.rotation;
+      Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = pose.translation;
+    }
+    state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
+    LandmarkOf(reference, 0);
+    state_->landmarks.front().heading_fixed = true;
+    return true;
+  }
+
+  // The path, continued beyond its ends as its mirror image there.
+  Rigid3d PathPose(int64_t time_ns) const {
+    const Path& path = simulator_.path();
+    const int64_t inside_ns = std::clamp(time_ns, path.start_ns(), path.end_ns());
+    const Rigid3d end = path.PoseAt(inside_ns);
+    if (inside_ns == time_ns) return end;
+    const Rigid3d mirrored =
+        path.PoseAt(std::clamp(2 * inside_ns - time_ns, path.start_ns(), path.end_ns()));
+    return {end.rotation * mirrored.rotation.conjugate() * end.rotation,
+            2.0 * end.translation - mirrored.translation};
+  }
+
+  double MaxScanRate() const {
+    double rate = 0.0;
+    for (const Scanner& scanner : experiment_.rig.scanners) {
+      rate = std::max(rate, scanner.scan_rate_hz);
+    }
+    return rate;
+  }
+
+  const Face& FaceOf(int plane) const {
+    return experiment_.building.faces[static_cast<size_t>(plane)];
+  }
+
+  // The landmark that shows a plane in a scan; a new one where the gap rule asks for it.
+  int LandmarkOf(int plane, int scan_index) {
+    const auto known = landmark_of_plane_.find(plane);
+    if (known != landmark_of_plane_.end()) {
+      const Landmark& landmark = state_->landmarks[static_cast<size_t>(known->second)];
+      if (IsWithinGap(landmark, scan_index, options_.loop_closure)) return known->second;
+    }
+    const Face& face = FaceOf(plane);
+    const Eigen::Vector3d normal = model_from_world_.rotation * face.normal;
+    const Eigen::Vector3d point = model_from_world_ * face.Centroid();
+    Landmark landmark = face.type == PlaneType::kHorizontal
+                            ? MakeHorizontalLandmark(normal.z(), point)
+                            : MakeVerticalLandmark(normal, point);
+    landmark.id = static_cast<int>(state_->landmarks.size());
+    landmark.first_scan = landmark.last_scan = scan_index;
+    landmark_of_plane_[plane] = landmark.id;
+    state_->landmarks.push_back(std::move(landmark));
+    face_of_landmark_.push_back(plane);
+    return state_->landmarks.back().id;
+  }
+
+  PlaneTrace TraceOf(const ScanLine& scan_line,
+                     const Scanner& scanner,
+                     const Segment& segment,
+                     const Landmark& landmark) const {
+    const std::array<int64_t, 3> times_ns =
+        NodesOfSpan(BeamInstant(scan_line, segment.first_beam, experiment_.rig),
+                    BeamInstant(scan_line, segment.last_beam, experiment_.rig));
+    std::array<Rigid3d, 3> world_from_scanner;
+    for (size_t k = 0; k < 3; ++k) {
+      world_from_scanner[k] =
+          state_->trajectory.WorldFromBody(times_ns[k]) * scanner.body_from_scanner;
+    }
+    return ScanMotion(times_ns, world_from_scanner)
+        .TraceOf(landmark.Normal(), landmark.Distance());
+  }
+
+  void Add(const ScanLine& scan_line, std::vector<BeamRun> runs) {
+    if (scan_line.scanner_index == 0) scan_times_ns_.push_back(scan_line.stamp_ns);
+    const int scan_index = std::max<int>(0, static_cast<int>(scan_times_ns_.size()) - 1);
+    const auto scanner_index = static_cast<size_t>(scan_line.scanner_index);
+    const Scanner& scanner = experiment_.rig.scanners[scanner_index];
+    std::shared_ptr<const ScanLine> kept;
+    for (BeamRun& run : runs) {
+      const int landmark_id = LandmarkOf(run.plane, scan_index);
+      Segment& segment = run.segment;
+      // The line's normal in the scan plane, which the beams' weights need.
+      const int middle = (segment.first_beam + segment.last_beam) / 2;
+      const Rigid3d world_from_scanner =
+          state_->trajectory.WorldFromBody(BeamInstant(scan_line, middle, experiment_.rig)) *
+          scanner.body_from_scanner;
+      const Eigen::Vector3d normal =
+          world_from_scanner.rotation.conjugate() *
+          state_->landmarks[static_cast<size_t>(landmark_id)].Normal();
+      if (normal.head<2>().norm() < 1e-3) continue;  // the scan plane runs along the plane
+      segment.normal = normal.head<2>().normalized();
+      Observation observation = Observe(scan_line, segment, landmark_id);
+      observation.scan_index = scan_index;
+      if (seed_) {
+        if (!kept) kept = std::make_shared<const ScanLine>(scan_line);
+        sources_.push_back({kept, segment});
+      }
+      state_->observations.push_back(std::move(observation));
+      const Observation& added = state_->observations.back();
+      CountObservation(added,
+                       ObservationPoses(state_->trajectory, scanner.body_from_scanner, added),
+                       state_.get());
+    }
+  }
+
+  const Experiment& experiment_;
+  const MapperOptions& options_;
+  std::optional<uint64_t> seed_;
+  Simulator simulator_;
+  std::vector<int> plane_of_face_;
+  bool planar_;
+  std::vector<std::pair<ScanLine, std::vector<BeamRun>>> first_lines_;  // before the start
+  std::vector<int> face_of_landmark_;
+  std::map<int, int> landmark_of_plane_;  // the newest
+  Rigid3d model_from_world_;
+  std::unique_ptr<MapState> state_;
+  std::vector<int64_t> scan_times_ns_;
+  std::vector<Source> sources_;  // of the observations; with a seed only
+};
+
+}  // namespace
+
+Bound ComputeBound(const Experiment& experiment,
+                   const MapperOptions& options,
+                   const std::function<void(double)>& progress) {
+  return BoundComputer(experiment, options, std::nullopt).Run(progress);
+}
+
+Bound EstimateWithTrueAssociations(const Experiment& experiment,
+                                   const MapperOptions& options,
+                                   uint64_t seed,
+                                   const std::function<void(double)>& progress) {
+  return BoundComputer(experiment, options, seed).Run(progress);
+}
+
+std::string BoundTable(const Bound& bound) {
+  std::string text = "plane  type        points   angle/deg  distance/mm\n";
+  char line[120];
+  for (const PlanePatch& plane : bound.planes.planes()) {
+    std::snprintf(line,
+                  sizeof(line),
+                  "%5d  %-10s %7lld  %10.5f  %11.3f\n",
+                  plane.id,
+                  PlaneTypeName(plane.type).c_str(),
+                  static_cast<long long>(plane.num_points),
+                  plane.sigma_angle_rad * kDegreesPerRadian,
+                  1e3 * plane.sigma_distance_m);
+    text += line;
+  }
+  std::vector<double> positions;
+  std::vector<double> rotations;
+  for (const StampedCovariance& pose : bound.poses) {
+    positions.push_back(std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace()));
+    rotations.push_back(std::sqrt(pose.covariance.bottomRightCorner<3, 3>().trace()));
+  }
+  std::sort(positions.begin(), positions.end());
+  std::sort(rotations.begin(), rotations.end());
+  std::snprintf(line,
+                sizeof(line),
+                "poses: position %.2f mm median, %.2f mm worst; rotation %.4f deg, %.4f deg\n",
+                1e3 * positions[positions.size() / 2],
+                1e3 * positions.back(),
+                rotations[rotations.size() / 2] * kDegreesPerRadian,
+                rotations.back() * kDegreesPerRadian);
+  return text + line;
+}
+
+void WriteBound(const Bound& bound, const std::string& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!std::filesystem::is_directory(directory)) {
+    throw Error(directory + ": can not create the directory");
+  }
+  const std::filesystem::path path = directory;
+  WriteFileAtomically((path / "trajectory.tum").string(), FormatTrajectory(bound.trajectory));
+  WriteFileAtomically((path / "trajectory_covariance.csv").string(),
+                      FormatTrajectoryCovariance(bound.poses));
+  WriteFileAtomically((path / "planes.json").string(), FormatPlanes(bound.planes.planes()));
+  std::string faces = "plane,face\n";
+  for (size_t i = 0; i < bound.face_ids.size(); ++i) {
+    faces += std::to_string(bound.planes.planes()[i].id) + "," +
+             std::to_string(bound.face_ids[i]) + "\n";
+  }
+  WriteFileAtomically((path / "faces.csv").string(), faces);
+  WriteFileAtomically((path / "plane_covariance.csv").string(),
+                      FormatPlaneCovariance(bound.planes));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,318 @@
+#include "simulation/evaluation/plane_matching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+// Accurate for small angles, where acos of the dot product is not.
+double AngleBetweenDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegreesPerRadian;
+}
+
+// The outline in coordinates of a plane with the given normal, on walls (along, up). Planar:
+// a strip of height one, so that only the extent along the wall matters.
+Polygon ProjectOutline(const PlanePatch& patch, const Eigen::Vector3d& normal, bool planar) {
+  const Eigen::Vector3d helper = std::abs(normal.z()) < 0.9 ? Eigen::Vector3d::UnitZ().eval()
+                                                            : Eigen::Vector3d::UnitY().eval();
+  const Eigen::Vector3d u = helper.cross(normal).normalized();
+  const Eigen::Vector3d v = normal.cross(u);
+  Polygon polygon;
+  for (const Eigen::Vector3d& corner : patch.outline) {
+    polygon.emplace_back(u.dot(corner), v.dot(corner));
+  }
+  if (!planar || polygon.empty()) return polygon;
+  const auto [low, high] =
+      std::minmax_element(polygon.begin(), polygon.end(), [](const auto& a, const auto& b) {
+        return a.x() < b.x();
+      });
+  const double min = low->x();
+  const double max = high->x();
+  return {{min, 0.0}, {max, 0.0}, {max, 1.0}, {min, 1.0}};
+}
+
+// Even-odd rule: an outline that reaches its holes by a bridge is handled too.
+bool Contains(const Polygon& polygon, const Eigen::Vector2d& p) {
+  bool inside = false;
+  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[j];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y())) inside = !inside;
+  }
+  return inside;
+}
+
+// Centres of the cells of a raster that lie in the polygon; its corners' mean where it is too
+// thin for any.
+Polygon SampleInside(const Polygon& polygon) {
+  constexpr int kCells = 64;
+  Eigen::Vector2d min = polygon.front();
+  Eigen::Vector2d max = polygon.front();
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : polygon) {
+    min = min.cwiseMin(corner);
+    max = max.cwiseMax(corner);
+    mean += corner / static_cast<double>(polygon.size());
+  }
+  const Eigen::Vector2d cell = (max - min) / kCells;
+  Polygon samples;
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const Eigen::Vector2d p = min + cell.cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5));
+      if (Contains(polygon, p)) samples.push_back(p);
+    }
+  }
+  if (samples.empty()) samples.push_back(mean);
+  return samples;
+}
+
+double ShareInside(const Polygon& a, const Polygon& b) {
+  const Polygon samples = SampleInside(a);
+  const auto inside = std::count_if(samples.begin(), samples.end(), [&b](const auto& sample) {
+    return Contains(b, sample);
+  });
+  return static_cast<double>(inside) / static_cast<double>(samples.size());
+}
+
+// Shares of outline a in b and of b in a, seen along the normal.
+struct Overlap {
+  double of_a = 0.0;
+  double of_b = 0.0;
+  // Of the smaller one, whose share is the larger.
+  double OfSmaller() const { return std::max(of_a, of_b); }
+};
+
+Overlap ComputeOverlap(const PlanePatch& a,
+                       const PlanePatch& b,
+                       const Eigen::Vector3d& normal,
+                       bool planar) {
+  if (a.outline.empty() || b.outline.empty()) return {};
+  const Polygon polygon_a = ProjectOutline(a, normal, planar);
+  const Polygon polygon_b = ProjectOutline(b, normal, planar);
+  return {ShareInside(polygon_a, polygon_b), ShareInside(polygon_b, polygon_a)};
+}
+
+// Overlap of an estimate with a face; none where orientation or position exclude the match.
+Overlap MatchOverlap(const PlanePatch& estimate,
+                     const PlanePatch& face,
+                     bool planar,
+                     const PlaneMatchingOptions& options) {
+  if (AngleBetweenDeg(estimate.normal, face.normal) > options.max_angle_deg) return {};
+  if (std::abs(face.SignedDistance(estimate.centre)) > options.max_distance_m) return {};
+  const Overlap overlap = ComputeOverlap(estimate, face, face.normal, planar);
+  return overlap.OfSmaller() >= options.min_overlap ? overlap : Overlap{};
+}
+
+bool Coplanar(const PlanePatch& a, const PlanePatch& b, const PlaneMatchingOptions& options) {
+  return AngleBetweenDeg(a.normal, b.normal) <= options.coplanar_angle_deg &&
+         std::abs(a.SignedDistance(b.centre)) <= options.coplanar_distance_m;
+}
+
+// An estimate with the faces that it shows; its place in the evaluation's list.
+struct Candidate {
+  const PlanePatch* estimate = nullptr;
+  std::vector<size_t> faces;  // positions, the best fitting one first
+  size_t list_index = 0;
+};
+
+Candidate FindFaces(const PlanePatch& estimate,
+                    const std::vector<PlanePatch>& faces,
+                    bool planar,
+                    const PlaneMatchingOptions& options) {
+  Candidate candidate;
+  candidate.estimate = &estimate;
+  const int best = FindBestFace(estimate, faces, planar, options);
+  if (best < 0) return candidate;
+  const size_t best_index = static_cast<size_t>(best);
+  const auto add = [&](size_t i) {
+    const Overlap overlap = MatchOverlap(estimate, faces[i], planar, options);
+    if (overlap.OfSmaller() > 0.0) candidate.faces.push_back(i);
+  };
+  add(best_index);
+  for (size_t i = 0; i < faces.size(); ++i) {
+    if (i != best_index && Coplanar(faces[best_index], faces[i], options)) add(i);
+  }
+  return candidate;
+}
+
+// True when a and b show the same face and overlap there, and b is the one to keep: it has
+// more points, or as many and comes first.
+bool IsDoubleOf(const Candidate& a,
+                const Candidate& b,
+                const std::vector<PlanePatch>& faces,
+                bool planar,
+                const PlaneMatchingOptions& options) {
+  const int64_t points_a = a.estimate->num_points;
+  const int64_t points_b = b.estimate->num_points;
+  const bool b_wins =
+      points_b > points_a || (points_b == points_a && b.list_index < a.list_index);
+  if (!b_wins) return false;
+  const auto shared =
+      std::find_first_of(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end());
+  if (shared == a.faces.end()) return false;
+  const Overlap overlap =
+      ComputeOverlap(*a.estimate, *b.estimate, faces[*shared].normal, planar);
+  return overlap.OfSmaller() >= options.min_overlap;
+}
+
+PlaneMatch MakeMatch(const Candidate& candidate, const std::vector<PlanePatch>& faces) {
+  const PlanePatch& estimate = *candidate.estimate;
+  PlaneMatch match;
+  match.plane_id = estimate.id;
+  match.sigma_angle_deg = estimate.sigma_angle_rad * kDegreesPerRadian;
+  match.sigma_distance_m = estimate.sigma_distance_m;
+  if (candidate.faces.empty()) return match;
+  match.status = MatchStatus::kMatched;
+  for (const size_t face : candidate.faces) match.face_ids.push_back(faces[face].id);
+  const PlanePatch& best = faces[candidate.faces.front()];
+  match.angle_deg = AngleBetweenDeg(estimate.normal, best.normal);
+  match.distance_m = best.SignedDistance(estimate.centre);
+  return match;
+}
+
+double RootMeanSquare(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+void SummariseErrors(const std::vector<Candidate>& candidates, PlaneEvaluation* evaluation) {
+  std::vector<double> angles;
+  std::vector<double> distances;
+  std::vector<double> whitened_angles;
+  std::vector<double> whitened_distances;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const PlaneMatch& match = evaluation->list[i];
+    evaluation->num_matched += match.status == MatchStatus::kMatched;
+    evaluation->num_wrong += match.status == MatchStatus::kWrong;
+    evaluation->num_doubled += match.status == MatchStatus::kDoubled;
+    if (match.status == MatchStatus::kWrong) continue;
+    angles.push_back(match.angle_deg);
+    distances.push_back(std::abs(match.distance_m));
+    if (match.sigma_distance_m > 0.0) {
+      whitened_distances.push_back(match.distance_m / match.sigma_distance_m);
+    }
+    if (match.sigma_angle_deg > 0.0 && candidates[i].estimate->type == PlaneType::kVertical) {
+      whitened_angles.push_back(match.angle_deg / match.sigma_angle_deg);
+    }
+  }
+  evaluation->angle_rmse_deg = RootMeanSquare(angles);
+  evaluation->distance_rmse_m = RootMeanSquare(distances);
+  evaluation->angle_over_sigma_rms = RootMeanSquare(whitened_angles);
+  evaluation->distance_over_sigma_rms = RootMeanSquare(whitened_distances);
+  for (const double angle : angles) {
+    evaluation->angle_max_deg = std::max(evaluation->angle_max_deg, angle);
+  }
+  for (const double distance : distances) {
+    evaluation->distance_max_m = std::max(evaluation->distance_max_m, distance);
+  }
+}
+
+// Missed faces and completeness.
+void SummariseFaces(const std::vector<PlanePatch>& faces,
+                    const std::vector<Candidate>& candidates,
+                    const PlaneMatchingOptions& options,
+                    PlaneEvaluation* evaluation) {
+  std::vector<bool> found(faces.size(), false);
+  for (const Candidate& candidate : candidates) {
+    for (const size_t face : candidate.faces) found[face] = true;
+  }
+  double all_points = 0.0;
+  double found_points = 0.0;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const double points = static_cast<double>(faces[i].num_points);
+    all_points += points;
+    if (found[i]) found_points += points;
+  }
+  evaluation->completeness = all_points > 0.0 ? found_points / all_points : 0.0;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const double points = static_cast<double>(faces[i].num_points);
+    if (!found[i] && points >= options.min_points &&
+        points >= options.min_point_share * all_points) {
+      evaluation->missed_face_ids.push_back(faces[i].id);
+    }
+  }
+  evaluation->num_missed = static_cast<int>(evaluation->missed_face_ids.size());
+}
+
+bool IsVertical(const PlanePatch& patch) { return std::abs(patch.normal.z()) < 0.1; }
+
+}  // namespace
+
+std::string MatchStatusName(MatchStatus status) {
+  switch (status) {
+    case MatchStatus::kMatched:
+      return "matched";
+    case MatchStatus::kWrong:
+      return "wrong";
+    case MatchStatus::kDoubled:
+      return "doubled";
+  }
+  std::abort();
+}
+
+int FindBestFace(const PlanePatch& estimate,
+                 const std::vector<PlanePatch>& faces,
+                 bool planar,
+                 const PlaneMatchingOptions& options) {
+  int best = -1;
+  double best_score = 0.0;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const Overlap overlap = MatchOverlap(estimate, faces[i], planar, options);
+    // An estimate that lies in several faces belongs to the nearest, one that spans several
+    // coplanar faces to the one that holds most of it.
+    const double distance = std::abs(faces[i].SignedDistance(estimate.centre));
+    const double score = overlap.of_a * (1.0 - distance / (1.01 * options.max_distance_m));
+    if (score > best_score) {
+      best_score = score;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+PlaneEvaluation MatchPlanes(const std::vector<PlanePatch>& estimates,
+                            const std::vector<PlanePatch>& faces,
+                            bool planar,
+                            const PlaneMatchingOptions& options) {
+  std::vector<PlanePatch> comparable_faces;
+  for (const PlanePatch& face : faces) {
+    if (!planar || IsVertical(face)) comparable_faces.push_back(face);
+  }
+  PlaneEvaluation evaluation;
+  std::vector<Candidate> candidates;
+  for (const PlanePatch& estimate : estimates) {
+    if (planar && !IsVertical(estimate)) continue;
+    candidates.push_back(FindFaces(estimate, comparable_faces, planar, options));
+    candidates.back().list_index = candidates.size() - 1;
+    evaluation.list.push_back(MakeMatch(candidates.back(), comparable_faces));
+  }
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    for (size_t j = 0; j < candidates.size(); ++j) {
+      if (IsDoubleOf(candidates[i], candidates[j], comparable_faces, planar, options)) {
+        evaluation.list[i].status = MatchStatus::kDoubled;
+      }
+    }
+  }
+  SummariseErrors(candidates, &evaluation);
+  SummariseFaces(comparable_faces, candidates, options, &evaluation);
+  return evaluation;
+}
+
+PlanePatch TransformPatch(const Rigid3d& b_from_a, const PlanePatch& patch_a) {
+  PlanePatch patch_b = patch_a;
+  patch_b.normal = b_from_a.rotation * patch_a.normal;
+  patch_b.distance = patch_a.distance + patch_b.normal.dot(b_from_a.translation);
+  patch_b.centre = b_from_a * patch_a.centre;
+  for (Eigen::Vector3d& corner : patch_b.outline) corner = b_from_a * corner;
+  return patch_b;
+}
+
+}  // namespace plumbline

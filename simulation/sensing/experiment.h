@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/sensor/rig.h"
+#include "simulation/world/building.h"
+#include "simulation/world/path.h"
+
+namespace plumbline {
+
+struct NoiseOptions {
+  double scale = 1.0;    // of the scanners' range noise; 0 switches it off
+  double dropout = 0.0;  // probability that a beam has no return
+};
+
+// What one run of the simulator needs: where, with what, along which path, with what noise.
+struct Experiment {
+  Rig rig;
+  Building building;
+  PathOptions path;
+  NoiseOptions noise;
+  std::vector<double> scanner_phases_s;  // of each scanner's first scan line, after the start
+};
+
+// Reads an experiment file (docs/inputs.md) with the building and the rig that it names,
+// relative to its own folder. The section "mapper" is the mapper's and left alone. Throws
+// Error with file and line.
+Experiment ReadExperiment(const std::string& path);
+
+}  // namespace plumbline

@@ -1,0 +1,97 @@
+#include "simulation/sensing/simulate_recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include "core/result/result_text.h"
+#include "core/sensor/recording.h"
+#include "core/util/atomic_file.h"
+#include "core/util/error.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kTruthStepNs = 5000000;  // divides the period of a 40 Hz scanner
+
+}  // namespace
+
+TruthPlanes::TruthPlanes(const Building& building) {
+  for (const Face& face : building.faces) {
+    PlanePatch& patch = patches_.emplace_back();
+    patch.id = face.id;
+    patch.type = face.type;
+    patch.normal = face.normal;
+    patch.distance = face.distance;
+    patch.centre = face.Centroid();
+    patch.outline = face.outline;
+  }
+}
+
+void TruthPlanes::Add(const PerfectScanLine& perfect,
+                      const ScanLine& recorded,
+                      double time_offset_s) {
+  const int64_t offset_ns = NanosecondsFromSeconds(time_offset_s);
+  for (int beam = 0; beam < recorded.num_beams(); ++beam) {
+    const std::optional<RayHit>& hit = perfect.beams[static_cast<size_t>(beam)];
+    if (!hit || !std::isfinite(recorded.ranges[static_cast<size_t>(beam)])) continue;
+    PlanePatch& patch = patches_[static_cast<size_t>(hit->face_id)];
+    const int64_t time_ns = recorded.BeamTime(beam) + offset_ns;
+    if (patch.num_points == 0) patch.first_time_ns = patch.last_time_ns = time_ns;
+    patch.first_time_ns = std::min(patch.first_time_ns, time_ns);
+    patch.last_time_ns = std::max(patch.last_time_ns, time_ns);
+    ++patch.num_points;
+  }
+}
+
+std::vector<PlanePatch> TruthPlanes::Patches() const {
+  std::vector<PlanePatch> seen;
+  for (const PlanePatch& patch : patches_) {
+    if (patch.num_points > 0) seen.push_back(patch);
+  }
+  return seen;
+}
+
+std::vector<StampedPose> TruthTrajectory(const Path& path) {
+  std::vector<StampedPose> poses;
+  for (int64_t time_ns = path.start_ns(); time_ns < path.end_ns(); time_ns += kTruthStepNs) {
+    poses.push_back({time_ns, path.PoseAt(time_ns)});
+  }
+  poses.push_back({path.end_ns(), path.PoseAt(path.end_ns())});
+  return poses;
+}
+
+void SimulateRecording(const std::string& experiment_path,
+                       uint64_t seed,
+                       const std::string& output_directory,
+                       const std::function<void(double)>& progress) {
+  const Experiment experiment = ReadExperiment(experiment_path);
+  const Simulator simulator(experiment);
+  std::error_code error;
+  std::filesystem::create_directories(output_directory, error);
+  if (!std::filesystem::is_directory(output_directory)) {
+    throw Error(output_directory + ": can not create the directory");
+  }
+  const std::filesystem::path directory = output_directory;
+  RecordingWriter writer((directory / "recording.bag").string(), experiment.rig);
+  TruthPlanes truth_planes(experiment.building);
+  int num_done = 0;
+  simulator.Run([&](const PerfectScanLine& perfect) {
+    const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
+    const Scanner& scanner = experiment.rig.scanners[scanner_index];
+    const ScanLine recorded = AddNoise(perfect, scanner, experiment.noise, seed);
+    truth_planes.Add(perfect, recorded, scanner.time_offset_s);
+    writer.Write(recorded);
+    progress(static_cast<double>(++num_done) / simulator.num_scan_lines());
+  });
+  writer.Close();
+  WriteRig(experiment.rig, (directory / "rig.yaml").string());
+  WriteFileAtomically((directory / "truth_trajectory.tum").string(),
+                      FormatTrajectory(TruthTrajectory(simulator.path())));
+  WriteFileAtomically((directory / "truth_planes.json").string(),
+                      FormatPlanes(truth_planes.Patches()));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,141 @@
+#include "simulation/sensing/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <tuple>
+
+#include "core/util/error.h"
+#include "core/util/time.h"
+#include "simulation/sensing/random.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kCheckStep = 0.02;  // m along the path
+
+// LaserScan messages hold angles and time increments in single precision: take the beams
+// exactly where the recording will say they were. Not inlined, because GCC 12 drops the
+// rounding when it vectorises several of these conversions (-O3).
+[[gnu::noinline]] double AsRecorded(double value) { return static_cast<float>(value); }
+
+// Geometry and timing of a scanner's lines: beams in the middle of equal shares of the field
+// of view, which the mirror passes in the same share of its period.
+ScanLine MakeHeader(const Scanner& scanner) {
+  ScanLine header;
+  const double field_of_view = scanner.field_of_view_deg * M_PI / 180.0;
+  const double increment = field_of_view / scanner.beams;
+  header.angle_min = AsRecorded(-field_of_view / 2 + increment / 2);
+  header.angle_increment = AsRecorded(increment);
+  header.time_increment_s = AsRecorded(increment / (2 * M_PI) / scanner.scan_rate_hz);
+  return header;
+}
+
+}  // namespace
+
+ScanLine AddNoise(const PerfectScanLine& perfect,
+                  const Scanner& scanner,
+                  const NoiseOptions& noise,
+                  uint64_t seed) {
+  ScanLine scan_line = perfect.scan_line;
+  Random random({seed,
+                 static_cast<uint64_t>(scan_line.scanner_index),
+                 static_cast<uint64_t>(perfect.line_index)});
+  scan_line.ranges.reserve(perfect.beams.size());
+  for (const std::optional<RayHit>& hit : perfect.beams) {
+    // Drawn for every beam, so that no setting changes the others' noise.
+    const double error = noise.scale * scanner.range_noise_m * random.Gaussian();
+    const bool lost = random.Uniform() < noise.dropout;
+    float range = std::numeric_limits<float>::infinity();
+    if (hit && !lost) {
+      const float measured = static_cast<float>(hit->range + error);
+      if (scanner.IsValidRange(measured)) range = measured;
+    }
+    scan_line.ranges.push_back(range);
+  }
+  return scan_line;
+}
+
+Simulator::Simulator(const Experiment& experiment)
+    : rig_(experiment.rig),
+      scanner_phases_s_(experiment.scanner_phases_s),
+      path_(experiment.path),
+      ray_caster_(experiment.building) {
+  CheckPath();
+  MakeSchedule();
+  if (schedule_.empty()) {
+    throw Error(experiment.path.location + ": the path is too short for a single scan line");
+  }
+}
+
+void Simulator::CheckPath() const {
+  // Nothing that moves on for a step of less than the clearance passes through a wall unseen.
+  double last_checked_m = -kCheckStep;
+  for (int64_t time_ns = path_.start_ns(); time_ns <= path_.end_ns(); time_ns += 1000000) {
+    const double travelled_m = path_.TravelledAt(time_ns);
+    if (travelled_m - last_checked_m < kCheckStep) continue;
+    last_checked_m = travelled_m;
+    const Rigid3d world_from_body = path_.PoseAt(time_ns);
+    std::vector<Eigen::Vector3d> origins = {world_from_body.translation};
+    for (const Scanner& scanner : rig_.scanners) {
+      origins.push_back(world_from_body * scanner.body_from_scanner.translation);
+    }
+    for (const Eigen::Vector3d& p : origins) {
+      const bool is_free = ray_caster_.IsInFreeSpace(p);
+      if (is_free && ray_caster_.Clearance(p) >= kMinClearance) continue;
+      std::ostringstream message;
+      message << path_.LocationAt(time_ns) << ": after this way point the path "
+              << (is_free ? "comes too close to a wall, floor or ceiling"
+                          : "leaves the building or goes into a wall")
+              << " at (" << p.x() << ", " << p.y() << ")";
+      throw Error(message.str());
+    }
+  }
+}
+
+void Simulator::MakeSchedule() {
+  for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+    const Scanner& scanner = rig_.scanners[i];
+    const double period_s = 1.0 / scanner.scan_rate_hz;
+    const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+    for (int line = 0;; ++line) {
+      const int64_t stamp_ns =
+          path_.start_ns() + NanosecondsFromSeconds(scanner_phases_s_[i] + line * period_s);
+      // A scan line is taken whole or not at all.
+      const int64_t end_ns = stamp_ns + NanosecondsFromSeconds(period_s);
+      if (std::max(end_ns, end_ns + offset_ns) > path_.end_ns()) break;
+      if (stamp_ns + offset_ns < path_.start_ns()) continue;
+      schedule_.push_back({stamp_ns, static_cast<int>(i), line});
+    }
+  }
+  std::sort(schedule_.begin(), schedule_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.stamp_ns, a.scanner_index) < std::tie(b.stamp_ns, b.scanner_index);
+  });
+}
+
+PerfectScanLine Simulator::Take(const ScheduledLine& scheduled) const {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scheduled.scanner_index)];
+  PerfectScanLine line;
+  line.scan_line = MakeHeader(scanner);
+  line.scan_line.scanner_index = scheduled.scanner_index;
+  line.scan_line.stamp_ns = scheduled.stamp_ns;
+  line.line_index = scheduled.line_index;
+  line.beams.reserve(static_cast<size_t>(scanner.beams));
+  const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  for (int beam = 0; beam < scanner.beams; ++beam) {
+    const Rigid3d world_from_scanner =
+        path_.PoseAt(line.scan_line.BeamTime(beam) + offset_ns) * scanner.body_from_scanner;
+    const Eigen::Vector2d direction = line.scan_line.BeamDirection(beam);
+    line.beams.push_back(ray_caster_.Cast(
+        world_from_scanner.translation,
+        world_from_scanner.rotation * Eigen::Vector3d(direction.x(), direction.y(), 0.0)));
+  }
+  return line;
+}
+
+void Simulator::Run(const std::function<void(const PerfectScanLine&)>& sink) const {
+  for (const ScheduledLine& scheduled : schedule_) sink(Take(scheduled));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "core/sensor/scan_line.h"
+#include "simulation/sensing/experiment.h"
+#include "simulation/world/path.h"
+#include "simulation/world/ray_caster.h"
+
+namespace plumbline {
+
+// One scan line as an errorless scanner with unlimited range takes it.
+struct PerfectScanLine {
+  ScanLine scan_line;                        // its ranges are empty
+  int line_index = 0;                        // among the scan lines of its scanner
+  std::vector<std::optional<RayHit>> beams;  // nullopt where the beam meets nothing
+};
+
+// Adds what the scanner does to ranges: Gaussian noise, lost returns, and +infinity where a
+// range is beyond the scanner's limits. The random numbers depend only on the seed, the
+// scanner and the line.
+ScanLine AddNoise(const PerfectScanLine& perfect,
+                  const Scanner& scanner,
+                  const NoiseOptions& noise,
+                  uint64_t seed);
+
+// Moves the rig along its path through the building and takes every beam from the rig's pose
+// at the beam's own time.
+class Simulator {
+ public:
+  // Throws Error naming file, line and place where the body or a scanner leaves the free space
+  // or comes closer to a face than kMinClearance.
+  explicit Simulator(const Experiment& experiment);
+
+  static constexpr double kMinClearance = 0.1;  // m
+
+  // Calls the sink with every scan line, in the order of their stamps; those of the same stamp
+  // come in the order of the scanners.
+  void Run(const std::function<void(const PerfectScanLine&)>& sink) const;
+
+  int num_scan_lines() const { return static_cast<int>(schedule_.size()); }
+  const Path& path() const { return path_; }
+
+ private:
+  struct ScheduledLine {
+    int64_t stamp_ns = 0;
+    int scanner_index = 0;
+    int line_index = 0;
+  };
+
+  void CheckPath() const;
+  void MakeSchedule();
+  PerfectScanLine Take(const ScheduledLine& scheduled) const;
+
+  Rig rig_;
+  std::vector<double> scanner_phases_s_;
+  Path path_;
+  RayCaster ray_caster_;
+  std::vector<ScheduledLine> schedule_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/result/result_types.h"
+#include "simulation/world/floor_plan.h"
+
+namespace plumbline {
+
+// A connected piece of a plane that borders free space: what the mapper should find.
+struct Face {
+  int id = 0;  // position in Building::faces
+  PlaneType type = PlaneType::kVertical;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // into the free space
+  double distance = 0.0;                              // normal . p = distance
+  // Closed polygons on the plane; counter-clockwise, holes clockwise, seen from free space.
+  std::vector<Eigen::Vector3d> outline;
+  std::vector<std::vector<Eigen::Vector3d>> holes;
+  std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // that cover it
+
+  double Area() const;
+  Eigen::Vector3d Centroid() const;
+};
+
+// The faces of one storey: floor, ceiling, walls, lintels.
+struct Building {
+  double floor_height = 0.0;
+  double ceiling_height = 0.0;
+  std::vector<Face> faces;
+};
+
+// Builds the free space layer by layer between the tops of openings, with exact Boolean
+// operations, so that nothing remains hidden where walls meet or overlap. Coplanar pieces that
+// touch and face the same side are one face. Throws Error naming the place when walls
+// leave a face of less than a millimetre.
+Building MakeBuilding(const FloorPlan& plan);
+
+// ReadFloorPlan and MakeBuilding.
+Building ReadBuilding(const std::string& path);
+
+}  // namespace plumbline

@@ -1,0 +1,100 @@
+#include "simulation/world/floor_plan.h"
+
+#include <algorithm>
+
+#include "core/util/yaml_node.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMaxCoordinate = 10000.0;  // m
+
+Eigen::Vector2d ReadPoint(const YamlNode& node) {
+  const std::vector<double> xy = node.AsDoubles(2, -kMaxCoordinate, kMaxCoordinate);
+  return {xy[0], xy[1]};
+}
+
+std::vector<Polygon2> ReadPolygons(const YamlNode& list) {
+  std::vector<Polygon2> polygons;
+  for (const YamlNode& node : list.Elements()) {
+    Polygon2 polygon;
+    for (const YamlNode& corner : node["corners"].Elements()) {
+      polygon.push_back(ReadPoint(corner));
+    }
+    node.RejectUnreadKeys();
+    if (polygon.size() < 3) node.Fail("a polygon needs at least three corners");
+    if (!IsSimplePolygon(polygon)) node.Fail("the polygon crosses or touches itself");
+    polygons.push_back(std::move(polygon));
+  }
+  return polygons;
+}
+
+std::vector<Opening> ReadOpenings(const YamlNode& list, double wall_length, double height) {
+  std::vector<Opening> openings;
+  for (const YamlNode& node : list.Elements()) {
+    Opening opening;
+    opening.position_m = node["position_m"].AsDouble(0.0, kMaxCoordinate);
+    opening.width_m = node["width_m"].AsDouble(0.01, kMaxCoordinate);
+    opening.height_m = node["height_m"].AsDouble(0.01, kMaxCoordinate);
+    node.RejectUnreadKeys();
+    const double half = opening.width_m / 2;
+    if (opening.position_m - half < 0.0 || opening.position_m + half > wall_length) {
+      node.Fail("the opening reaches beyond the end of its wall");
+    }
+    if (opening.height_m > height) node.Fail("the opening is higher than the ceiling");
+    for (const Opening& other : openings) {
+      if (std::abs(other.position_m - opening.position_m) < half + other.width_m / 2) {
+        node.Fail("the opening overlaps another one of its wall");
+      }
+    }
+    openings.push_back(opening);
+  }
+  return openings;
+}
+
+Wall ReadWall(const YamlNode& node, double height) {
+  Wall wall;
+  wall.from = ReadPoint(node["from"]);
+  wall.to = ReadPoint(node["to"]);
+  wall.thickness_m = node["thickness_m"].AsDouble(0.01, 10.0);
+  const double length = (wall.to - wall.from).norm();
+  if (length < 0.01) node.Fail("the wall is shorter than 0.01 m");
+  if (node.Has("openings")) {
+    wall.openings = ReadOpenings(node["openings"], length, height);
+  }
+  node.RejectUnreadKeys();
+  return wall;
+}
+
+}  // namespace
+
+Polygon2 Wall::Footprint(double begin_m, double end_m) const {
+  const Eigen::Vector2d direction = (to - from).normalized();
+  const Eigen::Vector2d half(-direction.y() * thickness_m / 2,
+                             direction.x() * thickness_m / 2);
+  const Eigen::Vector2d begin = from + begin_m * direction;
+  const Eigen::Vector2d end = from + end_m * direction;
+  return {begin - half, end - half, end + half, begin + half};
+}
+
+FloorPlan ReadFloorPlan(const std::string& path) {
+  const YamlNode root = YamlNode::ReadFile(path);
+  FloorPlan plan;
+  plan.location = root.Location();
+  plan.floor_height = root["floor_height_m"].AsDouble(-1000.0, 1000.0);
+  plan.ceiling_height = root["ceiling_height_m"].AsDouble(-1000.0, 1000.0);
+  const double height = plan.ceiling_height - plan.floor_height;
+  if (height < 0.1) root["ceiling_height_m"].Fail("the ceiling must be above the floor");
+  plan.outlines = ReadPolygons(root["outlines"]);
+  if (plan.outlines.empty()) root["outlines"].Fail("the building has no outline");
+  if (root.Has("solids")) plan.solids = ReadPolygons(root["solids"]);
+  if (root.Has("walls")) {
+    for (const YamlNode& node : root["walls"].Elements()) {
+      plan.walls.push_back(ReadWall(node, height));
+    }
+  }
+  root.RejectUnreadKeys();
+  return plan;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,223 @@
+#include "core/association/plane_candidates.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/geometry/matrix_types.h"
+#include "test/testing/plane_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kStart = 1'400'000'000'000'000'000;
+constexpr int64_t kPeriod = 25'000'000;
+constexpr double kSigma = 0.01;         // rad
+constexpr double kSignificance = 1e-4;  // 4.3 sigma
+const double kDegree = M_PI / 180.0;
+
+// Trace of a plane in the scan plane, as an observation that knows no more than its direction.
+Observation TraceOf(const Eigen::Vector3d& normal_world,
+                    const Eigen::Quaterniond& world_from_scanner) {
+  const Eigen::Vector3d normal = world_from_scanner.conjugate() * normal_world;
+  const Eigen::Vector2d tangent = Eigen::Vector2d(-normal.y(), normal.x()).normalized();
+  Observation observation;
+  observation.measurement =
+      StoredMeasurement({}, {Eigen::Vector2f::Zero(), tangent.cast<float>()});
+  return observation;
+}
+
+TypeEvidence Judge(const Eigen::Vector3d& normal_world, double pitch_deg, double yaw_deg) {
+  const Eigen::Quaterniond world_from_scanner =
+      RotationFromRollPitchYaw(0.0, pitch_deg * kDegree, yaw_deg * kDegree);
+  return JudgeType(
+      TraceOf(normal_world, world_from_scanner), world_from_scanner, kSigma, kSignificance);
+}
+
+Eigen::Vector3d WallNormal(double heading_deg) {
+  return {std::cos(heading_deg * kDegree), std::sin(heading_deg * kDegree), 0.0};
+}
+
+// The trace of the floor is horizontal; a wall along it would have the same trace.
+TEST(JudgeTypeTest, FloorSeenByTiltedScannerCanBeHorizontal) {
+  for (const double yaw_deg : {0.0, 45.0, 200.0}) {
+    const TypeEvidence evidence = Judge(Eigen::Vector3d::UnitZ(), 45.0, yaw_deg);
+    EXPECT_TRUE(evidence.can_be_horizontal);
+    EXPECT_TRUE(evidence.can_be_vertical);
+  }
+}
+
+TEST(JudgeTypeTest, WallAcrossTiltedScannerCanOnlyBeVertical) {
+  // Normals at 90 and 45 degrees to the horizontal direction of the scan plane's tilt.
+  for (const double heading_deg : {90.0, 45.0, -45.0, 135.0}) {
+    const TypeEvidence evidence = Judge(WallNormal(heading_deg), 45.0, 0.0);
+    EXPECT_FALSE(evidence.can_be_horizontal) << heading_deg;
+    EXPECT_TRUE(evidence.can_be_vertical) << heading_deg;
+  }
+}
+
+TEST(JudgeTypeTest, WallAlongTiltedScannerLeavesBoth) {
+  for (const double heading_deg : {0.0, 180.0, 1.0}) {
+    const TypeEvidence evidence = Judge(WallNormal(heading_deg), 45.0, 0.0);
+    EXPECT_TRUE(evidence.can_be_horizontal) << heading_deg;
+    EXPECT_TRUE(evidence.can_be_vertical) << heading_deg;
+  }
+}
+
+TEST(JudgeTypeTest, LevelScannerSeesWallsOnly) {
+  for (const double heading_deg : {0.0, 30.0, 90.0}) {
+    for (const double pitch_deg : {0.0, 10.0}) {
+      const TypeEvidence evidence = Judge(WallNormal(heading_deg), pitch_deg, 0.0);
+      EXPECT_FALSE(evidence.can_be_horizontal);
+      EXPECT_TRUE(evidence.can_be_vertical);
+    }
+  }
+}
+
+TEST(JudgeTypeTest, UprightScannerDoesNotTellAWallsDirection) {
+  const TypeEvidence evidence = Judge(WallNormal(90.0), 90.0, 0.0);
+  EXPECT_FALSE(evidence.can_be_horizontal);
+  EXPECT_FALSE(evidence.can_be_vertical);
+}
+
+// The paper's rig walks through a room and offers what its scanners see.
+class CandidatePlanesTest : public testing::Test {
+ protected:
+  void Walk(const PlaneScene& scene,
+            const std::vector<int>& scanners,
+            int num_scans,
+            double speed_m_s,
+            double heading) {
+    for (int i = 0; i < num_scans; ++i) {
+      const int64_t now_ns = kStart + scan_ * kPeriod;
+      const Rigid3d pose(
+          RotationFromRollPitchYaw(0.0, 0.0, heading),
+          Eigen::Vector3d(speed_m_s * 1e-9 * static_cast<double>(now_ns - kStart), 0.1, 1.4));
+      const Trajectory trajectory(now_ns, kPeriod, pose);
+      for (const int scanner_index : scanners) {
+        const Scanner& scanner = rig_.scanners[static_cast<size_t>(scanner_index)];
+        const ScanLine line = TakeScanLine(
+            scene,
+            scanner,
+            scanner_index,
+            now_ns,
+            [&](int64_t) { return pose; },
+            noise_share_ * scanner.range_noise_m,
+            &random_);
+        for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
+          Observation observation = MakeObservation(line, scanner, segment, false);
+          observation.scan_index = scan_;
+          candidates_.Offer(
+              observation,
+              num_offered_++,
+              ObservationPoses(trajectory, scanner.body_from_scanner, observation),
+              Matrix6d::Zero());
+        }
+      }
+      ++scan_;
+    }
+  }
+
+  static const ScenePlane* TruthOf(const PlaneScene& scene, const Landmark& landmark) {
+    for (const ScenePlane& plane : scene) {
+      if (plane.normal.dot(landmark.Normal()) > std::cos(5.0 * kDegree) &&
+          std::abs(landmark.SignedDistance(plane.distance * plane.normal)) < 0.1) {
+        return &plane;
+      }
+    }
+    return nullptr;
+  }
+
+  Rig rig_ = MakePaperRig();
+  MapperOptions options_;
+  CandidatePlanes candidates_{false, options_};
+  double noise_share_ = 1.0;  // of the scanners' range noise
+  std::mt19937_64 random_{3};
+  int scan_ = 0;
+  int num_offered_ = 0;
+};
+
+TEST_F(CandidatePlanesTest, BecomePlanesOfTheRoom) {
+  const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
+  Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
+  std::vector<PlaneCandidate> ready = candidates_.TakeReady(options_.planes.min_scans);
+  EXPECT_GE(ready.size(), 6u);
+  std::set<const ScenePlane*> found;
+  for (const PlaneCandidate& candidate : ready) {
+    const ScenePlane* truth = TruthOf(room, candidate.landmark);
+    ASSERT_NE(truth, nullptr) << candidate.landmark.Normal().transpose() << " "
+                              << candidate.landmark.Distance();
+    found.insert(truth);
+    EXPECT_GE(static_cast<int>(candidate.scans.size()), options_.planes.min_scans);
+    EXPECT_FALSE(candidate.landmark.extent.empty());
+  }
+  EXPECT_EQ(found.size(), 6u);
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty()) << "taken is gone";
+}
+
+TEST_F(CandidatePlanesTest, FewScansAreNotEnough) {
+  const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
+  Walk(room, {0, 1, 2}, options_.planes.min_scans - 1, 0.5, 0.3);
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty());
+  EXPECT_FALSE(candidates_.TakeReady(options_.planes.min_scans - 1).empty());
+}
+
+TEST_F(CandidatePlanesTest, StaleOnesAreDropped) {
+  const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
+  Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
+  const int64_t last_ns = kStart + scan_ * kPeriod;
+  candidates_.DropStale(last_ns + NanosecondsFromSeconds(options_.planes.max_candidate_age_s));
+  EXPECT_TRUE(candidates_.TakeReady(1).empty());
+}
+
+// One tilted scanner alone, standing still: a horizontal trace on a wall looks like a floor's.
+TEST_F(CandidatePlanesTest, StandingStillOneScannerDoesNotMakeAFloor) {
+  // The left scanner's traces are horizontal on walls across its tilt, at heading 45 degrees.
+  const PlaneScene wall = {{WallNormal(225.0), -2.0}};
+  Walk(wall, {1}, 40, 0.0, 0.0);
+  EXPECT_GT(num_offered_, 0);
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty());
+}
+
+// Motion tells: what fits a horizontal plane while the rig moves on is one.
+TEST_F(CandidatePlanesTest, MotionTellsFloorFromWall) {
+  const PlaneScene floor = {{Eigen::Vector3d::UnitZ(), 0.0}};
+  Walk(floor, {2}, 40, 0.5, 0.0);
+  const auto ready = candidates_.TakeReady(options_.planes.min_scans);
+  // Pieces far from each other may be candidates of their own.
+  ASSERT_FALSE(ready.empty());
+  for (const PlaneCandidate& candidate : ready) {
+    EXPECT_EQ(candidate.landmark.model, PlaneModel::kHorizontal);
+    EXPECT_NEAR(candidate.landmark.Distance(), 0.0, 0.02);
+  }
+}
+
+// Of segments that may lie on a wall or on a door's lintel, a single one that took in beams of
+// another surface, and slopes for it, makes no wall.
+TEST_F(CandidatePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
+  noise_share_ = 0.0;
+  const int min_scans = options_.planes.min_scans;
+  const PlaneScene level = {{WallNormal(225.0), -2.0}};
+  const PlaneScene sloping = {{WallNormal(225.045), -2.0}};  // 5 standard deviations
+  Walk(sloping, {1}, 1, 0.0, 0.0);
+  Walk(level, {1}, min_scans - 1, 0.0, 0.0);
+  EXPECT_TRUE(candidates_.TakeReady(min_scans).empty());
+  Walk(sloping, {1}, min_scans - 1, 0.0, 0.0);
+  const std::vector<PlaneCandidate> walls = candidates_.TakeReady(min_scans);
+  ASSERT_EQ(walls.size(), 1u);
+  EXPECT_EQ(walls.front().landmark.model, PlaneModel::kVertical);
+  EXPECT_EQ(static_cast<int>(walls.front().scans.size()), 2 * min_scans - 1);
+}
+
+TEST_F(CandidatePlanesTest, MovingTowardsAWallMakesNoFloor) {
+  const PlaneScene wall = {{WallNormal(225.0), -3.0}};
+  Walk(wall, {1}, 40, 0.8, 0.0);
+  for (const PlaneCandidate& candidate : candidates_.TakeReady(options_.planes.min_scans)) {
+    EXPECT_NE(candidate.landmark.model, PlaneModel::kHorizontal)
+        << candidate.landmark.Distance();
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,140 @@
+#include "core/options/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class ConfigTest : public TemporaryDirectoryTest {
+ protected:
+  MapperOptions Read(const std::string& text) {
+    WriteBytes(File(), text);
+    return ReadMapperOptions(File());
+  }
+  std::string ReadError(const std::string& text) {
+    return ErrorOf([&] { Read(text); });
+  }
+  std::string File() const { return (directory_ / "config.yaml").string(); }
+};
+
+// Every option with a value that is not its default; a new option that lacks here is caught by
+// the count of lines.
+MapperOptions UnusualOptions() {
+  MapperOptions o;
+  o.trajectory = {0.0875, 2.25, 1.5, 123.0, 0.75, 33.0};
+  o.segmentation.min_points = 9;
+  o.segmentation.significance = 2.5e-5;
+  o.segmentation.ambiguity_sigmas = 1.25;
+  o.association = {3e-6, 0.3, 0.0125};
+  o.planes = {11, 1.75, 7, 2.5};
+  o.window = {33, 3, false, true};
+  o.loop_closure = {false, 77};
+  o.batch = {FactorKind::kPoint, 3, false, true};
+  o.max_gap_s = 0.6;
+  return o;
+}
+
+TEST_F(ConfigTest, WhatIsWrittenIsRead) {
+  const MapperOptions unusual = UnusualOptions();
+  const std::string yaml = MapperOptionsToYaml(unusual);
+  const MapperOptions read = Read(yaml);
+  EXPECT_EQ(MapperOptionsToYaml(read), yaml);
+  EXPECT_EQ(read.trajectory.knot_interval_s, 0.0875);
+  EXPECT_EQ(read.trajectory.initial_turn_rate_stddev_deg_s, 33.0);
+  EXPECT_EQ(read.segmentation.min_points, 9);
+  EXPECT_EQ(read.segmentation.ambiguity_sigmas, 1.25);
+  EXPECT_EQ(read.association.significance, 3e-6);
+  EXPECT_EQ(read.association.surface_flatness_m, 0.0125);
+  EXPECT_EQ(read.planes.min_scans, 7);
+  EXPECT_EQ(read.planes.max_candidate_age_s, 2.5);
+  EXPECT_EQ(read.window.num_scans, 33);
+  EXPECT_EQ(read.window.knot_intervals_per_step, 3);
+  EXPECT_FALSE(read.window.recut_segments);
+  EXPECT_TRUE(read.window.keep_statements);
+  EXPECT_FALSE(read.loop_closure.enabled);
+  EXPECT_EQ(read.loop_closure.max_gap_scans, 77);
+  EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
+  EXPECT_EQ(read.batch.max_rounds, 3);
+  EXPECT_FALSE(read.batch.recut_segments);
+  EXPECT_TRUE(read.batch.estimate_motion_noise);
+  EXPECT_EQ(read.max_gap_s, 0.6);
+}
+
+// A line of the YAML that both sets of options share was forgotten above or in the file.
+TEST_F(ConfigTest, EveryOptionIsWritten) {
+  std::istringstream defaults(MapperOptionsToYaml(MapperOptions()));
+  std::istringstream unusual(MapperOptionsToYaml(UnusualOptions()));
+  std::string a, b;
+  while (std::getline(defaults, a) && std::getline(unusual, b)) {
+    if (a.front() == ' ') {
+      EXPECT_NE(a, b);
+    }
+  }
+  EXPECT_FALSE(std::getline(unusual, b));
+}
+
+TEST_F(ConfigTest, WhatIsNotNamedKeepsItsDefault) {
+  EXPECT_EQ(MapperOptionsToYaml(Read("window: {num_scans: 10}\n")),
+            MapperOptionsToYaml(MapperOptions()));
+  const MapperOptions options = Read("planes:\n  min_scans: 5\n");
+  EXPECT_EQ(options.planes.min_scans, 5);
+  EXPECT_EQ(options.planes.min_points, MapperOptions().planes.min_points);
+}
+
+TEST_F(ConfigTest, UnknownKeysAreErrorsWithTheirLine) {
+  EXPECT_THAT(ReadError("window:\n  num_scans: 10\n  num_scan: 10\n"),
+              AllOf(HasSubstr(File() + ":3: "), HasSubstr("num_scan")));
+  EXPECT_THAT(ReadError("window: {num_scans: 10}\nwindows: {num_scans: 10}\n"),
+              AllOf(HasSubstr(File() + ":2: "), HasSubstr("windows")));
+  EXPECT_THAT(ReadError("window:\n  num_scans: 10\n  num_scans: 11\n"),
+              HasSubstr(File() + ":"));
+}
+
+TEST_F(ConfigTest, ValuesOutOfRangeAreErrorsWithTheirLine) {
+  for (const char* text : {"batch:\n  factor: beam\n",
+                           "batch:\n  max_rounds: 0\n",
+                           "window:\n  num_scans: many\n",
+                           "window:\n  num_scans: 10.5\n",
+                           "association:\n  significance: 0.0\n",
+                           "association:\n  significance: .nan\n",
+                           "loop_closure:\n  enabled: perhaps\n",
+                           "trajectory:\n  knot_interval_s: -0.1\n"}) {
+    EXPECT_THAT(ReadError(text), HasSubstr(File() + ":2: ")) << text;
+  }
+}
+
+TEST_F(ConfigTest, MissingFileIsNamed) {
+  EXPECT_THAT(ErrorOf([this] { ReadMapperOptions(File()); }), HasSubstr(File()));
+}
+
+TEST_F(ConfigTest, SectionOfAnExperimentCounts) {
+  const std::string experiment = "building: b.yaml\nspeed_m_s: 1.0\nanything: [1, 2]\n";
+  EXPECT_EQ(Read(experiment + "mapper:\n  window: {num_scans: 31}\n").window.num_scans, 31);
+  EXPECT_EQ(MapperOptionsToYaml(Read(experiment)), MapperOptionsToYaml(MapperOptions()));
+  EXPECT_THAT(ReadError(experiment + "mapper:\n  window: {scans: 31}\n"),
+              AllOf(HasSubstr(File() + ":5: "), HasSubstr("scans")));
+}
+
+TEST_F(ConfigTest, EveryShippedExperimentLoads) {
+  int num_files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments")) {
+    EXPECT_EQ(ErrorOf([&] { ReadMapperOptions(entry.path().string()); }), "no error");
+    ++num_files;
+  }
+  EXPECT_GE(num_files, 6);
+  const std::string drift =
+      std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/corridor_three_loops.yaml";
+  EXPECT_FALSE(ReadMapperOptions(drift).loop_closure.enabled);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,158 @@
+#include "core/result/plane_covariance.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/result/result_reader.h"
+#include "core/result/result_text.h"
+#include "core/util/atomic_file.h"
+#include "core/util/error.h"
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+PlanePatch Wall(int id, double angle, double distance) {
+  PlanePatch wall;
+  wall.id = id;
+  wall.type = PlaneType::kVertical;
+  wall.normal = {std::cos(angle), std::sin(angle), 0.0};
+  wall.distance = distance;
+  wall.centre = distance * wall.normal;
+  return wall;
+}
+
+PlanePatch Floor(int id, double height) {
+  PlanePatch floor;
+  floor.id = id;
+  floor.type = PlaneType::kHorizontal;
+  floor.normal = Eigen::Vector3d::UnitZ();
+  floor.distance = height;
+  floor.centre = {0.0, 0.0, height};
+  return floor;
+}
+
+// Two walls and a floor whose parameters all depend on each other.
+PlaneCovariance Example() {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd root(5, 5);
+  for (double& value : root.reshaped()) value = 1e-3 * normal(random);
+  return PlaneCovariance({Wall(2, 0.3, -4.0), Floor(5, -1.5), Wall(9, 0.3 + M_PI, -2.0)},
+                         root * root.transpose());
+}
+
+// Standard deviation of a quantity of the parameters, by drawing them.
+template <typename Quantity>
+double SampledStddev(const PlaneCovariance& example, Quantity quantity) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd root = example.covariance().llt().matrixL();
+  double sum = 0.0;
+  double sum_squares = 0.0;
+  constexpr int kDraws = 20000;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd white(5);
+    for (double& value : white) value = normal(random);
+    const Eigen::VectorXd error = root * white;
+    const double value = quantity(Wall(2, 0.3 + error[0], -4.0 + error[1]),
+                                  Wall(9, 0.3 + M_PI + error[3], -2.0 + error[4]));
+    sum += value;
+    sum_squares += value * value;
+  }
+  const double mean = sum / kDraws;
+  return std::sqrt(sum_squares / kDraws - mean * mean);
+}
+
+// The sampled standard deviations are good to 1 / sqrt(2 * 20000) = 0.5 %: four sigmas.
+constexpr double kTolerance = 0.02;
+
+TEST(PlaneCovariance, AngleBetweenWalls) {
+  const PlaneCovariance example = Example();
+  const double expected = SampledStddev(example, [](const PlanePatch& a, const PlanePatch& b) {
+    const double angle =
+        std::atan2(b.normal.y(), b.normal.x()) - std::atan2(a.normal.y(), a.normal.x());
+    return std::remainder(angle - M_PI, 2.0 * M_PI);
+  });
+  EXPECT_NEAR(example.AngleStddev(2, 9) / expected, 1.0, kTolerance);
+  EXPECT_EQ(example.AngleStddev(2, 5), 0.0);
+}
+
+TEST(PlaneCovariance, DistanceOfAPoint) {
+  const PlaneCovariance example = Example();
+  const Eigen::Vector3d point(1.0, 7.0, 2.0);
+  const double expected = SampledStddev(example, [&](const PlanePatch&, const PlanePatch& b) {
+    return b.SignedDistance(point);
+  });
+  EXPECT_NEAR(example.DistanceStddev(point, 9) / expected, 1.0, kTolerance);
+  EXPECT_NEAR(example.DistanceStddev(point, 5), std::sqrt(example.covariance()(2, 2)), 1e-12);
+}
+
+TEST(PlaneCovariance, SeparationOfWalls) {
+  const PlaneCovariance example = Example();
+  const Eigen::Vector3d point(-3.0, 5.0, 0.0);
+  const double expected =
+      SampledStddev(example, [&](const PlanePatch& a, const PlanePatch& b) {
+        // Where the fixed line through the point, along the first wall's normal, meets it.
+        const Eigen::Vector3d along(std::cos(0.3), std::sin(0.3), 0.0);
+        const Eigen::Vector3d on_a =
+            point - a.SignedDistance(point) / a.normal.dot(along) * along;
+        return b.SignedDistance(on_a);
+      });
+  EXPECT_NEAR(example.SeparationStddev(point, 2, 9) / expected, 1.0, kTolerance);
+}
+
+TEST(PlaneCovariance, LargestCorrelationIsFound) {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(5, 5);
+  covariance(2, 4) = covariance(4, 2) = -0.9;  // floor and second wall's distance
+  const PlaneCovariance example(
+      {Wall(2, 0.3, -4.0), Floor(5, -1.5), Wall(9, 0.3 + M_PI, -2.0)}, covariance);
+  const auto found = example.LargestCorrelations(1);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].plane_a, 5);
+  EXPECT_EQ(found[0].plane_b, 9);
+  EXPECT_FALSE(found[0].angle_a);
+  EXPECT_FALSE(found[0].angle_b);
+  EXPECT_NEAR(found[0].value, -0.9, 1e-12);
+}
+
+TEST(PlaneCovariance, UnknownPlaneIsAnError) {
+  EXPECT_THROW(Example().AngleStddev(2, 3), Error);
+}
+
+class PlaneCovarianceFileTest : public TemporaryDirectoryTest {
+ protected:
+  void Write(const std::string& name, const std::string& text) {
+    WriteFileAtomically((directory_ / name).string(), text);
+  }
+};
+
+TEST_F(PlaneCovarianceFileTest, ReadsBackWhatIsWritten) {
+  const PlaneCovariance example = Example();
+  Write("planes.json", FormatPlanes(example.planes()));
+  Write("plane_covariance.csv", FormatPlaneCovariance(example));
+  const PlaneCovariance read = ReadPlaneCovariance(directory_.string());
+  ASSERT_EQ(read.planes().size(), 3u);
+  EXPECT_LT((read.covariance() - example.covariance()).norm(),
+            1e-9 * example.covariance().norm());
+}
+
+TEST_F(PlaneCovarianceFileTest, ErrorsNameTheLine) {
+  const PlaneCovariance example = Example();
+  Write("planes.json", FormatPlanes(example.planes()));
+  std::string text = FormatPlaneCovariance(example);
+  text.resize(text.rfind('\n', text.size() - 2) + 1);  // the last line is gone
+  Write("plane_covariance.csv", text);
+  try {
+    ReadPlaneCovariance(directory_.string());
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("plane_covariance.csv:6:"));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,498 @@
+#include "core/sensor/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int64_t kStart = 1'600'000'000'000'000'000;
+constexpr int64_t kMillisecond = 1'000'000;
+constexpr int64_t kPeriod = 25 * kMillisecond;
+
+Rig MakeRig(const std::vector<std::string>& names) {
+  Rig rig;
+  for (const std::string& name : names) {
+    Scanner scanner;
+    scanner.name = name;
+    scanner.topic = "/" + name + "_scan";
+    rig.scanners.push_back(scanner);
+  }
+  return rig;
+}
+
+ScanLine MakeScanLine(int scanner_index, int64_t stamp_ns) {
+  ScanLine scan_line;
+  scan_line.scanner_index = scanner_index;
+  scan_line.stamp_ns = stamp_ns;
+  scan_line.angle_min = -0.5f;
+  scan_line.angle_increment = 0.25f;
+  scan_line.time_increment_s = 0.0009765625;
+  scan_line.ranges = {1.0f, 2.0f, 3.0f + static_cast<float>(scanner_index), 4.0f, 5.0f};
+  return scan_line;
+}
+
+sensor_msgs::LaserScan MakeMessage(int64_t stamp_ns) {
+  sensor_msgs::LaserScan message;
+  message.header.stamp.fromNSec(static_cast<uint64_t>(stamp_ns));
+  message.angle_min = -0.5f;
+  message.angle_increment = 0.25f;
+  message.time_increment = 0.001f;
+  message.ranges = {1.0f, 2.0f, 3.0f};
+  return message;
+}
+
+class RecordingTest : public TemporaryDirectoryTest {
+ protected:
+  void SetUp() override {
+    TemporaryDirectoryTest::SetUp();
+    path_ = (directory_ / "recording.bag").string();
+  }
+
+  // Receipt times are a millisecond apart, whatever the stamp in the message.
+  template <typename Message>
+  void Record(rosbag::Bag* bag, const std::string& topic, const Message& message) {
+    receipt_ns_ += kMillisecond;
+    ros::Time receipt;
+    receipt.fromNSec(static_cast<uint64_t>(receipt_ns_));
+    bag->write(topic, receipt, message);
+  }
+
+  // Scan lines of one scanner with these stamps in milliseconds.
+  void RecordStamps(const std::vector<int>& stamps_ms) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int stamp_ms : stamps_ms) {
+      Record(&bag, "/top_scan", MakeMessage(kStart + stamp_ms * kMillisecond));
+    }
+  }
+
+  std::vector<ScanLine> ReadAll(RecordingReader* reader) {
+    std::vector<ScanLine> scan_lines;
+    ScanLine scan_line;
+    while (reader->Next(&scan_line)) scan_lines.push_back(scan_line);
+    return scan_lines;
+  }
+
+  std::vector<int> DeliveredStampsMs(RecordingReader* reader) {
+    std::vector<int> stamps_ms;
+    for (const ScanLine& scan_line : ReadAll(reader)) {
+      stamps_ms.push_back(static_cast<int>((scan_line.stamp_ns - kStart) / kMillisecond));
+    }
+    return stamps_ms;
+  }
+
+  std::string OpenError(const std::vector<std::string>& names) {
+    return ErrorOf([&] { RecordingReader reader(path_, MakeRig(names)); });
+  }
+
+  std::string path_;
+  int64_t receipt_ns_ = kStart;
+};
+
+TEST_F(RecordingTest, DeliversWhatWasWritten) {
+  const Rig rig = MakeRig({"top", "left"});
+  RecordingWriter writer(path_, rig);
+  std::vector<ScanLine> written;
+  for (int i = 0; i < 100; ++i) {
+    for (int scanner = 0; scanner < 2; ++scanner) {
+      written.push_back(MakeScanLine(scanner, kStart + i * kPeriod + scanner * 7));
+      writer.Write(written.back());
+    }
+  }
+  EXPECT_FALSE(fs::exists(path_));
+  writer.Close();
+
+  RecordingReader reader(path_, rig);
+  EXPECT_EQ(reader.num_scan_lines(), 200);
+  EXPECT_EQ(reader.start_ns(), written.front().stamp_ns);
+  EXPECT_EQ(reader.end_ns(), written.back().stamp_ns);
+  EXPECT_DOUBLE_EQ(reader.scan_period_s(), 0.025);
+  EXPECT_THAT(reader.warnings(), IsEmpty());
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<ScanLine> read = ReadAll(&reader);
+    ASSERT_EQ(read.size(), written.size());
+    for (size_t i = 0; i < read.size(); ++i) {
+      EXPECT_EQ(read[i].scanner_index, written[i].scanner_index);
+      EXPECT_EQ(read[i].stamp_ns, written[i].stamp_ns);
+      EXPECT_EQ(read[i].angle_min, written[i].angle_min);
+      EXPECT_EQ(read[i].angle_increment, written[i].angle_increment);
+      EXPECT_EQ(read[i].time_increment_s, written[i].time_increment_s);
+      EXPECT_EQ(read[i].ranges, written[i].ranges);
+    }
+    reader.Rewind();
+  }
+}
+
+// Beams' directions come from a table that lines of the same angles share.
+TEST_F(RecordingTest, DirectionsFollowTheAnglesOfEachLine) {
+  const Rig rig = MakeRig({"top", "left"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 8; ++i) {
+    ScanLine scan_line = MakeScanLine(i % 2, kStart + i * kPeriod);
+    if (i == 2) scan_line.angle_min = 0.25f;
+    if (i == 4) scan_line.ranges.assign(9, 2.0f);
+    if (i == 6) scan_line.angle_increment = -0.5f;
+    writer.Write(scan_line);
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  const std::vector<ScanLine> read = ReadAll(&reader);
+  ASSERT_EQ(read.size(), 8u);
+  for (const ScanLine& scan_line : read) {
+    ASSERT_NE(scan_line.directions, nullptr);
+    for (int beam = -1; beam <= scan_line.num_beams(); ++beam) {
+      const double angle = scan_line.angle_min + beam * scan_line.angle_increment;
+      EXPECT_EQ(scan_line.BeamDirection(beam),
+                Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    }
+  }
+  EXPECT_EQ(read[1].directions, read[7].directions);
+}
+
+TEST_F(RecordingTest, WritesTheSameBytesEachTime) {
+  const Rig rig = MakeRig({"top"});
+  std::vector<std::string> contents;
+  for (const char* name : {"a.bag", "b.bag"}) {
+    RecordingWriter writer((directory_ / name).string(), rig);
+    for (int i = 0; i < 20; ++i) writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    writer.Close();
+    contents.push_back(ReadBytes(directory_ / name));
+  }
+  EXPECT_GT(contents[0].size(), 20u * 5u * sizeof(float));
+  EXPECT_TRUE(contents[0] == contents[1]);
+}
+
+TEST_F(RecordingTest, UnfinishedWriterLeavesNothing) {
+  {
+    RecordingWriter writer(path_, MakeRig({"top"}));
+    writer.Write(MakeScanLine(0, kStart));
+  }
+  EXPECT_TRUE(fs::is_empty(directory_));
+}
+
+TEST_F(RecordingTest, WriterThatRunsOutOfSpaceFailsAndLeavesNothing) {
+  const std::string error = ErrorOf([&] {
+    const FileSizeLimit limit(100'000);
+    RecordingWriter writer(path_, MakeRig({"top"}));
+    for (int i = 0; i < 2000; ++i) writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    writer.Close();
+  });
+  EXPECT_THAT(error, HasSubstr(path_ + ": can not be written"));
+  EXPECT_TRUE(fs::is_empty(directory_));
+}
+
+TEST_F(RecordingTest, WriterNamesTheFileItCanNotWrite) {
+  const std::string path = (directory_ / "missing" / "recording.bag").string();
+  EXPECT_THAT(ErrorOf([&] { RecordingWriter writer(path, MakeRig({"top"})); }),
+              HasSubstr(path + ": can not be written"));
+}
+
+TEST_F(RecordingTest, RefusesWhatIsNoBag) {
+  EXPECT_EQ(OpenError({"top"}), path_ + ": no such file");
+  WriteBytes(path_, "SQLite format 3");
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  fs::resize_file(path_, 0);
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  path_ = directory_.string();
+  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a file");
+}
+
+TEST_F(RecordingTest, RefusesABagThatBreaksOff) {
+  std::vector<int> stamps_ms;
+  for (int i = 0; i < 200; ++i) stamps_ms.push_back(25 * i);
+  RecordStamps(stamps_ms);
+  const auto size = fs::file_size(path_);
+  for (const auto cut : {size - 1, size - 300, size / 2, size / 10, size_t{13}}) {
+    fs::resize_file(path_, cut);
+    EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": the recording breaks off")) << cut;
+  }
+}
+
+TEST_F(RecordingTest, RefusesABagThatWasNeverClosed) {
+  RecordStamps({0, 25, 50});
+  // rosbag notes the position of the index in the file's header when it closes the bag.
+  std::string bytes = ReadBytes(path_);
+  const size_t position = bytes.find("index_pos=") + 10;
+  bytes.replace(position, 8, std::string(8, '\0'));
+  WriteBytes(path_, bytes);
+  EXPECT_THAT(OpenError({"top"}), HasSubstr("the bag was never closed and has no index"));
+}
+
+TEST_F(RecordingTest, NamesTheTopicsThereAreWhenOneIsMissing) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", MakeMessage(kStart));
+    Record(&bag, "/left_scan", MakeMessage(kStart));
+    Record(&bag, "/imu", sensor_msgs::Imu());
+  }
+  EXPECT_EQ(OpenError({"top", "rear"}),
+            path_ +
+                ": has no topic /rear_scan (scanner 'rear' of the rig); topics with laser " +
+                "scans in this recording: /left_scan, /top_scan");
+}
+
+TEST_F(RecordingTest, RefusesTopicsOfAnotherType) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", sensor_msgs::Imu());
+  }
+  EXPECT_THAT(OpenError({"top"}),
+              AllOf(HasSubstr("topic /top_scan (scanner 'top' of the rig) is of type "
+                              "sensor_msgs/Imu"),
+                    HasSubstr("topics with laser scans in this recording: none")));
+}
+
+TEST_F(RecordingTest, RefusesTwoScannersOnOneTopic) {
+  RecordStamps({0, 25});
+  Rig rig = MakeRig({"top", "left"});
+  rig.scanners[1].topic = rig.scanners[0].topic;
+  EXPECT_THAT(ErrorOf([&] { RecordingReader reader(path_, rig); }),
+              HasSubstr("scanners 'top' and 'left' of the rig name the same topic /top_scan"));
+}
+
+TEST_F(RecordingTest, RefusesARecordingWithoutAUsableScanLine) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.ranges.clear();
+    Record(&bag, "/top_scan", message);
+  }
+  EXPECT_THAT(OpenError({"top"}),
+              AllOf(HasSubstr(path_ + ": has no scan lines of the rig's scanners"),
+                    HasSubstr("1 scan line passed over: no ranges")));
+}
+
+TEST_F(RecordingTest, NamesTheMessageThatCanNotBeDecoded) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 2; ++i) Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
+  }
+  // The number of ranges of the second message: 3 becomes 1000.
+  std::string bytes = ReadBytes(path_);
+  const float ranges[] = {1.0f, 2.0f, 3.0f};
+  const std::string pattern(reinterpret_cast<const char*>(ranges), sizeof(ranges));
+  const size_t position = bytes.rfind(pattern) - 4;
+  ASSERT_EQ(bytes[position], 3);
+  bytes[position] = '\xe8';
+  bytes[position + 1] = '\x03';
+  WriteBytes(path_, bytes);
+  EXPECT_THAT(OpenError({"top"}),
+              HasSubstr(path_ + ": message 2 of 2 (topic /top_scan, recorded at "
+                                "1600000000.002000000 s) can not be decoded"));
+}
+
+TEST_F(RecordingTest, PassesOverStampsThatJumpBack) {
+  RecordStamps({0, 25, 50, 75, 30, 55, 100, 125});
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 25, 50, 75, 100, 125));
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 2 scan lines passed over: time stamps that jump "
+                          "against the others, first at 0.075 s"));
+}
+
+TEST_F(RecordingTest, OneStampInTheFutureCostsOneScanLine) {
+  RecordStamps({0, 25, 9000, 50, 75, 100});
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 25, 50, 75, 100));
+  EXPECT_THAT(reader.warnings(), ElementsAre(HasSubstr("1 scan line passed over")));
+}
+
+TEST_F(RecordingTest, PassesOverRepeatedStamps) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 6; ++i) {
+      sensor_msgs::LaserScan message = MakeMessage(kStart + (i / 2) * kPeriod);
+      message.ranges[0] = static_cast<float>(i);
+      Record(&bag, "/top_scan", message);
+    }
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  const std::vector<ScanLine> scan_lines = ReadAll(&reader);
+  ASSERT_EQ(scan_lines.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(scan_lines[i].ranges[0], 2.0f * static_cast<float>(i)) << "not the first one";
+  }
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 3 scan lines passed over: time stamps repeated, "
+                          "first at 0.000 s"));
+}
+
+TEST_F(RecordingTest, AcceptsChangingNumbersOfBeams) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (size_t i = 0; i < 4; ++i) {
+      sensor_msgs::LaserScan message = MakeMessage(kStart + static_cast<int64_t>(i) * kPeriod);
+      message.ranges.assign(10 + i, 1.0f);
+      Record(&bag, "/top_scan", message);
+    }
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  const std::vector<ScanLine> scan_lines = ReadAll(&reader);
+  ASSERT_EQ(scan_lines.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(scan_lines[static_cast<size_t>(i)].num_beams(), 10 + i);
+  }
+  EXPECT_THAT(reader.warnings(), IsEmpty());
+}
+
+TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::function<void(sensor_msgs::LaserScan*)>> damages = {
+      [](auto* message) { message->ranges.clear(); },
+      [](auto* message) { message->angle_increment = 0.0f; },
+      [nan](auto* message) { message->angle_increment = nan; },
+      [nan](auto* message) { message->angle_min = nan; },
+      [](auto* message) { message->time_increment = -1e-5f; },
+      [nan](auto* message) { message->time_increment = nan; },
+      [](auto* message) { message->time_increment = 1.0f; },
+  };
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", MakeMessage(kStart));
+    int64_t stamp_ns = kStart;
+    for (const auto& damage : damages) {
+      sensor_msgs::LaserScan message = MakeMessage(stamp_ns += kPeriod);
+      damage(&message);
+      Record(&bag, "/top_scan", message);
+    }
+    Record(&bag, "/top_scan", MakeMessage(stamp_ns += kPeriod));
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 200));
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("scanner 'top': 7 scan lines passed over: no ranges, or angles or "
+                          "time increments that make no sense, first at 0.025 s"));
+}
+
+TEST_F(RecordingTest, PassesRangesThroughAsTheyAre) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.ranges = {std::nanf(""), infinity, 0.0f, -1.0f};
+    Record(&bag, "/top_scan", message);
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ScanLine scan_line;
+  ASSERT_TRUE(reader.Next(&scan_line));
+  ASSERT_EQ(scan_line.num_beams(), 4);
+  EXPECT_TRUE(std::isnan(scan_line.ranges[0]));
+  EXPECT_EQ(scan_line.ranges[1], infinity);
+  EXPECT_EQ(scan_line.ranges[2], 0.0f);
+  EXPECT_EQ(scan_line.ranges[3], -1.0f);
+  EXPECT_FALSE(reader.Next(&scan_line));
+  EXPECT_EQ(reader.scan_period_s(), 0.0);
+}
+
+TEST_F(RecordingTest, TakesTheFirstOfSeveralEchoes) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::MultiEchoLaserScan message;
+    message.header.stamp.fromNSec(static_cast<uint64_t>(kStart));
+    message.header.frame_id = "laser";
+    message.angle_increment = 0.25f;
+    message.ranges.resize(3);
+    message.ranges[0].echoes = {4.0f, 5.0f, 6.0f};
+    message.ranges[2].echoes = {7.0f};
+    Record(&bag, "/top_scan", message);
+  }
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ScanLine scan_line;
+  ASSERT_TRUE(reader.Next(&scan_line));
+  ASSERT_EQ(scan_line.num_beams(), 3);
+  EXPECT_EQ(scan_line.ranges[0], 4.0f);
+  EXPECT_TRUE(std::isnan(scan_line.ranges[1]));
+  EXPECT_EQ(scan_line.ranges[2], 7.0f);
+}
+
+TEST_F(RecordingTest, WarnsOfScannersThatStopEarlyOrStartLate) {
+  const Rig rig = MakeRig({"top", "left", "right"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 200; ++i) {
+    writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    if (i <= 100) writer.Write(MakeScanLine(1, kStart + i * kPeriod));
+    if (i >= 80) writer.Write(MakeScanLine(2, kStart + i * kPeriod));
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  EXPECT_THAT(
+      reader.warnings(),
+      ElementsAre("scanner 'left' stops early: its last scan line is at 2.500 s, 2.475 "
+                  "s before the end of the recording",
+                  "scanner 'right' starts late: its first scan line is at 2.000 s"));
+}
+
+TEST_F(RecordingTest, WarnsOfGapsInAllScanners) {
+  const Rig rig = MakeRig({"top", "left"});
+  RecordingWriter writer(path_, rig);
+  for (int i = 0; i < 200; ++i) {
+    if (i > 40 && i < 80) continue;    // 1 s, in all scanners
+    if (i > 100 && i < 119) continue;  // 0.475 s: too short to matter
+    writer.Write(MakeScanLine(0, kStart + i * kPeriod));
+    if (i < 130 || i > 160) writer.Write(MakeScanLine(1, kStart + i * kPeriod));
+  }
+  writer.Close();
+  RecordingReader reader(path_, rig);
+  EXPECT_THAT(reader.warnings(),
+              ElementsAre("no scanner delivered anything for 1.000 s after 1.000 s"));
+}
+
+TEST_F(RecordingTest, ListsTenGapsAndCountsTheOthers) {
+  std::vector<int> stamps_ms;
+  for (int burst = 0; burst < 14; ++burst) {
+    for (int i = 0; i < 5; ++i) stamps_ms.push_back(1000 * burst + 25 * i);
+  }
+  RecordStamps(stamps_ms);
+  RecordingReader reader(path_, MakeRig({"top"}));
+  ASSERT_EQ(reader.warnings().size(), 11u);
+  EXPECT_EQ(reader.warnings().back(), "3 more gaps longer than 0.500 s");
+}
+
+// Records two scanners with the receipt order that `first` decides, and reads them in the
+// order of their stamps.
+TEST_F(RecordingTest, DeliversInOrderOfStampsWhateverTheOrderInTheBag) {
+  const Rig rig = MakeRig({"top", "left"});
+  constexpr int kNumScanLines = 1500;  // more than the reader holds back
+  for (const int delay : {3, kNumScanLines}) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    bag.setChunkThreshold(4096);
+    for (int i = 0; i < kNumScanLines + delay; ++i) {
+      const int late = i - delay;
+      if (i < kNumScanLines) Record(&bag, "/left_scan", MakeMessage(kStart + i * kPeriod));
+      if (late >= 0) Record(&bag, "/top_scan", MakeMessage(kStart + late * kPeriod));
+    }
+    bag.close();
+    RecordingReader reader(path_, rig);
+    for (int pass = 0; pass < 2; ++pass) {
+      ScanLine scan_line;
+      for (int i = 0; i < 2 * kNumScanLines; ++i) {
+        ASSERT_TRUE(reader.Next(&scan_line));
+        ASSERT_EQ(scan_line.stamp_ns, kStart + (i / 2) * kPeriod);
+        ASSERT_EQ(scan_line.scanner_index, i % 2);
+      }
+      EXPECT_FALSE(reader.Next(&scan_line));
+      reader.Rewind();
+    }
+    EXPECT_THAT(reader.warnings(), IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

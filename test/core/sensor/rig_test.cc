@@ -1,0 +1,161 @@
+#include "core/sensor/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "core/util/error.h"
+
+namespace plumbline {
+namespace {
+
+const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+
+const std::string kScanner =
+    "  - name: top\n    topic: /top\n"
+    "    body_from_scanner: {translation: [1, 2, 3], rotation_rpy_deg: [10, 20, 30]}\n"
+    "    range_noise_m: 0.03\n    min_range_m: 0.1\n    max_range_m: 30\n";
+
+std::string TestPath() {
+  return testing::TempDir() + testing::UnitTest::GetInstance()->current_test_info()->name() +
+         ".yaml";
+}
+
+Rig ReadText(const std::string& text) {
+  std::ofstream(TestPath()) << text;
+  return ReadRig(TestPath());
+}
+
+// Reads the text as a rig file; the message without the path of the file.
+std::string ErrorOf(const std::string& text) {
+  try {
+    ReadText(text);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind(TestPath() + ":", 0), 0u) << message;
+    return message.substr(TestPath().size());
+  }
+  return "";
+}
+
+TEST(Rig, ReadsDefaults) {
+  const Rig rig = ReadText("scanners:\n" + kScanner);
+  ASSERT_EQ(rig.scanners.size(), 1u);
+  EXPECT_EQ(rig.motion, MotionModel::kAutomatic);
+  EXPECT_EQ(rig.scanners[0].time_offset_s, 0.0);
+  EXPECT_NEAR(rig.scanners[0].angle_noise_rad, 0.005 * M_PI / 180.0, 1e-15);
+  EXPECT_EQ(rig.scanners[0].beams, 270);
+  EXPECT_EQ(ReadText("motion: planar\nscanners:\n" + kScanner).motion, MotionModel::kPlanar);
+}
+
+TEST(Rig, PaperRigPointsAsDescribed) {
+  for (const auto& [file, beams] : {std::pair("paper.yaml", 270), {"paper_1080.yaml", 1080}}) {
+    const Rig rig = ReadRig(kConfigs + "/rigs/" + file);
+    ASSERT_EQ(rig.scanners.size(), 3u);
+    const double half = std::sqrt(0.5);
+    const Eigen::Vector3d normals[] = {{0, 0, 1}, {0.5, 0.5, half}, {0.5, -0.5, half}};
+    // The gap lies opposite to the zero beam. Of the tilted planes' directions the steepest
+    // rise and fall by 45 degrees.
+    const Eigen::Vector3d gaps[] = {{0, 1, 0}, {-0.5, -0.5, half}, {0.5, -0.5, -half}};
+    for (size_t i = 0; i < 3; ++i) {
+      const Scanner& scanner = rig.scanners[i];
+      const Eigen::Quaterniond& rotation = scanner.body_from_scanner.rotation;
+      EXPECT_LT((rotation * Eigen::Vector3d::UnitZ() - normals[i]).norm(), 1e-12);
+      EXPECT_LT((rotation * -Eigen::Vector3d::UnitX() - gaps[i]).norm(), 1e-12);
+      EXPECT_EQ(scanner.beams, beams);
+      EXPECT_EQ(scanner.field_of_view_deg, 270.0);
+      EXPECT_EQ(scanner.scan_rate_hz, 40.0);
+      EXPECT_EQ(scanner.range_noise_m, 0.03);
+      EXPECT_EQ(scanner.min_range_m, 0.1);
+      EXPECT_EQ(scanner.max_range_m, 30.0);
+      EXPECT_LT(scanner.body_from_scanner.translation.norm(), 0.2);
+    }
+    EXPECT_FALSE(AllScannersHorizontal(rig, 0.1));
+  }
+}
+
+TEST(Rig, HorizontalScannersAreRecognisedUpsideDownToo) {
+  Rig rig;
+  rig.scanners.resize(2);
+  rig.scanners[1].body_from_scanner.rotation = RotationFromRollPitchYaw(M_PI, 0.0, 0.3);
+  EXPECT_TRUE(AllScannersHorizontal(rig, 1e-6));
+  rig.scanners[1].body_from_scanner.rotation = RotationFromRollPitchYaw(0.0, 0.02, 0.3);
+  EXPECT_FALSE(AllScannersHorizontal(rig, 0.01));
+  EXPECT_TRUE(AllScannersHorizontal(rig, 0.03));
+}
+
+TEST(Rig, WrittenRigReadsBack) {
+  Rig rig;
+  rig.motion = MotionModel::kSpatial;
+  const Eigen::Vector3d angles[] = {
+      {0.1, 0.2, 0.3}, {-3.0, 1.2, 2.9}, {0.4, M_PI / 2, 0.2}, {0.4, -M_PI / 2, 0.2}};
+  for (const Eigen::Vector3d& rpy : angles) {
+    Scanner scanner;
+    scanner.name = "a \"quoted\" name " + std::to_string(rig.scanners.size());
+    scanner.topic = "/scan" + std::to_string(rig.scanners.size());
+    scanner.body_from_scanner = {RotationFromRollPitchYaw(rpy.x(), rpy.y(), rpy.z()),
+                                 Eigen::Vector3d(0.1, -0.2, 1.0 / 3.0)};
+    scanner.range_noise_m = 0.012;
+    scanner.angle_noise_rad = 1e-3;
+    scanner.time_offset_s = -0.0123;
+    scanner.beams = 541;
+    scanner.field_of_view_deg = 190.5;
+    scanner.scan_rate_hz = 25.0;
+    rig.scanners.push_back(scanner);
+  }
+  WriteRig(rig, TestPath());
+  const Rig read = ReadRig(TestPath());
+  ASSERT_EQ(read.scanners.size(), rig.scanners.size());
+  EXPECT_EQ(read.motion, rig.motion);
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const Scanner& expected = rig.scanners[i];
+    const Scanner& scanner = read.scanners[i];
+    EXPECT_EQ(scanner.name, expected.name);
+    EXPECT_EQ(scanner.topic, expected.topic);
+    EXPECT_EQ(scanner.body_from_scanner.translation, expected.body_from_scanner.translation);
+    EXPECT_LT(scanner.body_from_scanner.rotation.angularDistance(
+                  expected.body_from_scanner.rotation),
+              1e-7);
+    EXPECT_EQ(scanner.range_noise_m, expected.range_noise_m);
+    EXPECT_NEAR(scanner.angle_noise_rad, expected.angle_noise_rad, 1e-15);
+    EXPECT_EQ(scanner.time_offset_s, expected.time_offset_s);
+    EXPECT_EQ(scanner.beams, expected.beams);
+    EXPECT_EQ(scanner.field_of_view_deg, expected.field_of_view_deg);
+    EXPECT_EQ(scanner.scan_rate_hz, expected.scan_rate_hz);
+  }
+}
+
+TEST(Rig, UnwritablePathIsNamed) {
+  Rig rig;
+  rig.scanners.resize(1);
+  try {
+    WriteRig(rig, "no/such/rig.yaml");
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind("no/such/rig.yaml: can not be written", 0), 0u) << message;
+  }
+}
+
+TEST(Rig, ErrorsNameTheLine) {
+  std::string other = kScanner;
+  other.replace(other.find("top"), 3, "two");
+  EXPECT_EQ(ErrorOf("scanners: []\n"), ":1: the rig has no scanner");
+  EXPECT_EQ(ErrorOf("motions: planar\nscanners:\n" + kScanner), ":1: unknown key 'motions'");
+  EXPECT_EQ(ErrorOf("motion: flat\nscanners:\n" + kScanner),
+            ":1: 'motion' must be one of: automatic, spatial, planar");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + kScanner),
+            ":8: a scanner named 'top' stands above already");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + other),
+            ":9: topic '/top' belongs to a scanner above already");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + "    colour: red\n"),
+            ":8: unknown key 'colour'");
+  std::string swapped = kScanner;
+  swapped.replace(swapped.find("max_range_m: 30"), 15, "max_range_m: .1");
+  EXPECT_EQ(ErrorOf("scanners:\n" + swapped), ":6: min_range_m must be less than max_range_m");
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "test/core/visibility/resegmentation_fixture.h"
+
+namespace plumbline {
+namespace {
+
+class ShortRunTest : public SegmentEndsTest {
+ protected:
+  // Other beams meet nothing.
+  void SeeOnly(int first_beam, int last_beam) {
+    for (int beam = 0; beam < line_.num_beams(); ++beam) {
+      if (beam >= first_beam && beam <= last_beam) continue;
+      line_.ranges[static_cast<size_t>(beam)] = 20.0f;
+    }
+  }
+  // Of the side wall, too few beams for a segment are seen before the view opens.
+  void See(int num_beams) {
+    SeeOnly(40, kLast + num_beams);
+    AddSideWall(2.0);
+    AddObservation(kFront, 40, kLast);
+  }
+};
+
+TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
+  for (const int num_beams : {1, 3}) {
+    state_->observations.clear();
+    See(num_beams);
+    Recut();
+    ASSERT_EQ(state_->short_runs.size(), 1u) << num_beams;
+    const Observation& run = state_->short_runs[0];
+    EXPECT_EQ(run.landmark_id, kSide);
+    EXPECT_EQ(run.first_beam, kLast + 1);
+    EXPECT_EQ(run.last_beam, kLast + num_beams);
+    EXPECT_EQ(run.num_points, num_beams);
+    for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) {
+      line_.ranges[beam] = Range(static_cast<int>(beam));
+    }
+    state_->landmarks.pop_back();
+  }
+}
+
+// Twelve centimetres of range farther, which no beam alone can tell.
+TEST_F(ShortRunTest, BelongsToThePlaneThatHidesTheOther) {
+  See(3);
+  AddWall({0.0, -1.0, 0.0}, {-2.0, 1.05, 0.0}, {2.0, 1.05, 0.0});
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].landmark_id, kSide);
+  EXPECT_EQ(state_->short_runs[0].num_points, 3);
+}
+
+// Across the corner, as the noise of a few beams may have it.
+TEST_F(ShortRunTest, IsMadeOfASegmentOnNoPlane) {
+  SeeOnly(kLast - 6, kLast + 3);
+  AddSideWall(2.0);
+  AddObservation(kFront, kLast - 6, kLast + 3);
+  state_->observations[0].landmark_id = -1;
+  line_.ranges[kLast - 3] += 0.12f;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 3u);
+  const std::vector<std::pair<int, int>> beams = {
+      {kLast - 6, kLast - 4}, {kLast - 2, kLast}, {kLast + 1, kLast + 3}};
+  for (size_t i = 0; i < 3; ++i) {
+    const Observation& run = state_->short_runs[i];
+    EXPECT_EQ(run.landmark_id, i < 2 ? kFront : kSide);
+    EXPECT_EQ(run.first_beam, beams[i].first);
+    EXPECT_EQ(run.last_beam, beams[i].second);
+  }
+}
+
+// Segmentation has left these out between two segments on one wall, each of which ends for its
+// own noise.
+TEST_F(ShortRunTest, IsMadeOfBeamsThatNoSegmentHas) {
+  SeeOnly(40, kLast);
+  AddObservation(kFront, 40, 60);
+  AddObservation(kFront, 90, kLast);
+  line_.ranges[75] += 0.12f;
+  Recut();
+  std::vector<std::pair<int, int>> beams;
+  for (const Observation& run : state_->short_runs) {
+    EXPECT_EQ(run.landmark_id, kFront);
+    beams.emplace_back(run.first_beam, run.last_beam);
+  }
+  EXPECT_EQ(beams, (std::vector<std::pair<int, int>>{{61, 74}, {76, 89}}));
+}
+
+// It may lie on something behind the edge.
+TEST_F(ShortRunTest, EndsBeforeTheFreeEdgeOfItsPlane) {
+  SeeOnly(kLast - 6, kLast);
+  AddObservation(kFront, kLast - 6, kLast);
+  state_->observations[0].landmark_id = -1;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].first_beam, kLast - 6);
+  EXPECT_EQ(state_->short_runs[0].last_beam, kLast - 1) << "2.5 cm from the edge";
+}
+
+TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
+  See(1);
+  line_.ranges[kLast + 1] += 0.5f;
+  Recut();
+  EXPECT_TRUE(state_->short_runs.empty());
+}
+
+TEST_F(ShortRunTest, EndsOnItsPlane) {
+  See(3);
+  line_.ranges[kLast + 3] += 0.12f;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_EQ(state_->short_runs[0].first_beam, kLast + 1);
+  EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
+}
+
+TEST_F(ShortRunTest, IsMadeAnewEachTime) {
+  See(3);
+  Recut();
+  const int revision = state_->short_runs.at(0).revision;
+  Recut();
+  ASSERT_EQ(state_->short_runs.size(), 1u);
+  EXPECT_GT(state_->short_runs[0].revision, revision);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,164 @@
+#include "simulation/bound/bound.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/result/result_reader.h"
+#include "core/result/result_writer.h"
+#include "simulation/sensing/experiment.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+class BoundTest : public MappingTest {
+ protected:
+  BoundTest() {
+    scenario_.building = PillarRoom();
+    scenario_.scanners = TiltedRig();
+    scenario_.path = PillarWalk(4.0, 1.0);
+  }
+
+  Bound Compute(const MapperOptions& options = {}) {
+    Simulate(scenario_);  // writes the experiment's files
+    return ComputeBound(ReadExperiment(Path("experiment.yaml")), options, [](double) {});
+  }
+
+  static double FloorSigma(const Bound& bound) {
+    for (const PlanePatch& plane : bound.planes.planes()) {
+      if (plane.type == PlaneType::kHorizontal && plane.normal.z() > 0.0) {
+        return plane.sigma_distance_m;
+      }
+    }
+    return 0.0;
+  }
+
+  // Of the vertical plane with most beams but the reference.
+  static const PlanePatch& LargestWall(const Bound& bound) {
+    const PlanePatch* largest = nullptr;
+    for (const PlanePatch& plane : bound.planes.planes()) {
+      if (plane.type != PlaneType::kVertical || plane.sigma_angle_rad == 0.0) continue;
+      if (largest == nullptr || plane.num_points > largest->num_points) largest = &plane;
+    }
+    return *largest;
+  }
+
+  Scenario scenario_;
+};
+
+TEST_F(BoundTest, KnowsEveryPlaneAndEveryScan) {
+  const Bound bound = Compute();
+  const size_t num_faces = Simulate(scenario_).truth_planes.size();
+  EXPECT_GE(num_faces, 9u);  // 4 walls, 2 levels, most sides of the pillar
+  EXPECT_EQ(bound.planes.planes().size(), num_faces);
+  EXPECT_EQ(bound.face_ids.size(), num_faces);
+  EXPECT_EQ(bound.poses.size(), bound.trajectory.size());
+  EXPECT_NEAR(static_cast<double>(bound.poses.size()), 4.0 * 20.0, 2.0);
+  // The origin is the first pose.
+  EXPECT_LT(bound.trajectory.front().world_from_body.translation.norm(), 1e-3);
+  const Eigen::Vector3d origin_variance = bound.poses.front().covariance.diagonal().head<3>();
+  EXPECT_LT(origin_variance.sum(), 1e-6);
+}
+
+// All measurements are ranges: twice the noise, twice the standard deviations (but for the
+// weak motion prior and the noise of the beams' directions).
+TEST_F(BoundTest, ScalesWithTheRangeNoise) {
+  const double sigma_rad = LargestWall(Compute()).sigma_angle_rad;
+  for (ScenarioScanner& scanner : scenario_.scanners) scanner.range_noise_m *= 2.0;
+  EXPECT_NEAR(LargestWall(Compute()).sigma_angle_rad / sigma_rad, 2.0, 0.02);
+}
+
+TEST_F(BoundTest, FourTimesTheBeamsHalveTheStandardDeviation) {
+  MapperOptions
+      options;  // the motion prior, which does not depend on the beams, as good as off
+  options.trajectory.acceleration_stddev_m_s2 *= 100.0;
+  options.trajectory.angular_acceleration_stddev_deg_s2 *= 100.0;
+  const double sigma_m = FloorSigma(Compute(options));
+  ASSERT_GT(sigma_m, 0.0);
+  for (ScenarioScanner& scanner : scenario_.scanners) scanner.beams *= 4;
+  EXPECT_NEAR(FloorSigma(Compute(options)) / sigma_m, 0.5, 0.02);
+}
+
+TEST_F(BoundTest, WithoutClosureAPlaneComesBackAsAnother) {
+  scenario_.path = PillarWalk(16.0, 1.0);  // more than once around
+  MapperOptions options;
+  options.loop_closure.enabled = false;
+  options.loop_closure.max_gap_scans = 10;
+  EXPECT_GT(Compute(options).planes.planes().size(), Compute().planes.planes().size());
+}
+
+// The mapper's own statement about its result can not be better than the bound, and should be
+// near it.
+TEST_F(BoundTest, MapperStatesWhatTheBoundSays) {
+  const Bound bound = Compute();
+  Run(scenario_);
+  const PlaneCovariance result = ReadPlaneCovariance(Path("result"));
+  // Angles between walls do not depend on the model frame's reference: the two largest ones.
+  const auto two_largest = [](const std::vector<PlanePatch>& planes) {
+    std::vector<PlanePatch> walls;
+    for (const PlanePatch& plane : planes) {
+      if (plane.type == PlaneType::kVertical) walls.push_back(plane);
+    }
+    std::sort(walls.begin(), walls.end(), [](const PlanePatch& a, const PlanePatch& b) {
+      return a.num_points > b.num_points;
+    });
+    return std::pair(walls[0].id, walls[1].id);
+  };
+  const auto [bound_a, bound_b] = two_largest(bound.planes.planes());
+  const auto [result_a, result_b] = two_largest(result.planes());
+  const double ratio =
+      result.AngleStddev(result_a, result_b) / bound.planes.AngleStddev(bound_a, bound_b);
+  EXPECT_GT(ratio, 0.99);
+  EXPECT_LT(ratio, 1.1);  // beams at the segments' ends are left out
+}
+
+// Every beam on its true plane, optimal weights: the errors are what the bound says.
+TEST_F(BoundTest, WithTrueAssociationsTheBoundIsReached) {
+  const double reference_rad = [&] {
+    const Bound bound = Compute();
+    const PlanePatch& wall = bound.planes.planes().front();
+    return std::atan2(wall.normal.y(), wall.normal.x());
+  }();
+  const Experiment experiment = ReadExperiment(Path("experiment.yaml"));
+  const auto true_angle = [&](int face) {
+    const Eigen::Vector3d& normal =
+        experiment.building.faces[static_cast<size_t>(face)].normal;
+    return std::atan2(normal.y(), normal.x());
+  };
+  double sum = 0.0;
+  int count = 0;
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    const Bound estimate =
+        EstimateWithTrueAssociations(experiment, MapperOptions(), seed, [](double) {});
+    const auto& planes = estimate.planes.planes();
+    EXPECT_EQ(estimate.face_ids.size(), planes.size());
+    for (size_t i = 1; i < planes.size(); ++i) {
+      if (planes[i].type != PlaneType::kVertical) continue;
+      const double turned = std::atan2(planes[i].normal.y(), planes[i].normal.x()) -
+                            reference_rad - true_angle(estimate.face_ids[i]) +
+                            true_angle(estimate.face_ids[0]);
+      const double error = std::remainder(turned, 2.0 * M_PI) / planes[i].sigma_angle_rad;
+      sum += error * error;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 60);
+  // The walls of a run are hardly correlated: four standard errors.
+  EXPECT_NEAR(sum / count, 1.0, 4.0 * std::sqrt(2.0 / count));
+}
+
+TEST_F(BoundTest, WritesWhatCanBeReadBack) {
+  const Bound bound = Compute();
+  WriteBound(bound, Path("bound"));
+  const PlaneCovariance read = ReadPlaneCovariance(Path("bound"));
+  EXPECT_EQ(read.planes().size(), bound.planes.planes().size());
+  EXPECT_EQ(ReadTrajectory(Path("bound/trajectory.tum")).size(), bound.trajectory.size());
+  EXPECT_TRUE(std::filesystem::exists(Path("bound/faces.csv")));
+  EXPECT_NE(BoundTable(bound).find("poses: position"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline

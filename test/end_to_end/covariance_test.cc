@@ -1,0 +1,331 @@
+#include <ceres/covariance.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/block_layout.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/map_covariance.h"
+#include "core/estimation/motion_noise_estimation.h"
+#include "core/estimation/normal_equations.h"
+#include "core/geometry/matrix_types.h"
+#include "core/mapping/mapper.h"
+#include "core/options/config.h"
+#include "core/sensor/recording.h"
+#include "core/trajectory/motion_noise.h"
+#include "factors/spline/spline.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+// The final problem of a mapped scenario, at its solution.
+class CovarianceTest : public MappingTest {
+ protected:
+  void MapScenario(const std::vector<ScenarioScanner>& scanners, double length_m = 1.5) {
+    Scenario scenario;
+    scenario.building = PillarRoom();
+    scenario.scanners = scanners;
+    scenario.path = PillarWalk(length_m, 1.0);
+    WriteRecording(Simulate(scenario));
+    rig_ = ReadRig(Path("rig.yaml"));
+    RecordingReader recording(Path("recording.bag"), rig_);
+    result_ = std::make_unique<MapResult>(MapRecording(
+        rig_, options_, [](double) {}, &recording));
+    MapState& state = result_->state;
+    problem_ = std::make_unique<EstimationProblem>(
+        rig_, result_->planar, &state.trajectory, &state.landmarks);
+    problem_->AddTrajectoryTerms(
+        options_.trajectory, MotionNoise::Of(options_.trajectory), state.origin_time_ns);
+    std::vector<const Observation*> associated;
+    for (const Observation& observation : state.observations) {
+      if (observation.landmark_id >= 0) associated.push_back(&observation);
+    }
+    problem_->AddSegments(associated, 0.0);
+  }
+
+  // The inverse of the free unknowns' part; zero elsewhere.
+  static Eigen::MatrixXd InverseOf(const NormalEquations& equations) {
+    std::vector<int> rows;
+    for (int i = 0; i < equations.size(); ++i) {
+      if (equations.hessian(i, i) > 0.0) rows.push_back(i);
+    }
+    const Eigen::MatrixXd free = equations.hessian(rows, rows).inverse();
+    Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+    inverse(rows, rows) = free;
+    return inverse;
+  }
+  // The position's covariance from that of all unknowns: it is linear in the control points,
+  // p = sum b_j p_j.
+  Eigen::Matrix3d PositionAt(int64_t time_ns,
+                             const NormalEquations& equations,
+                             const Eigen::MatrixXd& covariance) const {
+    const Trajectory::Location at = result_->state.trajectory.Locate(time_ns);
+    const std::array<double, 4> basis = SplineBasis(at.u);
+    const auto row_of = [&](int control_point) {
+      for (size_t b = 0; b < equations.blocks.size(); ++b) {
+        if (equations.blocks[b] == PositionBlock(control_point)) return equations.offsets[b];
+      }
+      return -1;
+    };
+    Eigen::Matrix3d position = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        position += basis[static_cast<size_t>(i)] * basis[static_cast<size_t>(j)] *
+                    covariance.block<3, 3>(row_of(at.first + i), row_of(at.first + j));
+      }
+    }
+    return position;
+  }
+
+  // What the blocks hold, one after the other.
+  std::vector<double> Values() const {
+    std::vector<double> values;
+    for (const BlockId& block : problem_->Blocks()) {
+      const double* data = problem_->Data(block);
+      values.insert(values.end(), data, data + problem_->AmbientSize(block));
+    }
+    return values;
+  }
+  // Moves control points and planes by some millimetres, the same way every time.
+  void MoveAway(const std::vector<double>& solution) {
+    size_t next = 0;
+    for (const BlockId& block : problem_->Blocks()) {
+      double* data = problem_->Data(block);
+      for (int i = 0; i < problem_->AmbientSize(block); ++i, ++next) data[i] = solution[next];
+      if (block.kind == BlockId::Kind::kPosition) data[0] += 0.003 * (block.index % 3 - 1);
+      if (block.kind == BlockId::Kind::kLandmark) {
+        data[problem_->AmbientSize(block) - 1] += 0.002 * (block.index % 3 - 1);
+      }
+    }
+  }
+
+  static double LargestDifference(const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0.0;
+    for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    return largest;
+  }
+
+  Rig rig_;
+  MapperOptions options_;
+  std::unique_ptr<MapResult> result_;
+  std::unique_ptr<EstimationProblem> problem_;
+};
+
+// The window's way to a solution, and the batch's.
+TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
+  std::vector<ScenarioScanner> horizontal = TiltedRig();
+  for (ScenarioScanner& scanner : horizontal) scanner.rotation_deg = "0, 0, 20";
+  for (const auto& scanners : {TiltedRig(), horizontal}) {
+    MapScenario(scanners);
+    const std::vector<double> mapped = Values();
+    MoveAway(mapped);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.initial_trust_region_radius = 1e12;
+    options.function_tolerance = 1e-14;
+    options.logging_type = ceres::SILENT;
+    problem_->Solve(options);
+    const std::vector<double> by_ceres = Values();
+    MoveAway(mapped);
+    const NormalEquations equations = problem_->SolveNormalEquations(50, 1e-14);
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
+    EXPECT_LT((equations.hessian - problem_->Linearise().hessian).norm(),
+              1e-6 * equations.hessian.norm());
+    MoveAway(mapped);
+    EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
+    const EstimationProblem::Solution solution = problem_->SolveArrow(50, {1e-14, 0.0});
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
+    EXPECT_NEAR(solution.equations.cost, equations.cost, 1e-9 * equations.cost);
+    const BlockLayout layout = problem_->Layout();
+    EXPECT_EQ(solution.num_unknowns,
+              std::count(layout.is_free.begin(), layout.is_free.end(), true));
+  }
+}
+
+// So far that groups are linearised anew, so near that the model tells the cost.
+TEST_F(CovarianceTest, EndsWhereAnotherStepWouldFindLittle) {
+  MapScenario(TiltedRig());
+  const double least = problem_->Linearise().cost;
+  const std::vector<double> mapped = Values();
+  const auto num_steps = [&](const EstimationProblem::Tolerance& tolerance) {
+    MoveAway(mapped);
+    for (const BlockId& block : problem_->Blocks()) {
+      if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.05;
+    }
+    int num = 0;
+    problem_->SolveArrow(50, tolerance, [&](const ArrowFactor&) { ++num; });
+    return num;
+  };
+  EXPECT_GE(num_steps({}), 2);
+  EXPECT_EQ(num_steps({0.0, 0.01}), 1);
+  EXPECT_LT(problem_->Linearise().cost, least + 0.01);
+  EXPECT_EQ(num_steps({1e-4, 0.0}), 1);
+}
+
+// Verified or not: in both cases towards the solution.
+TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
+  MapScenario(TiltedRig());
+  const std::vector<double> mapped = Values();
+  const double least = problem_->Linearise().cost;
+  MoveAway(mapped);
+  const double moved_away = problem_->Linearise().cost;
+  problem_->SolveArrow(1, {});
+  const std::vector<double> first_step = Values();
+  MoveAway(mapped);
+  problem_->TakeArrowStep();
+  // Groups that were near enough have kept their linearisations.
+  EXPECT_LT(LargestDifference(Values(), first_step), 1e-4);
+  EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (moved_away - least));
+
+  // So far that the steps are verified.
+  MoveAway(mapped);
+  for (const BlockId& block : problem_->Blocks()) {
+    if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.2;
+  }
+  const double raised = problem_->Linearise().cost;
+  problem_->TakeArrowStep();
+  EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (raised - least));
+}
+
+TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
+  MapScenario(TiltedRig());
+  const MapCovariance covariance = MapCovariance::Of(*problem_);
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  ceres::Covariance oracle(options);
+  std::vector<std::pair<const double*, const double*>> pairs;
+  std::vector<const double*> blocks;
+  for (const int id : covariance.landmark_ids()) {
+    blocks.push_back(problem_->Data(LandmarkBlock(id)));
+  }
+  for (const double* a : blocks) {
+    for (const double* b : blocks) pairs.emplace_back(a, b);
+  }
+  ASSERT_TRUE(oracle.Compute(pairs, problem_->ceres_problem()));
+  ASSERT_GE(blocks.size(), 6u);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    for (size_t j = 0; j < blocks.size(); ++j) {
+      const int rows = covariance.offsets()[i + 1] - covariance.offsets()[i];
+      const int cols = covariance.offsets()[j + 1] - covariance.offsets()[j];
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> expected(rows,
+                                                                                      cols);
+      ASSERT_TRUE(oracle.GetCovarianceBlock(blocks[i], blocks[j], expected.data()));
+      const Eigen::MatrixXd found = covariance.landmarks().block(
+          covariance.offsets()[i], covariance.offsets()[j], rows, cols);
+      EXPECT_LT((found - expected).norm(), 1e-5 * expected.norm() + 1e-14)
+          << i << " " << j << "\n"
+          << found << "\n"
+          << expected;
+    }
+  }
+}
+
+// Against the dense inverse, whose rows are known; planar rigs have four rows a control point.
+TEST_F(CovarianceTest, PosesAgreeWithTheDenseInverse) {
+  std::vector<ScenarioScanner> horizontal = TiltedRig();
+  for (ScenarioScanner& scanner : horizontal) scanner.rotation_deg = "0, 0, 20";
+  for (const auto& scanners : {TiltedRig(), horizontal}) {
+    MapScenario(scanners);
+    const NormalEquations equations = problem_->Linearise();
+    const MapCovariance covariance = MapCovariance::Of(*problem_);
+    const Trajectory& trajectory = result_->state.trajectory;
+    const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
+    const Matrix6d found = covariance.PoseAt(trajectory, time_ns);
+    const Eigen::Matrix3d expected = PositionAt(time_ns, equations, InverseOf(equations));
+    EXPECT_LT((found.bottomRightCorner<3, 3>() - expected).norm(), 1e-4 * expected.norm());
+    EXPECT_EQ(result_->planar, found(0, 0) == 0.0);
+    EXPECT_GT(found(2, 2), 0.0);
+  }
+}
+
+TEST_F(CovarianceTest, FindsTheSmallestEigenvalue) {
+  MapScenario(TiltedRig());
+  const NormalEquations equations = problem_->Linearise();
+  std::vector<int> rows;
+  for (int i = 0; i < equations.size(); ++i) {
+    if (equations.hessian(i, i) > 0.0) rows.push_back(i);
+  }
+  Eigen::MatrixXd scaled = equations.hessian(rows, rows);
+  const Eigen::VectorXd scale = scaled.diagonal().cwiseSqrt().cwiseInverse();
+  scaled = scale.asDiagonal() * scaled * scale.asDiagonal();
+  const Eigen::VectorXd expected =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
+  const MapCovariance covariance = MapCovariance::Of(*problem_);
+  const std::vector<WeakDirection>& weak = covariance.weak_directions();
+  ASSERT_EQ(weak.size(), 3u);
+  EXPECT_NEAR(weak[0].eigenvalue / expected[0], 1.0, 1e-3);
+  EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
+}
+
+// A motion of rho times the variance assumed gives errors with the covariance C - C D C.
+TEST_F(CovarianceTest, IsForTheMotionFound) {
+  MapScenario(TiltedRig());
+  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
+  const NormalEquations equations = problem_->Linearise();
+  const Eigen::MatrixXd covariance = InverseOf(equations);
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+  for (const bool of_rotations : {true, false}) {
+    problem_->ForEachMotionPrior(of_rotations,
+                                 problem_->Layout(),
+                                 [&](const std::vector<int>& columns,
+                                     const Eigen::MatrixXd& jacobian,
+                                     const Eigen::VectorXd&) {
+                                   prior(columns, columns) += jacobian.transpose() * jacobian;
+                                 });
+  }
+  const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
+  const double given = PositionAt(time_ns, equations, covariance)(2, 2);
+  for (const double rho : {0.99, 1.01, 0.01}) {
+    const double ratio = std::sqrt(rho);
+    const MotionNoise found = {ratio * assumed.horizontal_m_s2,
+                               ratio * assumed.vertical_m_s2,
+                               ratio * assumed.angular_rad_s2};
+    ArrowEquations corrected = problem_->LineariseArrow(problem_->Layout());
+    CorrectForMotion(assumed, found, *problem_, &corrected);
+    const double stated = MapCovariance::Of(*problem_, std::move(corrected))
+                              .PoseAt(result_->state.trajectory, time_ns)(5, 5);
+    const Eigen::MatrixXd exact = covariance - (1.0 - rho) * covariance * prior * covariance;
+    const double expected = PositionAt(time_ns, equations, exact)(2, 2);
+    if (rho > 0.9) {  // to first order
+      EXPECT_NEAR((stated - given) / (expected - given), 1.0, 0.02) << rho;
+    } else {
+      EXPECT_LT(stated, 0.99 * given);
+      EXPECT_GT(stated, expected) << "on the safe side";
+    }
+  }
+}
+
+TEST_F(CovarianceTest, AFewCombinationsTellTheNoiseOfTheMotion) {
+  MapScenario(TiltedRig(), 6.0);
+  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
+  const MotionNoise found = ReestimateMotionNoise(
+      assumed, *problem_, ArrowFactor(problem_->LineariseArrow(problem_->Layout()).hessian));
+  const Eigen::MatrixXd covariance = InverseOf(problem_->Linearise());
+  double squares = 0.0, determined = 0.0;  // of the height
+  problem_->ForEachMotionPrior(false,
+                               problem_->Layout(),
+                               [&](const std::vector<int>& columns,
+                                   const Eigen::MatrixXd& jacobian,
+                                   const Eigen::VectorXd& residuals) {
+                                 const Eigen::RowVectorXd row = jacobian.row(2);
+                                 squares += residuals[2] * residuals[2];
+                                 determined +=
+                                     1.0 - row.dot(row * covariance(columns, columns));
+                               });
+  ASSERT_GT(determined, 12.0);
+  EXPECT_NEAR(found.vertical_m_s2 / assumed.vertical_m_s2 / std::sqrt(squares / determined),
+              1.0,
+              0.15);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include "core/mapping/batch.h"
+#include "core/mapping/mapper.h"
+#include "core/result/result_reader.h"
+#include "core/result/result_writer.h"
+#include "core/util/error.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+using MappingEstimateTest = MappingTest;
+
+Scenario Base() {
+  Scenario scenario;
+  scenario.building = PillarRoom();
+  scenario.scanners = TiltedRig();
+  scenario.path = PillarWalk(3.0, 1.0);
+  return scenario;
+}
+
+TEST(Batch, ExpectsAssociationsToSettleAtTheRateTheyDo) {
+  EXPECT_EQ(ChangesToCome(100, 0), 100.0) << "no round before";
+  EXPECT_EQ(ChangesToCome(100, 1000), 10.0);
+  EXPECT_EQ(ChangesToCome(100, 50), 100.0) << "they become more";
+  EXPECT_EQ(ChangesToCome(0, 0), 0.0);
+}
+
+const char* const kFiles[] = {
+    "trajectory.tum", "planes.json", "planes.ply", "map.ply", "map.pcd"};
+
+TEST_F(MappingEstimateTest, ThreadsDoNotChangeAByte) {
+  WriteRecording(Simulate(Base()));
+  Map("", 1);
+  std::filesystem::rename(Path("result"), Path("one_thread"));
+  Map("", 2);
+  std::filesystem::rename(Path("result"), Path("two_threads"));
+  Map("", 2);
+  for (const char* file : kFiles) {
+    const std::string bytes = ReadBytes(directory_ / "one_thread" / file);
+    EXPECT_FALSE(bytes.empty()) << file;
+    EXPECT_TRUE(bytes == ReadBytes(directory_ / "two_threads" / file)) << file;
+    EXPECT_TRUE(bytes == ReadBytes(directory_ / "result" / file)) << file;
+  }
+}
+
+// A segment's matrix keeps all that its beams say: a hundredth of a standard deviation is what
+// it may leave out in each of a few thousand segments (CompressSegment), and where the two
+// estimations stop.
+TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
+  WriteRecording(Simulate(Base()));
+  Map("batch: {factor: segment}\n");
+  const std::vector<StampedPose> poses = ReadTrajectory(Path("result/trajectory.tum"));
+  const std::vector<PlanePatch> planes = ReadPlanes(Path("result/planes.json"));
+  const double variance_factor = summary_.variance_factor;
+  Map("batch: {factor: point}\n");
+  const std::vector<StampedPose> point_poses = ReadTrajectory(Path("result/trajectory.tum"));
+  const std::vector<PlanePatch> point_planes = ReadPlanes(Path("result/planes.json"));
+  EXPECT_NEAR(summary_.variance_factor, variance_factor, 1e-3);
+  ASSERT_EQ(point_planes.size(), planes.size());
+  double smallest_sigma_m = 1.0;
+  for (size_t i = 0; i < planes.size(); ++i) {
+    const double sigma_m = planes[i].sigma_distance_m;
+    ASSERT_GT(sigma_m, 0.0);
+    smallest_sigma_m = std::min(smallest_sigma_m, sigma_m);
+    EXPECT_NEAR(point_planes[i].SignedDistance(planes[i].centre),
+                0.0,
+                0.05 * planes[i].sigma_distance_m);
+    EXPECT_NEAR(point_planes[i].sigma_distance_m, sigma_m, 0.02 * sigma_m);
+    EXPECT_LE(std::asin(point_planes[i].normal.cross(planes[i].normal).norm()),
+              0.05 * planes[i].sigma_angle_rad + 1e-12);
+  }
+  ASSERT_EQ(point_poses.size(), poses.size());
+  for (size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_LT(
+        (point_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
+            .norm(),
+        0.1 * smallest_sigma_m);
+  }
+}
+
+// Errors over stated standard deviations, of all planes of several seeds: mean square 1. The
+// planes of one map are correlated, so that the n of the statistics is the number of maps,
+// each with a few independent planes; 5 sigma of a mean square with 5 degrees per map.
+TEST_F(MappingEstimateTest, StatesItsPrecision) {
+  constexpr int kNumMaps = 5;
+  double sum_squares = 0.0;
+  int num_planes = 0;
+  double sum_variance_factors = 0.0;
+  for (uint64_t seed = 1; seed <= kNumMaps; ++seed) {
+    const Evaluation evaluation = Run(Base(), seed);
+    ASSERT_EQ(evaluation.planes.num_wrong + evaluation.planes.num_missed, 0);
+    for (const PlaneMatch& match : evaluation.planes.list) {
+      sum_squares += std::pow(match.distance_m / match.sigma_distance_m, 2);
+      ++num_planes;
+    }
+    sum_variance_factors += summary_.variance_factor;
+  }
+  const double mean_square = sum_squares / num_planes;
+  const double stddev = std::sqrt(2.0 / (5.0 * kNumMaps));
+  EXPECT_LT(mean_square, 1.0 + 5.0 * stddev);
+  EXPECT_GT(mean_square, std::max(0.1, 1.0 - 5.0 * stddev));
+  // 20,000 ranges each: the sum of squares has a standard deviation of 1 %; the beams that
+  // are left out at doubtful ends take another 1 % from it.
+  EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 0.05);
+}
+
+TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
+  Scenario scenario = Base();
+  Run(scenario);
+  EXPECT_FALSE(std::filesystem::exists(Path("result/window_trajectory.tum")));
+  scenario.config = "window: {keep_statements: true}\n";
+  Run(scenario);
+  const auto batch = ReadTrajectory(Path("result/trajectory.tum"));
+  const auto window = ReadTrajectory(Path("result/window_trajectory.tum"));
+  ASSERT_GT(window.size(), 10u);
+  EXPECT_LT(window.size(), batch.size()) << "one for each solution";
+  const StampedPose& last = window.back();
+  const StampedPose& final_pose = batch.back();
+  EXPECT_LT((last.world_from_body.translation - final_pose.world_from_body.translation).norm(),
+            0.3)
+      << "the same place, but for the motion within a knot interval";
+  std::ifstream file(Path("result/window_trajectory_covariance.csv"));
+  size_t num_lines = 0;
+  for (std::string line; std::getline(file, line);) ++num_lines;
+  EXPECT_EQ(num_lines, window.size() + 1);
+  const auto planes = ReadPlanes(Path("result/window_planes.json"));
+  EXPECT_GE(planes.size(), 3u);
+}
+
+// Without noise, what is wrong with the window's planes is mostly beams of their neighbours.
+TEST_F(MappingEstimateTest, WindowsPlanesKeepToTheirOwnBeams) {
+  Scenario scenario = Base();
+  scenario.more = "noise: {scale: 0}\n";
+  const SimulatedRecording recording = Simulate(scenario);
+  WriteRecording(recording);
+  const auto sum_of_squares = [&](const std::string& recut) {
+    Map("window: {keep_statements: true, recut_segments: " + recut + "}\n");
+    std::filesystem::rename(Path("result/window_planes.json"), Path("result/planes.json"));
+    double sum = 0.0;
+    for (const PlaneMatch& match : EvaluateResult(recording).planes.list) {
+      sum += std::pow(match.distance_m / match.sigma_distance_m, 2);
+    }
+    return sum;
+  };
+  EXPECT_LT(sum_of_squares("true"), 0.5 * sum_of_squares("false"));
+}
+
+TEST(VarianceFactorTest, SmallIsSilentLargeWarnsAstrayIsAnError) {
+  EXPECT_FALSE(JudgeVarianceFactor(1.0));
+  EXPECT_FALSE(JudgeVarianceFactor(2.9));
+  const std::optional<std::string> warning = JudgeVarianceFactor(4.0);
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("2.0 times as far"), std::string::npos) << *warning;
+  try {
+    JudgeVarianceFactor(178.0);
+    FAIL() << "not judged astray";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("13.3 times as far"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

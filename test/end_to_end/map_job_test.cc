@@ -1,0 +1,115 @@
+#include "core/mapping/map_job.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/options/config.h"
+#include "core/result/result_reader.h"
+#include "core/result/result_writer.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+class MapJobTest : public MappingTest {
+ protected:
+  Scenario Base() const {
+    Scenario scenario;
+    scenario.building = TrapezoidRoom();
+    scenario.scanners = TiltedRig();
+    scenario.path = TrapezoidWalk(2.0, 1.0);
+    return scenario;
+  }
+};
+
+TEST_F(MapJobTest, ProgressGoesFromNothingToAllAndNeverBack) {
+  WriteRecording(Simulate(Base()));
+  std::vector<double> shares;
+  RunMapJob(Job("", 2), [&](double share_done) { shares.push_back(share_done); });
+  ASSERT_FALSE(shares.empty());
+  EXPECT_LT(shares.front(), 0.05);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
+}
+
+TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {
+  const SimulatedRecording recording = Simulate(Base());
+  WriteRecording(recording);
+  const Summary summary = Map();
+  int64_t num_points = 0;
+  for (const ScanLine& scan_line : recording.scan_lines) {
+    const Scanner& scanner =
+        recording.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    for (const float range : scan_line.ranges)
+      num_points += scanner.IsValidRange(range) ? 1 : 0;
+  }
+  EXPECT_EQ(summary.points, num_points);
+  EXPECT_LE(summary.points_used, summary.points);
+  const std::vector<PlanePatch> planes = ReadPlanes(Path("result/planes.json"));
+  EXPECT_EQ(summary.planes, static_cast<int>(planes.size()));
+  int64_t plane_points = 0;
+  int plane_segments = 0;
+  bool has_reference = false;
+  for (const PlanePatch& plane : planes) {
+    plane_points += plane.num_points;
+    plane_segments += plane.num_segments;
+    EXPECT_NEAR(plane.SignedDistance(plane.centre), 0.0, 1e-6);
+    EXPECT_GE(plane.outline.size(), 3u);
+    EXPECT_LT(plane.first_time_ns, plane.last_time_ns);
+    if (plane.id != summary.reference_plane_id) continue;
+    has_reference = true;
+    EXPECT_LT((plane.normal - Eigen::Vector3d::UnitX()).norm(), 1e-9);
+  }
+  EXPECT_TRUE(has_reference);
+  EXPECT_EQ(summary.points_used, plane_points);
+  EXPECT_EQ(summary.segments, plane_segments);
+  const std::vector<StampedPose> poses = ReadTrajectory(Path("result/trajectory.tum"));
+  EXPECT_EQ(summary.scans, static_cast<int>(poses.size()));
+  EXPECT_EQ(poses.size(), recording.scan_lines.size() / 3);
+  EXPECT_LT(poses.front().world_from_body.translation.norm(), 1e-6) << "the origin";
+  EXPECT_EQ(summary.motion, "spatial");
+  EXPECT_TRUE(summary.warnings.empty());
+  // The range noise, times the cosine of the incidence angles.
+  EXPECT_LT(summary.residual_rms_m, 0.02);
+  EXPECT_GT(summary.residual_rms_m, 0.5 * 0.02);
+  const nlohmann::json json =
+      nlohmann::json::parse(std::ifstream(Path("result/summary.json")));
+  EXPECT_EQ(json.at("points").get<int64_t>(), num_points);
+  EXPECT_EQ(json.at("motion"), "spatial");
+}
+
+TEST_F(MapJobTest, ConfigUsedGivesTheSameResultAgain) {
+  WriteRecording(Simulate(Base()));
+  Map("window: {num_scans: 12}\nplanes: {min_scans: 3}\n");
+  const std::string config = ReadBytes(Path("result/config_used.yaml"));
+  EXPECT_EQ(ReadMapperOptions(Path("result/config_used.yaml")).window.num_scans, 12);
+  const std::string trajectory = ReadBytes(Path("result/trajectory.tum"));
+  Map(config);
+  EXPECT_EQ(ReadBytes(Path("result/config_used.yaml")), config);
+  EXPECT_TRUE(ReadBytes(Path("result/trajectory.tum")) == trajectory);
+}
+
+TEST_F(MapJobTest, LeavesNothingButTheResult) {
+  WriteRecording(Simulate(Base()));
+  Map();
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(Path("result"))) {
+    files.insert(entry.path().filename().string());
+  }
+  EXPECT_EQ(files,
+            (std::set<std::string>{"config_used.yaml",
+                                   "map.pcd",
+                                   "map.ply",
+                                   "plane_covariance.csv",
+                                   "planes.json",
+                                   "planes.ply",
+                                   "summary.json",
+                                   "trajectory.tum",
+                                   "trajectory_covariance.csv"}));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <string>
+
+#include "core/mapping/mapper.h"
+#include "core/sensor/recording.h"
+#include "core/util/time.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+// A rig that swings: the height's acceleration is a sine of 1.9 m/s^2.
+class MotionNoiseTest : public MappingTest {
+ protected:
+  void SimulateSwing(uint64_t seed) {
+    Scenario scenario;
+    scenario.building = PillarRoom();
+    scenario.scanners = TiltedRig();
+    for (ScenarioScanner& scanner : scenario.scanners) scanner.scan_rate_hz = 40.0;
+    scenario.path = PillarWalk(7.0, 1.0);
+    scenario.more =
+        "motion:\n"
+        "  roll: {amplitude_deg: 3.0, frequency_hz: 0.9}\n"
+        "  height: {amplitude_m: 0.03, frequency_hz: 1.27}\n";
+    recording_ = Simulate(scenario, seed);
+    WriteRecording(recording_);
+  }
+
+  // Mean over all poses of the height's squared error over its stated variance.
+  double NeesOfHeight(const MapperOptions& options) {
+    RecordingReader reader(Path("recording.bag"), recording_.rig);
+    const MapResult result = MapRecording(
+        recording_.rig, options, [](double) {}, &reader);
+    std::map<int64_t, double> true_height;
+    for (const StampedPose& pose : recording_.truth_trajectory) {
+      true_height[pose.time_ns] = pose.world_from_body.translation.z();
+    }
+    const auto at = [&](int64_t time_ns) {
+      const auto after = true_height.lower_bound(time_ns);
+      if (after == true_height.begin()) return after->second;
+      const auto before = std::prev(after);
+      if (after == true_height.end()) return before->second;
+      return before->second + (after->second - before->second) *
+                                  SecondsBetween(before->first, time_ns) /
+                                  SecondsBetween(before->first, after->first);
+    };
+    const double origin = at(result.state.origin_time_ns);
+    double sum = 0.0;
+    int count = 0;
+    for (const int64_t time_ns : result.scan_times_ns) {
+      const double variance =
+          result.batch.covariance.PoseAt(result.state.trajectory, time_ns)(5, 5);
+      if (variance < 1e-8) continue;  // the origin itself
+      const double height = result.state.trajectory.WorldFromBody(time_ns).translation.z();
+      sum += std::pow(height - (at(time_ns) - origin), 2) / variance;
+      ++count;
+    }
+    return sum / count;
+  }
+
+  SimulatedRecording recording_;
+};
+
+TEST_F(MotionNoiseTest, IsThatOfTheTrueMotion) {
+  SimulateSwing(1);
+  // True accelerations from second differences over 50 ms.
+  constexpr size_t kStep = 10;
+  const auto& truth = recording_.truth_trajectory;
+  const double interval_s = SecondsBetween(truth[0].time_ns, truth[kStep].time_ns);
+  double horizontal = 0.0, vertical = 0.0;
+  int count = 0;
+  for (size_t i = kStep; i + kStep < truth.size(); ++i, ++count) {
+    const Eigen::Vector3d acceleration = (truth[i - kStep].world_from_body.translation -
+                                          2.0 * truth[i].world_from_body.translation +
+                                          truth[i + kStep].world_from_body.translation) /
+                                         (interval_s * interval_s);
+    horizontal += acceleration.head<2>().squaredNorm() / 2.0;
+    vertical += acceleration.z() * acceleration.z();
+  }
+  Map("batch: {estimate_motion_noise: true}\n");
+  std::map<std::string, double> found(summary_.motion_noise.begin(),
+                                      summary_.motion_noise.end());
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_NEAR(found["horizontal_m_s2"] / std::sqrt(horizontal / count), 1.0, 0.15);
+  EXPECT_NEAR(found["vertical_m_s2"] / std::sqrt(vertical / count), 1.0, 0.15);
+  Map();
+  found = {summary_.motion_noise.begin(), summary_.motion_noise.end()};
+  EXPECT_DOUBLE_EQ(found["horizontal_m_s2"], 3.0);
+  EXPECT_DOUBLE_EQ(found["vertical_m_s2"], 3.0);
+  EXPECT_NEAR(found["angular_deg_s2"], 600.0, 1e-9);
+}
+
+// A prior that is far too narrow for the motion smooths it, and states that this were right.
+TEST_F(MotionNoiseTest, MakesHonestWhatANarrowPriorStates) {
+  SimulateSwing(2);
+  MapperOptions options;
+  options.trajectory.acceleration_stddev_m_s2 = 0.2;
+  const double given = NeesOfHeight(options);
+  options.batch.estimate_motion_noise = true;
+  const double estimated = NeesOfHeight(options);
+  EXPECT_GT(given, 3.0);
+  EXPECT_LT(estimated, 2.0);
+}
+
+}  // namespace
+}  // namespace plumbline

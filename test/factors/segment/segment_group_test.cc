@@ -1,0 +1,232 @@
+#include <ceres/cost_function.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <vector>
+
+#include "factors/segment/linearised_group.h"
+#include "factors/segment/segment_measurement.h"
+#include "factors/spline/spline.h"
+#include "test/testing/factor_testing.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumControlPoints = 5;
+
+// Three planes, a rig of two scanners and segments with arbitrary roots on them.
+struct Scene {
+  std::vector<SegmentGroup::Scanner> scanners;
+  std::vector<SegmentGroup::Plane> planes = {{PlaneModel::kHorizontal, -1.0},
+                                             {PlaneModel::kVertical, 1.0},
+                                             {PlaneModel::kGeneral, 1.0}};
+  std::vector<Eigen::VectorXd> plane_parameters;
+  std::deque<StoredMeasurement> measurements;
+  std::vector<SegmentGroup::Segment> segments;
+  TestBlocks blocks;
+
+  explicit Scene(int num_segments) {
+    TestRandom random(11);
+    blocks.AddSpline(kNumControlPoints, 0.2, &random);
+    for (int i = 0; i < 2; ++i) {
+      scanners.push_back({random.Rotation(1.0).toRotationMatrix(), random.Vector(0.3)});
+    }
+    plane_parameters = {Eigen::VectorXd::Constant(1, 2.0), Eigen::Vector2d(0.4, -3.0)};
+    Eigen::Vector4d general;
+    general << random.Vector(1.0).normalized(), 1.5;
+    plane_parameters.push_back(general);
+    for (size_t i = 0; i < planes.size(); ++i) {
+      blocks.AddPlane(planes[i].model, plane_parameters[i]);
+    }
+    for (int i = 0; i < num_segments; ++i) {
+      SegmentMeasurement measurement;
+      measurement.num_nodes = i % 4 == 0 ? 1 : 3;
+      if (measurement.num_nodes == 3) measurement.node_times_ns = {0, 1, 2};
+      measurement.rows.setZero(2 + i % 6, 10);
+      for (double& value : measurement.rows.leftCols(3 * measurement.num_nodes).reshaped()) {
+        value = random.Uniform(-1.0, 1.0);
+      }
+      for (double& value : measurement.rows.col(9)) value = random.Uniform(-1.0, 1.0);
+      SegmentGroup::Segment segment;
+      const Eigen::Vector2d origin(random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0));
+      const Eigen::Vector2d tangent = random.Vector(1.0).head<2>().normalized();
+      const SegmentFrame frame = {origin.cast<float>(), tangent.cast<float>()};
+      segment.measurement = &measurements.emplace_back(measurement, frame);
+      const double u = random.Uniform(0.0, 0.8);
+      segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
+      segment.scanner = i % 2;
+      segment.plane = i % 3;
+      // A group keeps them in single precision.
+      segment.weights = {static_cast<float>(random.Uniform(0.5, 2.0)),
+                         static_cast<float>(random.Uniform(0.5, 1.0))};
+      segments.push_back(segment);
+    }
+  }
+
+  SegmentGroup Group(double huber_width) const {
+    return SegmentGroup(kNumControlPoints, scanners, planes, segments, huber_width);
+  }
+};
+
+// The segments one by one through their own factors, in the group's tangent space.
+struct Expected {
+  double cost = 0.0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd hessian;
+};
+
+Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
+  const Eigen::Index size = scene.blocks.size() == 0 ? 0 : 6 * kNumControlPoints + 1 + 2 + 3;
+  Expected expected;
+  expected.gradient.setZero(size);
+  expected.hessian.setZero(size, size);
+  const int plane_at[] = {
+      6 * kNumControlPoints, 6 * kNumControlPoints + 1, 6 * kNumControlPoints + 3};
+  const int plane_size[] = {1, 2, 3};  // tangents
+  for (const SegmentGroup::Segment& segment : scene.segments) {
+    TestBlocks blocks;
+    TestRandom random(11);
+    blocks.AddSpline(kNumControlPoints, 0.2, &random);
+    const SegmentGroup::Scanner& scanner =
+        scene.scanners[static_cast<size_t>(segment.scanner)];
+    blocks.AddRotation(Eigen::Quaterniond(scanner.body_from_scanner_rotation));
+    blocks.AddEuclidean(scanner.body_from_scanner_translation);
+    const auto plane = static_cast<size_t>(segment.plane);
+    blocks.AddPlane(scene.planes[plane].model, scene.plane_parameters[plane]);
+    const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),
+                                            segment.nodes,
+                                            kNumControlPoints,
+                                            scene.planes[plane].model,
+                                            scene.planes[plane].sign,
+                                            segment.weights);
+    const Eigen::VectorXd residuals = blocks.Residuals(*factor);
+    const Eigen::MatrixXd all = blocks.TangentJacobian(*factor);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residuals.size(), size);
+    const int poses = 6 * kNumControlPoints;
+    jacobian.leftCols(poses) = all.leftCols(poses);
+    jacobian.middleCols(plane_at[plane], plane_size[plane]) = all.rightCols(plane_size[plane]);
+    const double norm = residuals.norm();
+    const bool outlier = huber_width > 0.0 && norm > huber_width;
+    const double weight = outlier ? huber_width / norm : 1.0;
+    expected.cost +=
+        outlier ? huber_width * (norm - 0.5 * huber_width) : 0.5 * residuals.squaredNorm();
+    expected.gradient += weight * jacobian.transpose() * residuals;
+    expected.hessian += weight * jacobian.transpose() * jacobian;
+  }
+  return expected;
+}
+
+// The group's rows in the order of the parameter blocks: rotations, positions, planes.
+std::vector<int> RowsByBlock(int size) {
+  std::vector<int> rows;
+  for (const int first : {0, 3}) {
+    for (int row = 0; row < 6 * kNumControlPoints; ++row) {
+      if (row % 6 / 3 * 3 == first) rows.push_back(row);
+    }
+  }
+  for (int row = 6 * kNumControlPoints; row < size; ++row) rows.push_back(row);
+  return rows;
+}
+
+Eigen::MatrixXd HessianByBlock(const Eigen::MatrixXd& lower, const std::vector<int>& rows) {
+  const Eigen::MatrixXd full = lower.selfadjointView<Eigen::Lower>();
+  return full(rows, rows);
+}
+
+// Few segments leave directions free, many do not.
+TEST(SegmentGroup, FactorEqualsItsSegments) {
+  for (const int num_segments : {3, 60}) {
+    for (const double huber_width : {0.0, 3.0}) {
+      const Scene scene(num_segments);
+      const Expected expected = SumOfSegmentFactors(scene, huber_width);
+      const auto factor = CreateSegmentGroupFactor(
+          std::make_shared<LinearisedGroup>(scene.Group(huber_width)));
+      const Eigen::VectorXd residuals = scene.blocks.Residuals(*factor);
+      const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor);
+      EXPECT_NEAR(0.5 * residuals.squaredNorm(), expected.cost, 1e-10 * expected.cost);
+      EXPECT_LT((jacobian.transpose() * residuals - expected.gradient).norm(),
+                1e-8 * expected.gradient.norm());
+      EXPECT_LT((jacobian.transpose() * jacobian - expected.hessian).norm(),
+                1e-10 * expected.hessian.norm());
+    }
+  }
+}
+
+TEST(SegmentGroup, WithPlanesHeldThePosesRowsAreLeft) {
+  const Scene scene(60);
+  const Expected expected = SumOfSegmentFactors(scene, 3.0);
+  const std::vector<const double*> parameters = scene.blocks.pointers();
+  SegmentGroup::Quadratic quadratic;
+  scene.Group(3.0).LinearisePoses(parameters.data(), &quadratic);
+  const Eigen::Index size = 6 * kNumControlPoints;
+  EXPECT_NEAR(quadratic.cost, expected.cost, 1e-10 * expected.cost);
+  ASSERT_EQ(quadratic.gradient.size(), size);
+  const std::vector<int> rows = RowsByBlock(static_cast<int>(size));
+  EXPECT_LT((quadratic.gradient(rows) - expected.gradient.head(size)).norm(),
+            1e-8 * expected.gradient.norm());
+  EXPECT_LT(
+      (HessianByBlock(quadratic.hessian, rows) - expected.hessian.topLeftCorner(size, size))
+          .norm(),
+      1e-10 * expected.hessian.norm());
+}
+
+TEST(SegmentGroup, HuberTouchesSomeSegmentsOnly) {
+  const Scene scene(60);
+  const double plain = SumOfSegmentFactors(scene, 0.0).cost;
+  const double robust = SumOfSegmentFactors(scene, 3.0).cost;
+  const double very_wide = SumOfSegmentFactors(scene, 1e6).cost;
+  EXPECT_LT(robust, 0.95 * plain);
+  EXPECT_EQ(very_wide, plain);
+}
+
+// The factor remembers its last linearisation: other parameters must not meet it.
+TEST(SegmentGroup, FollowsItsParameters) {
+  Scene scene(30);
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(0.0)));
+  const Eigen::VectorXd before = scene.blocks.Residuals(*factor);
+  scene.blocks[kNumControlPoints][0] += 0.1;
+  const Eigen::VectorXd moved = scene.blocks.Residuals(*factor);
+  EXPECT_GT((moved - before).norm(), 1e-3);
+  scene.blocks[kNumControlPoints][0] -= 0.1;
+  EXPECT_LT((scene.blocks.Residuals(*factor) - before).norm(), 1e-9);
+}
+
+// Where the linearisation still holds, and asked for the other view in between.
+TEST(SegmentGroup, ModelEqualsCeresRows) {
+  Scene scene(60);
+  const auto group = std::make_shared<LinearisedGroup>(scene.Group(3.0));
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(3.0)));
+  group->ModelAt(scene.blocks.pointers().data());
+  scene.blocks.Residuals(*factor);
+  scene.blocks[kNumControlPoints][0] += 0.005;
+  const Eigen::VectorXd residuals = scene.blocks.Residuals(*factor);
+  const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor);
+  const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
+  const LinearisedGroup::Model model = group->ModelAt(scene.blocks.pointers().data());
+  EXPECT_EQ(group->num_linearisations(), 1);
+  EXPECT_NEAR(model.cost, 0.5 * residuals.squaredNorm(), 1e-10 * model.cost);
+  const int size = 6 * kNumControlPoints + 3;  // before the plane with a manifold
+  const std::vector<int> rows = RowsByBlock(size);
+  EXPECT_LT((model.gradient(rows) - gradient.head(size)).norm(), 1e-8 * gradient.norm());
+  const Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
+  EXPECT_LT((HessianByBlock(model.hessian, rows) - hessian.topLeftCorner(size, size)).norm(),
+            1e-10 * model.hessian.norm());
+  scene.blocks.Residuals(*CreateSegmentGroupFactor(group));
+  const double cost = group->ModelAt(scene.blocks.pointers().data()).cost;
+  EXPECT_EQ(group->num_linearisations(), 3);
+  EXPECT_NEAR(cost, model.cost, 1e-4 * model.cost);
+}
+
+TEST(SegmentGroup, HasNoMoreResidualsThanUnknownsPlusOne) {
+  const Scene scene(200);
+  const auto factor =
+      CreateSegmentGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(0.0)));
+  EXPECT_EQ(factor->num_residuals(), 6 * kNumControlPoints + 1 + 2 + 4 + 1);
+}
+
+}  // namespace
+}  // namespace plumbline

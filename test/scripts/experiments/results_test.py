@@ -1,0 +1,46 @@
+#!/usr/bin/python3
+"""Tests scripts/experiments/results.py with stand-ins for the programs."""
+
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "testing"))
+# pylint: disable=wrong-import-position
+from fake_programs import ScriptTest
+
+
+class ResultsTest(ScriptTest):
+    script = "experiments/results.py"
+
+    def run_room(self, seeds):
+        return self.run_script("--case", "room", "--seeds", str(seeds))
+
+    def test_keeps_what_is_done_and_lists_what_failed(self):
+        self.set_control("fail_2")
+        result = self.run_room(3)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("| room | 2 of 3 | 1.00 to 3.00 |", result.stdout)
+        self.assertIn("failed: room, seed 2: plumbline_map: lost in 2", result.stdout)
+        names = sorted(path.name for path in (self.output / "room" / "seed_1").iterdir())
+        self.assertEqual(names, ["evaluation.json", "summary.json"])
+        self.unset_control("fail_2")
+        result = self.run_room(3)
+        self.check_done(result)
+        self.assertIn("| room | 3 of 3 | 1.00 to 3.00 |", result.stdout)
+        self.assertEqual(self.seeds(), ["1", "2", "2", "3"])
+
+    def test_a_run_without_evaluation_is_done_again(self):
+        directory = self.output / "room" / "seed_1"
+        directory.mkdir(parents=True)
+        (directory / "summary.json").write_text("{}")
+        self.check_done(self.run_room(1))
+        self.assertTrue((directory / "evaluation.json").exists())
+
+    def test_missing_programs(self):
+        (self.binaries / "plumbline_map").unlink()
+        self.check_error("no plumbline_map")
+
+
+if __name__ == "__main__":
+    unittest.main()

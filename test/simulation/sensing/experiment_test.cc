@@ -1,0 +1,132 @@
+#include "simulation/sensing/experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/sensor/rig.h"
+#include "core/util/time.h"
+#include "simulation/sensing/simulator.h"
+#include "test/testing/test_files.h"
+
+namespace plumbline {
+namespace {
+
+const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+
+std::vector<std::string> FilesIn(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(kConfigs + "/" + folder)) {
+    files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(Experiment, EveryShippedRigLoads) {
+  for (const std::string& file : FilesIn("rigs")) EXPECT_FALSE(ReadRig(file).scanners.empty());
+}
+
+TEST(Experiment, EveryShippedBuildingLoads) {
+  for (const std::string& file : FilesIn("buildings")) {
+    EXPECT_GE(ReadBuilding(file).faces.size(), 6u) << file;
+  }
+}
+
+// Also checks that the paths keep clear of the walls.
+TEST(Experiment, EveryShippedExperimentLoads) {
+  EXPECT_GE(FilesIn("experiments").size(), 6u);
+  for (const std::string& file : FilesIn("experiments")) {
+    EXPECT_GT(Simulator(ReadExperiment(file)).num_scan_lines(), 100) << file;
+  }
+}
+
+TEST(Experiment, OfficeIsAsLongAsThePapers) {
+  const Simulator simulator(ReadExperiment(kConfigs + "/experiments/office.yaml"));
+  EXPECT_EQ(simulator.num_scan_lines(), 3 * 3635);
+  EXPECT_EQ(simulator.path().end_ns() - simulator.path().start_ns(), 90875000000);
+}
+
+class ExperimentText : public testing::Test {
+ protected:
+  // Reads the text as an experiment beside the shipped building and rig; the message without
+  // the path of the file.
+  std::string Error(const std::string& text) {
+    const std::string path = WriteTestFile("experiment.yaml", text);
+    const std::string message = ErrorOf([&] { experiment_ = ReadExperiment(path); });
+    if (message.empty()) return "";
+    EXPECT_EQ(message.rfind(path + ":", 0), 0u) << message;
+    return message.substr(std::min(path.size(), message.size()));
+  }
+
+  Experiment experiment_;
+  const std::string files_ = "building: " + kConfigs +
+                             "/buildings/room.yaml\nrig: " + kConfigs + "/rigs/paper.yaml\n";
+  const std::string path_ =
+      "path:\n  way_points: [[1, 1], [4, 1], [4, 3]]\n  corner_radius_m: 0.5\n"
+      "  body_height_m: 1.5\n";
+  const std::string all_ = files_ + path_ + "speed_m_s: 1\n";
+};
+
+TEST_F(ExperimentText, ReadsEveryKey) {
+  EXPECT_EQ(
+      Error(all_ + "motion:\n  roll: {amplitude_deg: 3, frequency_hz: 2, phase_deg: 90}\n"
+                   "  height: {amplitude_m: 0.1, frequency_hz: 1}\n"
+                   "noise: {scale: 0.5, dropout: 0.1}\nstart_time_s: 5\n"
+                   "scanner_phases_s: [0, 0.001, 0.002]\nmapper: {anything: goes}\n"),
+      "");
+  EXPECT_NEAR(experiment_.path.roll.amplitude, 3 * M_PI / 180, 1e-15);
+  EXPECT_EQ(experiment_.path.roll.frequency_hz, 2.0);
+  EXPECT_NEAR(experiment_.path.roll.phase_rad, M_PI / 2, 1e-15);
+  EXPECT_EQ(experiment_.path.height.amplitude, 0.1);
+  EXPECT_EQ(experiment_.path.pitch.amplitude, 0.0);
+  EXPECT_EQ(experiment_.noise.scale, 0.5);
+  EXPECT_EQ(experiment_.noise.dropout, 0.1);
+  EXPECT_EQ(experiment_.path.start_ns, 5000000000);
+  EXPECT_EQ(experiment_.scanner_phases_s, (std::vector<double>{0, 0.001, 0.002}));
+}
+
+TEST_F(ExperimentText, ErrorsNameFileAndLine) {
+  EXPECT_EQ(Error(all_ + "colour: red\n"), ":8: unknown key 'colour'");
+  EXPECT_EQ(Error(all_ + "noise: {scale: -1}\n"),
+            ":8: 'noise.scale' must lie between 0 and 1000, not -1");
+  EXPECT_EQ(Error(all_ + "scanner_phases_s: [0, 0]\n"),
+            ":8: 'scanner_phases_s' must be a list of 3 numbers");
+  EXPECT_EQ(Error(files_ + path_), ":1: missing key 'speed_m_s'");
+  EXPECT_EQ(Error(files_ + path_ + "  laps: 2\nspeed_m_s: 1\n"),
+            ":7: laps need a closed path");
+  EXPECT_EQ(Error(files_ + path_ + "  closed: true\n  laps: 2\n  length_m: 3\nspeed_m_s: 1\n"),
+            ":8: give either laps or length_m, not both");
+  EXPECT_EQ(Error("building: no/such.yaml\n").rfind(":1: there is no file ", 0), 0u);
+}
+
+TEST_F(ExperimentText, PathsThroughWallsAreErrors) {
+  const std::string tail = "  corner_radius_m: 0.2\n  body_height_m: 1.5\nspeed_m_s: 1\n";
+  const auto simulate = [&](const std::string& way_points) {
+    const std::string path = WriteTestFile(
+        "experiment.yaml", files_ + "path:\n  way_points:\n" + way_points + tail);
+    const std::string message = ErrorOf([&] { Simulator simulator(ReadExperiment(path)); });
+    EXPECT_EQ(message.rfind(path, 0), 0u) << message;
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  // Out through the first wall on the left, and into the pillar.
+  EXPECT_EQ(simulate("    - [2, 1]\n    - [4, 1]\n    - [9, 1]\n")
+                .rfind(":6: after this way point the path comes too close to a wall, floor or "
+                       "ceiling at (5.",
+                       0),
+            0u);
+  EXPECT_EQ(simulate("    - [1.5, 2.4]\n    - [4, 2.4]\n")
+                .rfind(":5: after this way point the path comes too close to a wall, floor or "
+                       "ceiling at (2.",
+                       0),
+            0u);
+  EXPECT_EQ(simulate("    - [9, 1]\n    - [12, 1]\n")
+                .rfind(":5: after this way point the path leaves the building or goes into a "
+                       "wall at (9, 1)",
+                       0),
+            0u);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,97 @@
+#include "simulation/sensing/simulate_recording.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/result/result_reader.h"
+#include "core/result/result_writer.h"
+#include "core/sensor/recording.h"
+#include "test/testing/test_files.h"
+
+namespace plumbline {
+namespace {
+
+const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+const std::string kRoom = kConfigs + "/experiments/room.yaml";
+
+std::string Simulate(uint64_t seed, const std::string& name) {
+  const std::string directory = testing::TempDir() + "simulate_recording/" + name;
+  SimulateRecording(kRoom, seed, directory, [](double) {});
+  return directory;
+}
+
+std::string Content(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST(SimulateRecording, RecordingAndTruthFitTogether) {
+  const std::string directory = Simulate(1, "fit");
+  const Rig rig = ReadRig(directory + "/rig.yaml");
+  const std::vector<StampedPose> poses = ReadTrajectory(directory + "/truth_trajectory.tum");
+  const std::vector<PlanePatch> planes = ReadPlanes(directory + "/truth_planes.json");
+  const Simulator simulator(ReadExperiment(kRoom));
+  RecordingReader reader(directory + "/recording.bag", rig);
+  EXPECT_EQ(reader.num_scan_lines(), simulator.num_scan_lines());
+  EXPECT_EQ(poses.front().time_ns, reader.start_ns());
+  EXPECT_GT(poses.back().time_ns, reader.end_ns());
+
+  int64_t points = 0;
+  for (const PlanePatch& plane : planes) points += plane.num_points;
+  EXPECT_EQ(planes.size(), 6u + 2u + 4u);
+  // Points of the recording lie on the planes of the truth, up to the noise: the pose is
+  // taken from the path, and the plane is the nearest one.
+  int64_t valid = 0;
+  ScanLine line;
+  double square = 0.0;
+  int64_t checked = 0;
+  while (reader.Next(&line)) {
+    const Scanner& scanner = rig.scanners[static_cast<size_t>(line.scanner_index)];
+    for (int beam = 0; beam < line.num_beams(); ++beam) {
+      const double range = line.ranges[static_cast<size_t>(beam)];
+      if (!scanner.IsValidRange(range)) continue;
+      ++valid;
+      if (valid % 100 != 0) continue;
+      const Eigen::Vector2d xy = range * line.BeamDirection(beam);
+      const Eigen::Vector3d p_world = simulator.path().PoseAt(line.BeamTime(beam)) *
+                                      scanner.body_from_scanner *
+                                      Eigen::Vector3d(xy.x(), xy.y(), 0.0);
+      double nearest = 1e9;
+      for (const PlanePatch& plane : planes) {
+        nearest = std::min(nearest, std::abs(plane.SignedDistance(p_world)));
+      }
+      square += nearest * nearest;
+      ++checked;
+    }
+  }
+  EXPECT_EQ(valid, points);
+  // Noise of 3 cm along the beam, less across the plane.
+  EXPECT_LT(std::sqrt(square / static_cast<double>(checked)), 0.03);
+  EXPECT_GT(std::sqrt(square / static_cast<double>(checked)), 0.01);
+}
+
+TEST(SimulateRecording, SameSeedSameBytes) {
+  const std::string a = Simulate(7, "a");
+  const std::string b = Simulate(7, "b");
+  const std::string c = Simulate(8, "c");
+  for (const char* file :
+       {"/recording.bag", "/rig.yaml", "/truth_trajectory.tum", "/truth_planes.json"}) {
+    EXPECT_EQ(Content(a + file), Content(b + file)) << file;
+    EXPECT_FALSE(Content(a + file).empty()) << file;
+  }
+  EXPECT_NE(Content(a + "/recording.bag"), Content(c + "/recording.bag"));
+}
+
+TEST(SimulateRecording, UnwritableDirectoryIsNamed) {
+  const std::string file = WriteTestFile("file", "x");
+  EXPECT_EQ(ErrorOf([&] { SimulateRecording(kRoom, 1, file + "/sub", [](double) {}); }),
+            file + "/sub: can not create the directory");
+}
+
+}  // namespace
+}  // namespace plumbline
