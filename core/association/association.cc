@@ -55,10 +55,10 @@ bool MayBeTakenUp(const Landmark& landmark,
           landmark.AgreesWithin(kMaxMeanDeviation));
 }
 
-std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
-                                                   int scan_index,
-                                                   const LoopClosureOptions& options) {
-  std::vector<LandmarkCandidate> candidates;
+std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
+                                         int scan_index,
+                                         const LoopClosureOptions& options) {
+  std::vector<LandmarkView> candidates;
   candidates.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) {
     if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
@@ -119,19 +119,19 @@ Reach ReachOfScan(const Rig& rig,
   return {body_world, farthest + off, options};
 }
 
-std::vector<LandmarkCandidate> CandidatesWithin(
-    const Reach& reach, const std::vector<LandmarkCandidate>& candidates) {
-  std::vector<LandmarkCandidate> within;
+std::vector<LandmarkView> ViewsWithin(const Reach& reach,
+                                      const std::vector<LandmarkView>& candidates) {
+  std::vector<LandmarkView> within;
   within.reserve(candidates.size());
-  for (const LandmarkCandidate& candidate : candidates) {
+  for (const LandmarkView& candidate : candidates) {
     if (reach.Takes(candidate)) within.push_back(candidate);
   }
   return within;
 }
 
-std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
-                                                const LandmarksWithinGap& landmarks) {
-  std::vector<LandmarkCandidate> within;
+std::vector<LandmarkView> ViewsWithin(const Reach& reach,
+                                      const LandmarksWithinGap& landmarks) {
+  std::vector<LandmarkView> within;
   for (const Landmark& landmark : landmarks.landmarks) {
     if (landmark.num_segments == 0 ||
         !MayBeTakenUp(landmark, landmarks.scan_index, landmarks.options)) {
@@ -153,12 +153,12 @@ namespace {
 
 // Calls visit(possible) for the candidates that the observation may lie on.
 template <typename Visit>
-void VisitPossible(const Observation& observation,
-                   const ObservationPoses& poses,
-                   const Matrix6d& pose_covariance,
-                   const std::vector<LandmarkCandidate>& candidates,
-                   const AssociationOptions& options,
-                   const Visit& visit) {
+void VisitHypotheses(const Observation& observation,
+                     const ObservationPoses& poses,
+                     const Matrix6d& pose_covariance,
+                     const std::vector<LandmarkView>& candidates,
+                     const AssociationOptions& options,
+                     const Visit& visit) {
   const Eigen::Vector3d& scanner_world = poses.world_from_scanner.translation;
   // Within one scan line a turn moves far points by decimetres.
   const Eigen::Vector3d start_world =
@@ -174,7 +174,7 @@ void VisitPossible(const Observation& observation,
       2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
       flatness(0, 0);
   const double gate = TwoDegreesQuantile(options.significance);
-  for (const LandmarkCandidate& candidate : candidates) {
+  for (const LandmarkView& candidate : candidates) {
     if (candidate.SignedDistance(scanner_world) <= 0.0) continue;
     // Cheap first: a distance that no covariance can explain.
     const double offset = candidate.SignedDistance(centroid_world);
@@ -192,49 +192,48 @@ void VisitPossible(const Observation& observation,
         noise + by_pose.lazyProduct(deviation.by_pose.transpose());
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    visit(PossibleLandmark{candidate.landmark->id,
-                           deviation,
-                           noise,
-                           distance2,
-                           distance2 + std::log(covariance.determinant())});
+    visit(Hypothesis{candidate.landmark->id,
+                     deviation,
+                     noise,
+                     distance2,
+                     distance2 + std::log(covariance.determinant())});
   }
 }
 
 }  // namespace
 
-std::vector<PossibleLandmark> PossibleLandmarks(
-    const Observation& observation,
-    const ObservationPoses& poses,
-    const Matrix6d& pose_covariance,
-    const std::vector<LandmarkCandidate>& candidates,
-    const AssociationOptions& options) {
-  std::vector<PossibleLandmark> all;
-  VisitPossible(observation,
-                poses,
-                pose_covariance,
-                candidates,
-                options,
-                [&](const PossibleLandmark& possible) { all.push_back(possible); });
+std::vector<Hypothesis> HypothesesOf(const Observation& observation,
+                                     const ObservationPoses& poses,
+                                     const Matrix6d& pose_covariance,
+                                     const std::vector<LandmarkView>& candidates,
+                                     const AssociationOptions& options) {
+  std::vector<Hypothesis> all;
+  VisitHypotheses(observation,
+                  poses,
+                  pose_covariance,
+                  candidates,
+                  options,
+                  [&](const Hypothesis& possible) { all.push_back(possible); });
   return all;
 }
 
 int FindLandmark(const Observation& observation,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::vector<LandmarkCandidate>& candidates,
+                 const std::vector<LandmarkView>& candidates,
                  const AssociationOptions& options) {
   double best_score = std::numeric_limits<double>::infinity();
   int best_id = -1;
-  VisitPossible(observation,
-                poses,
-                pose_covariance,
-                candidates,
-                options,
-                [&](const PossibleLandmark& possible) {
-                  if (possible.score >= best_score) return;
-                  best_score = possible.score;
-                  best_id = possible.id;
-                });
+  VisitHypotheses(observation,
+                  poses,
+                  pose_covariance,
+                  candidates,
+                  options,
+                  [&](const Hypothesis& possible) {
+                    if (possible.score >= best_score) return;
+                    best_score = possible.score;
+                    best_id = possible.id;
+                  });
   return best_id;
 }
 

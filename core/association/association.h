@@ -35,9 +35,9 @@ struct LandmarksWithinGap {
 };
 
 // The same as candidates: for many scans.
-std::vector<LandmarkCandidate> CandidatesWithinGap(const std::deque<Landmark>& landmarks,
-                                                   int scan_index,
-                                                   const LoopClosureOptions& options);
+std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
+                                         int scan_index,
+                                         const LoopClosureOptions& options);
 
 // A ball that planes have to have been seen in to matter.
 class Reach {
@@ -49,7 +49,7 @@ class Reach {
   // Whether the extent comes into the ball; centre and radius of a sphere around the extent
   // tell most that do not.
   bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const;
-  bool Takes(const LandmarkCandidate& candidate) const {
+  bool Takes(const LandmarkView& candidate) const {
     return Takes(candidate.landmark->extent, candidate.centre_world, candidate.radius_m);
   }
 
@@ -65,7 +65,7 @@ class ScanSlab {
   ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m);
 
   // Whether the rectangle around what was seen of a plane comes into it.
-  bool Touches(const LandmarkCandidate& candidate) const {
+  bool Touches(const LandmarkView& candidate) const {
     const double across = normal_.dot(candidate.centre_world - origin_);
     const double half =
         std::abs(normal_.dot(candidate.half_u)) + std::abs(normal_.dot(candidate.half_v));
@@ -78,7 +78,7 @@ class ScanSlab {
   double half_width_m_;
 };
 
-// Takes all that PossibleLandmarks may find for the observations of one scan: that of
+// Takes all that HypothesesOf may find for the observations of one scan: that of
 // observations[first] and those that follow it; body_world: where the rig was then.
 // pose_covariance: at least that of any pose in the scan.
 Reach ReachOfScan(const Rig& rig,
@@ -89,16 +89,15 @@ Reach ReachOfScan(const Rig& rig,
                   const AssociationOptions& options);
 
 // Those that it takes.
-std::vector<LandmarkCandidate> CandidatesWithin(
-    const Reach& reach, const std::vector<LandmarkCandidate>& candidates);
-std::vector<LandmarkCandidate> CandidatesWithin(const Reach& reach,
-                                                const LandmarksWithinGap& landmarks);
+std::vector<LandmarkView> ViewsWithin(const Reach& reach,
+                                      const std::vector<LandmarkView>& candidates);
+std::vector<LandmarkView> ViewsWithin(const Reach& reach, const LandmarksWithinGap& landmarks);
 
 // Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);
 
 // A landmark that an observation may lie on.
-struct PossibleLandmark {
+struct Hypothesis {
   int id = -1;
   LineDeviation deviation;
   Eigen::Matrix2d noise =
@@ -108,12 +107,11 @@ struct PossibleLandmark {
 };
 
 // Those of the candidates that the observation may lie on; see FindLandmark.
-std::vector<PossibleLandmark> PossibleLandmarks(
-    const Observation& observation,
-    const ObservationPoses& poses,
-    const Matrix6d& pose_covariance,
-    const std::vector<LandmarkCandidate>& candidates,
-    const AssociationOptions& options);
+std::vector<Hypothesis> HypothesesOf(const Observation& observation,
+                                     const ObservationPoses& poses,
+                                     const Matrix6d& pose_covariance,
+                                     const std::vector<LandmarkView>& candidates,
+                                     const AssociationOptions& options);
 
 // The landmark whose plane an observation most probably lies on, or -1. A candidate must face
 // the scanner, have been seen near the segment, and agree with it in distance and direction:
@@ -123,7 +121,7 @@ std::vector<PossibleLandmark> PossibleLandmarks(
 int FindLandmark(const Observation& observation,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::vector<LandmarkCandidate>& candidates,
+                 const std::vector<LandmarkView>& candidates,
                  const AssociationOptions& options);
 
 }  // namespace plumbline

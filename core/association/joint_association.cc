@@ -23,20 +23,20 @@ class Chain {
   explicit Chain(const MotionCovariance& covariance) : covariance_(covariance) {}
 
   // -2 ln of the pairing's density, infinite beyond the gate.
-  double Cost(const Pairing& pairing, double gate) const {
-    const Eigen::Vector2d value = pairing.value + pairing.by_motion.lazyProduct(error_);
-    const Eigen::Matrix2d total = Total(pairing);
+  double Cost(const JointHypothesis& hypothesis, double gate) const {
+    const Eigen::Vector2d value = hypothesis.value + hypothesis.by_motion.lazyProduct(error_);
+    const Eigen::Matrix2d total = Total(hypothesis);
     const double distance2 = value.dot(total.inverse() * value);
     if (!(distance2 < gate)) return std::numeric_limits<double>::infinity();
     return distance2 + std::log(total.determinant()) + 2.0 * std::log(2.0 * M_PI);
   }
 
-  void Add(const Pairing& pairing, size_t index, double cost) {
+  void Add(const JointHypothesis& hypothesis, size_t index, double cost) {
     const Eigen::Matrix<double, 12, 2> cross =
-        covariance_.lazyProduct(pairing.by_motion.transpose());
-    const Eigen::Matrix2d total = pairing.noise + pairing.by_motion.lazyProduct(cross);
+        covariance_.lazyProduct(hypothesis.by_motion.transpose());
+    const Eigen::Matrix2d total = hypothesis.noise + hypothesis.by_motion.lazyProduct(cross);
     const Eigen::Matrix<double, 12, 2> gain = cross.lazyProduct(total.inverse());
-    const Eigen::Vector2d value = pairing.value + pairing.by_motion.lazyProduct(error_);
+    const Eigen::Vector2d value = hypothesis.value + hypothesis.by_motion.lazyProduct(error_);
     error_ -= gain.lazyProduct(value);
     covariance_ -= gain.lazyProduct(cross.transpose());
     chosen_.push_back(index);
@@ -48,9 +48,9 @@ class Chain {
   const std::vector<size_t>& chosen() const { return chosen_; }
 
  private:
-  Eigen::Matrix2d Total(const Pairing& pairing) const {
-    const Eigen::Matrix<double, 2, 12> product = pairing.by_motion.lazyProduct(covariance_);
-    return pairing.noise + product.lazyProduct(pairing.by_motion.transpose());
+  Eigen::Matrix2d Total(const JointHypothesis& hypothesis) const {
+    const Eigen::Matrix<double, 2, 12> product = hypothesis.by_motion.lazyProduct(covariance_);
+    return hypothesis.noise + product.lazyProduct(hypothesis.by_motion.transpose());
   }
 
   MotionError error_ = MotionError::Zero();
@@ -80,14 +80,14 @@ double ClutterCost(const AssociationOptions& options) {
   return 2.0 * std::log(2.0 * options.max_gap_m * M_PI);
 }
 
-JointChoice ChooseJointly(const std::vector<Pairing>& pairings,
+JointChoice ChooseJointly(const std::vector<JointHypothesis>& hypotheses,
                           const MotionCovariance& covariance,
                           const AssociationOptions& options) {
   const double gate = TwoDegreesQuantile(options.significance);
   const double clutter_cost = ClutterCost(options);
   std::vector<std::pair<size_t, size_t>> groups;  // begin, end; one for each observation
-  for (size_t i = 0; i < pairings.size(); ++i) {
-    if (i == 0 || pairings[i].observation_index != pairings[i - 1].observation_index) {
+  for (size_t i = 0; i < hypotheses.size(); ++i) {
+    if (i == 0 || hypotheses[i].observation_index != hypotheses[i - 1].observation_index) {
       groups.emplace_back(i, i);
     }
     ++groups.back().second;
@@ -98,13 +98,13 @@ JointChoice ChooseJointly(const std::vector<Pairing>& pairings,
       double best_cost = clutter_cost;
       size_t best = groups[g].second;
       for (size_t i = groups[g].first; i < groups[g].second; ++i) {
-        const double cost = chain->Cost(pairings[i], gate);
+        const double cost = chain->Cost(hypotheses[i], gate);
         if (cost >= best_cost) continue;
         best_cost = cost;
         best = i;
       }
       if (best < groups[g].second) {
-        chain->Add(pairings[best], best, best_cost);
+        chain->Add(hypotheses[best], best, best_cost);
       } else {
         chain->AddCost(clutter_cost);
       }
@@ -118,9 +118,9 @@ JointChoice ChooseJointly(const std::vector<Pairing>& pairings,
       const std::vector<size_t>& known = best.chosen();
       if (std::find(known.begin(), known.end(), i) != known.end()) continue;
       Chain chain(covariance);
-      const double cost = chain.Cost(pairings[i], gate);
+      const double cost = chain.Cost(hypotheses[i], gate);
       if (cost >= clutter_cost) continue;
-      chain.Add(pairings[i], i, cost);
+      chain.Add(hypotheses[i], i, cost);
       continue_chain(g, &chain);
       if (chain.cost() >= best_cost) continue;
       best_cost = chain.cost();

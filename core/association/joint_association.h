@@ -24,7 +24,7 @@ Eigen::Matrix<double, 6, 6> PoseCovariance(const MotionCovariance& covariance, d
 // A landmark that one of a scan's observations may belong to, linearised at the predicted
 // poses: its deviation from the landmark is value + by_motion * e + noise, e being the
 // motion's error.
-struct Pairing {
+struct JointHypothesis {
   int observation_index = 0;
   int landmark_id = 0;
   Eigen::Vector2d value = Eigen::Vector2d::Zero();  // LineDeviation: m, rad
@@ -37,8 +37,8 @@ struct Pairing {
 double ClutterCost(const AssociationOptions& options);
 
 struct JointChoice {
-  std::vector<size_t> pairings;  // indices
-  double cost = 0.0;             // -2 ln of the likelihood of all observations with pairings
+  std::vector<size_t> hypotheses;  // indices
+  double cost = 0.0;               // -2 ln of the likelihood of all observations with pairings
 };
 
 // Chooses, among the pairings of one scan, at most one for each observation such that all of
@@ -51,7 +51,7 @@ struct JointChoice {
 // each with its most probable landmark, and the error is estimated anew (Kalman update). The
 // chain of largest likelihood wins, where an observation without landmark has the density of
 // clutter.
-JointChoice ChooseJointly(const std::vector<Pairing>& pairings,
+JointChoice ChooseJointly(const std::vector<JointHypothesis>& hypotheses,
                           const MotionCovariance& covariance,
                           const AssociationOptions& options);
 

@@ -9,7 +9,7 @@ namespace plumbline {
 
 LineDeviation DeviationFromPlane(const Observation& observation,
                                  const ObservationPoses& poses,
-                                 const LandmarkCandidate& plane) {
+                                 const LandmarkView& plane) {
   const auto rows = observation.measurement.rows();
   const Eigen::Matrix3d to_segment = observation.measurement.frame().Matrix().transpose();
   Eigen::Matrix<double, 9, 1> g;

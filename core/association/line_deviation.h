@@ -21,6 +21,6 @@ struct LineDeviation {
 
 LineDeviation DeviationFromPlane(const Observation& observation,
                                  const ObservationPoses& poses,
-                                 const LandmarkCandidate& plane);
+                                 const LandmarkView& plane);
 
 }  // namespace plumbline

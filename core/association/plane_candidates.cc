@@ -41,7 +41,7 @@ void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
             const TypeEvidence& evidence,
-            PlaneCandidate* candidate) {
+            TentativePlane* candidate) {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
   candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
                                         world_from_scanner * Lift(observation.end()));
@@ -73,10 +73,10 @@ TypeEvidence JudgeType(const Observation& observation,
   return evidence;
 }
 
-CandidatePlanes::CandidatePlanes(bool planar, const MapperOptions& options)
+TentativePlanes::TentativePlanes(bool planar, const MapperOptions& options)
     : planar_(planar), options_(options) {}
 
-bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
+bool TentativePlanes::Matches(const TentativePlane& candidate,
                               const Observation& observation,
                               const LineDeviation& deviation,
                               const ObservationPoses& poses,
@@ -98,7 +98,7 @@ bool CandidatePlanes::Matches(const PlaneCandidate& candidate,
          TwoDegreesQuantile(options_.association.significance);
 }
 
-void CandidatePlanes::Offer(const Observation& observation,
+void TentativePlanes::Offer(const Observation& observation,
                             int observation_index,
                             const ObservationPoses& poses,
                             const Matrix6d& pose_covariance) {
@@ -119,11 +119,11 @@ void CandidatePlanes::Offer(const Observation& observation,
   const Eigen::Matrix2d flatness =
       FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m);
   bool taken = false;
-  for (PlaneCandidate& candidate : candidates_) {
+  for (TentativePlane& candidate : candidates_) {
     const bool horizontal = candidate.landmark.model == PlaneModel::kHorizontal;
     if (!(horizontal ? evidence.can_be_horizontal : evidence.can_be_vertical)) continue;
     const LineDeviation deviation =
-        DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
+        DeviationFromPlane(observation, poses, LandmarkView(candidate.landmark));
     if (!Matches(candidate, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + flatness, &candidate.landmark);
     Record(observation, observation_index, poses, evidence, &candidate);
@@ -135,7 +135,7 @@ void CandidatePlanes::Offer(const Observation& observation,
     return;
   }
   const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid());
-  PlaneCandidate candidate;
+  TentativePlane candidate;
   if (evidence.can_be_horizontal) {
     const double sign = world_from_scanner.translation.z() > centroid.z() ? 1.0 : -1.0;
     candidate.landmark = MakeHorizontalLandmark(sign, centroid);
@@ -149,7 +149,7 @@ void CandidatePlanes::Offer(const Observation& observation,
     return;
   }
   const LineDeviation deviation =
-      DeviationFromPlane(observation, poses, LandmarkCandidate(candidate.landmark));
+      DeviationFromPlane(observation, poses, LandmarkView(candidate.landmark));
   const int size = candidate.landmark.num_parameters();
   const Eigen::MatrixXd design = deviation.by_plane.leftCols(size);
   candidate.landmark.covariance.topLeftCorner(size, size) =
@@ -159,7 +159,7 @@ void CandidatePlanes::Offer(const Observation& observation,
   candidates_.push_back(std::move(candidate));
 }
 
-bool CandidatePlanes::IsReady(const PlaneCandidate& candidate, int min_scans) const {
+bool TentativePlanes::IsReady(const TentativePlane& candidate, int min_scans) const {
   if (static_cast<int>(candidate.scans.size()) < min_scans) return false;
   if (candidate.landmark.model == PlaneModel::kVertical) {
     // The surface's unevenness is the same in every scan: it does not average out.
@@ -179,8 +179,8 @@ bool CandidatePlanes::IsReady(const PlaneCandidate& candidate, int min_scans) co
          (candidate.last_position - candidate.first_position).norm() > kRevealingMotion;
 }
 
-std::vector<PlaneCandidate> CandidatePlanes::TakeReady(int min_scans) {
-  std::vector<PlaneCandidate> ready;
+std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans) {
+  std::vector<TentativePlane> ready;
   for (auto it = candidates_.begin(); it != candidates_.end();) {
     if (IsReady(*it, min_scans)) {
       ready.push_back(std::move(*it));
@@ -192,10 +192,10 @@ std::vector<PlaneCandidate> CandidatePlanes::TakeReady(int min_scans) {
   return ready;
 }
 
-void CandidatePlanes::DropStale(int64_t now_ns) {
-  const auto is_stale = [&](const PlaneCandidate& candidate) {
+void TentativePlanes::DropStale(int64_t now_ns) {
+  const auto is_stale = [&](const TentativePlane& candidate) {
     return SecondsBetween(candidate.last_time_ns, now_ns) >
-           options_.planes.max_candidate_age_s;
+           options_.planes.max_tentative_age_s;
   };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_stale),
                     candidates_.end());

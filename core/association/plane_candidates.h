@@ -14,7 +14,7 @@
 namespace plumbline {
 
 // A plane that segments without a landmark agree on, not yet trusted.
-struct PlaneCandidate {
+struct TentativePlane {
   Landmark landmark;              // covariance given the poses
   std::vector<int> observations;  // indices
   std::set<int> scans;
@@ -40,9 +40,9 @@ TypeEvidence JudgeType(const Observation& observation,
 // Collects segments without a landmark into candidates and tells which of these have become
 // planes: seen in several scans, direction known well, type beyond doubt. That a plane is a
 // wall takes several scans, too.
-class CandidatePlanes {
+class TentativePlanes {
  public:
-  CandidatePlanes(bool planar, const MapperOptions& options);
+  TentativePlanes(bool planar, const MapperOptions& options);
 
   // Gives the observation to the candidates it agrees with, or starts new ones.
   void Offer(const Observation& observation,
@@ -51,22 +51,22 @@ class CandidatePlanes {
              const Matrix6d& pose_covariance);
 
   // Removes and returns the candidates that have become planes. min_scans: see PlaneOptions.
-  std::vector<PlaneCandidate> TakeReady(int min_scans);
+  std::vector<TentativePlane> TakeReady(int min_scans);
 
   // Drops candidates that nothing has confirmed for a while.
   void DropStale(int64_t now_ns);
 
  private:
-  bool Matches(const PlaneCandidate& candidate,
+  bool Matches(const TentativePlane& candidate,
                const Observation& observation,
                const LineDeviation& deviation,
                const ObservationPoses& poses,
                const Matrix6d& pose_covariance) const;
-  bool IsReady(const PlaneCandidate& candidate, int min_scans) const;
+  bool IsReady(const TentativePlane& candidate, int min_scans) const;
 
   bool planar_;
   const MapperOptions& options_;
-  std::deque<PlaneCandidate> candidates_;
+  std::deque<TentativePlane> candidates_;
 };
 
 }  // namespace plumbline

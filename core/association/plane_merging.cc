@@ -55,10 +55,10 @@ struct Compared {
 
 }  // namespace
 
-std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
-                                                const MapState& state,
-                                                const MapperOptions& options,
-                                                int since_scan) {
+std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
+                                                     const MapState& state,
+                                                     const MapperOptions& options,
+                                                     int since_scan) {
   const double range_noise_m = MaxRangeNoise(rig);
   std::vector<std::pair<int, int>> pairs;
   std::vector<Compared> all;
@@ -88,7 +88,7 @@ std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
   return pairs;
 }
 
-bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m) {
+bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;
   constexpr double kRangeSigmas = 5.0;
   if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < 0.8) return false;

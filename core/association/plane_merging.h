@@ -14,16 +14,16 @@ namespace plumbline {
 // and that difference known to better than the scanners' range noise. Only pairs with a
 // landmark seen since scan `since_scan`, and, with loop closure off, only within the allowed
 // gap.
-std::vector<std::pair<int, int>> FindDuplicates(const Rig& rig,
-                                                const MapState& state,
-                                                const MapperOptions& options,
-                                                int since_scan);
+std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
+                                                     const MapState& state,
+                                                     const MapperOptions& options,
+                                                     int since_scan);
 
 // Whether `weak` only repeats what `strong` shows: it faces the same side, lies for the most
 // part where `strong` has been seen too, and differs from it by no more than single ranges can
 // tell. Two surfaces can not both be seen there; segments that took in beams of a neighbouring
 // surface (an open door's jamb, seen along the wall) make such planes.
-bool IsShadow(const Landmark& weak, const Landmark& strong, double range_noise_m);
+bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
 // Makes landmark `from` part of `into`: its observations, extent and times.
 void MergeInto(int into, int from, MapState* state);

@@ -5,10 +5,10 @@
 
 namespace plumbline {
 
-double LengtheningOf(const Eigen::VectorXd& step,
-                     const Eigen::VectorXd& last_step,
-                     double last_lengthening,
-                     const Eigen::VectorXd& weights) {
+double AitkenRelaxation(const Eigen::VectorXd& step,
+                        const Eigen::VectorXd& last_step,
+                        double last_lengthening,
+                        const Eigen::VectorXd& weights) {
   constexpr double kMinRatio = 0.5;  // of the two steps
   constexpr double kMinCosine = 0.9;
   constexpr double kMaxLengthening = 20.0;

@@ -12,9 +12,9 @@ namespace plumbline {
 // last_step: the step before, without the last_lengthening that it was taken with; weights: of
 // the unknowns' squares. At least one, and at most 20; one where the steps have different
 // directions or this one is less than half as long.
-double LengtheningOf(const Eigen::VectorXd& step,
-                     const Eigen::VectorXd& last_step,
-                     double last_lengthening,
-                     const Eigen::VectorXd& weights);
+double AitkenRelaxation(const Eigen::VectorXd& step,
+                        const Eigen::VectorXd& last_step,
+                        double last_lengthening,
+                        const Eigen::VectorXd& weights);
 
 }  // namespace plumbline

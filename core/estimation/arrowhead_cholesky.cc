@@ -10,18 +10,20 @@
 namespace plumbline {
 namespace {
 
-// Tiles of a piece. Longer ones see more planes, shorter ones leave more separators.
+// Tiles of a subdomain. Longer ones see more planes, shorter ones leave more separators.
 constexpr size_t kPieceTiles = 8;
 
 // The Cholesky factor of an eliminated tile, and its transpose.
-auto LowerOf(const ArrowTile& tile) { return tile.diagonal.triangularView<Eigen::Lower>(); }
-auto UpperOf(const ArrowTile& tile) {
+auto LowerOf(const ArrowheadTile& tile) {
+  return tile.diagonal.triangularView<Eigen::Lower>();
+}
+auto UpperOf(const ArrowheadTile& tile) {
   return tile.diagonal.transpose().triangularView<Eigen::Upper>();
 }
 
 }  // namespace
 
-Eigen::MatrixXd ArrowInverse::BandBlock(int first, int size) const {
+Eigen::MatrixXd ArrowheadInverse::BandBlock(int first, int size) const {
   const int split = std::min(size, tile_size_ - first % tile_size_);
   const int rest = size - split;
   CHECK_LE(rest, tile_size_) << "outside the band";
@@ -37,10 +39,10 @@ Eigen::MatrixXd ArrowInverse::BandBlock(int first, int size) const {
   return block;
 }
 
-void ArrowInverse::Clear(int variable) {
+void ArrowheadInverse::Clear(int variable) {
   const int num_band = tiles_.empty() ? 0 : tiles_.back().first + tiles_.back().size();
   if (variable < num_band) {
-    ArrowTile& tile = tiles_[static_cast<size_t>(variable / tile_size_)];
+    ArrowheadTile& tile = tiles_[static_cast<size_t>(variable / tile_size_)];
     tile.diagonal(variable - tile.first, variable - tile.first) = 0.0;
   } else {
     border_.row(variable - num_band).setZero();
@@ -48,19 +50,19 @@ void ArrowInverse::Clear(int variable) {
   }
 }
 
-ArrowFactor::ArrowFactor(ArrowMatrix matrix)
+ArrowheadCholesky::ArrowheadCholesky(ArrowheadMatrix matrix)
     : num_band_(matrix.num_band_),
       tile_size_(matrix.tile_size_),
       corner_(std::move(matrix.corner_)) {
-  std::vector<ArrowTile> tiles = std::move(matrix.tiles_);
+  std::vector<ArrowheadTile> tiles = std::move(matrix.tiles_);
   while (!tiles.empty()) {
     Level& level = levels_.emplace_back();
     level.tiles = std::move(tiles);
     Cut(&level);
     tiles.clear();
     for (size_t i = 0; i < level.separators.size(); ++i) {
-      ArrowTile& from = level.tiles[level.separators[i]];
-      ArrowTile separator = from;
+      ArrowheadTile& from = level.tiles[level.separators[i]];
+      ArrowheadTile separator = from;
       from.diagonal.resize(0, 0);
       from.border.resize(0, 0);
       const int num_next =
@@ -68,7 +70,7 @@ ArrowFactor::ArrowFactor(ArrowMatrix matrix)
       separator.next.setZero(num_next, separator.size());
       tiles.push_back(std::move(separator));
     }
-    for (Piece& piece : level.pieces) Eliminate(&level, &piece, &tiles);
+    for (Subdomain& subdomain : level.subdomains) Eliminate(&level, &subdomain, &tiles);
   }
   // Scaled to a unit diagonal, so that metres and radians do not spoil the condition.
   corner_scale_ = corner_.diagonal().cwiseSqrt().cwiseInverse();
@@ -79,53 +81,55 @@ ArrowFactor::ArrowFactor(ArrowMatrix matrix)
   corner_.resize(0, 0);
 }
 
-void ArrowFactor::Cut(Level* level) {
+void ArrowheadCholesky::Cut(Level* level) {
   const size_t count = level->tiles.size();
   for (size_t begin = 0; begin < count;) {
-    Piece piece;
-    piece.begin = begin;
-    piece.end = begin + kPieceTiles;
-    piece.left = static_cast<int>(level->separators.size()) - 1;
-    if (piece.end + 1 < count) {
-      level->separators.push_back(piece.end);
-      piece.right = piece.left + 1;
+    Subdomain subdomain;
+    subdomain.begin = begin;
+    subdomain.end = begin + kPieceTiles;
+    subdomain.left = static_cast<int>(level->separators.size()) - 1;
+    if (subdomain.end + 1 < count) {
+      level->separators.push_back(subdomain.end);
+      subdomain.right = subdomain.left + 1;
     } else {
-      piece.end = count;
+      subdomain.end = count;
     }
-    begin = piece.end + 1;
-    level->pieces.push_back(std::move(piece));
+    begin = subdomain.end + 1;
+    level->subdomains.push_back(std::move(subdomain));
   }
 }
 
-void ArrowFactor::Eliminate(Level* level, Piece* piece, std::vector<ArrowTile>* rest) {
-  std::vector<ArrowTile>& tiles = level->tiles;
-  for (size_t k = piece->begin; k < piece->end; ++k) {
+void ArrowheadCholesky::Eliminate(Level* level,
+                                  Subdomain* subdomain,
+                                  std::vector<ArrowheadTile>* rest) {
+  std::vector<ArrowheadTile>& tiles = level->tiles;
+  for (size_t k = subdomain->begin; k < subdomain->end; ++k) {
     std::vector<int> all;
-    std::set_union(piece->seen.begin(),
-                   piece->seen.end(),
+    std::set_union(subdomain->seen.begin(),
+                   subdomain->seen.end(),
                    tiles[k].seen.begin(),
                    tiles[k].seen.end(),
                    std::back_inserter(all));
-    piece->seen = std::move(all);
+    subdomain->seen = std::move(all);
   }
   const Eigen::Index num_left =
-      piece->left < 0 ? 0 : (*rest)[static_cast<size_t>(piece->left)].size();
+      subdomain->left < 0 ? 0 : (*rest)[static_cast<size_t>(subdomain->left)].size();
   const Eigen::Index num_right =
-      piece->right < 0 ? 0 : (*rest)[static_cast<size_t>(piece->right)].size();
-  const Eigen::Index num_first = num_left + static_cast<Eigen::Index>(piece->seen.size());
+      subdomain->right < 0 ? 0 : (*rest)[static_cast<size_t>(subdomain->right)].size();
+  const Eigen::Index num_first = num_left + static_cast<Eigen::Index>(subdomain->seen.size());
   Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(num_first + num_right, num_first + num_right);
-  for (size_t k = piece->begin; k < piece->end; ++k) {
-    ArrowTile& tile = tiles[k];
-    const bool last = k + 1 == piece->end;
+  for (size_t k = subdomain->begin; k < subdomain->end; ++k) {
+    ArrowheadTile& tile = tiles[k];
+    const bool last = k + 1 == subdomain->end;
     Eigen::MatrixXd border =
         Eigen::MatrixXd::Zero(num_first + (last ? num_right : 0), tile.size());
-    std::vector<int> rows = PositionsOf(tile.seen, piece->seen);
+    std::vector<int> rows = PositionsOf(tile.seen, subdomain->seen);
     for (int& row : rows) row += static_cast<int>(num_left);
     border(rows, Eigen::all) = tile.border;
-    if (k == piece->begin) {
+    if (k == subdomain->begin) {
       if (num_left > 0) border.topRows(num_left) = tiles[k - 1].next.transpose();
     } else {
-      const ArrowTile& before = tiles[k - 1];
+      const ArrowheadTile& before = tiles[k - 1];
       tile.diagonal.selfadjointView<Eigen::Lower>().rankUpdate(before.next, -1.0);
       border.topRows(num_first).noalias() -= before.border * before.next.transpose();
     }
@@ -145,36 +149,37 @@ void ArrowFactor::Eliminate(Level* level, Piece* piece, std::vector<ArrowTile>* 
     tile.border = std::move(border);
     tile.seen.clear();
   }
-  AddToRest(*piece, schur, rest);
+  AddToRest(*subdomain, schur, rest);
 }
 
-void ArrowFactor::AddToRest(const Piece& piece,
-                            const Eigen::MatrixXd& schur,
-                            std::vector<ArrowTile>* rest) {
-  const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+void ArrowheadCholesky::AddToRest(const Subdomain& subdomain,
+                                  const Eigen::MatrixXd& schur,
+                                  std::vector<ArrowheadTile>* rest) {
+  const auto num_seen = static_cast<Eigen::Index>(subdomain.seen.size());
   Eigen::Index at = 0;
-  if (piece.left >= 0) {
-    ArrowTile& left = (*rest)[static_cast<size_t>(piece.left)];
+  if (subdomain.left >= 0) {
+    ArrowheadTile& left = (*rest)[static_cast<size_t>(subdomain.left)];
     const Eigen::Index size = left.size();
     left.diagonal += schur.topLeftCorner(size, size);
-    left.AddBorder(piece.seen, schur.block(size, 0, num_seen, size));
-    if (piece.right >= 0) left.next += schur.bottomLeftCorner(left.next.rows(), size);
+    left.AddBorder(subdomain.seen, schur.block(size, 0, num_seen, size));
+    if (subdomain.right >= 0) left.next += schur.bottomLeftCorner(left.next.rows(), size);
     at = size;
   }
   for (Eigen::Index j = 0; j < num_seen; ++j) {
     for (Eigen::Index i = j; i < num_seen; ++i) {
-      corner_(piece.seen[static_cast<size_t>(i)], piece.seen[static_cast<size_t>(j)]) +=
-          schur(at + i, at + j);
+      corner_(subdomain.seen[static_cast<size_t>(i)],
+              subdomain.seen[static_cast<size_t>(j)]) += schur(at + i, at + j);
     }
   }
-  if (piece.right < 0) return;
-  ArrowTile& right = (*rest)[static_cast<size_t>(piece.right)];
+  if (subdomain.right < 0) return;
+  ArrowheadTile& right = (*rest)[static_cast<size_t>(subdomain.right)];
   const Eigen::Index size = right.size();
   right.diagonal += schur.bottomRightCorner(size, size);
-  right.AddBorder(piece.seen, schur.block(at + num_seen, at, size, num_seen).transpose());
+  right.AddBorder(subdomain.seen, schur.block(at + num_seen, at, size, num_seen).transpose());
 }
 
-std::vector<int> ArrowFactor::BorderRows(const Level& level, const Piece& piece) const {
+std::vector<int> ArrowheadCholesky::BorderRows(const Level& level,
+                                               const Subdomain& subdomain) const {
   std::vector<int> rows;
   // Only the band's last tile may be smaller than the others, and it is no separator.
   const auto add_tile = [&](int separator) {
@@ -182,22 +187,22 @@ std::vector<int> ArrowFactor::BorderRows(const Level& level, const Piece& piece)
     const int first = level.tiles[level.separators[static_cast<size_t>(separator)]].first;
     for (int row = first; row < first + tile_size_; ++row) rows.push_back(row);
   };
-  add_tile(piece.left);
-  for (const int variable : piece.seen) rows.push_back(num_band_ + variable);
-  add_tile(piece.right);
+  add_tile(subdomain.left);
+  for (const int variable : subdomain.seen) rows.push_back(num_band_ + variable);
+  add_tile(subdomain.right);
   return rows;
 }
 
-void ArrowFactor::ForwardPiece(const Level& level,
-                               const Piece& piece,
-                               Eigen::MatrixXd* x) const {
-  const std::vector<int> rows = BorderRows(level, piece);
+void ArrowheadCholesky::ForwardSubdomain(const Level& level,
+                                         const Subdomain& subdomain,
+                                         Eigen::MatrixXd* x) const {
+  const std::vector<int> rows = BorderRows(level, subdomain);
   Eigen::MatrixXd border = (*x)(rows, Eigen::all);
   Eigen::MatrixXd before;
-  for (size_t k = piece.begin; k < piece.end; ++k) {
-    const ArrowTile& tile = level.tiles[k];
+  for (size_t k = subdomain.begin; k < subdomain.end; ++k) {
+    const ArrowheadTile& tile = level.tiles[k];
     Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
-    if (k > piece.begin) y.noalias() -= level.tiles[k - 1].next * before;
+    if (k > subdomain.begin) y.noalias() -= level.tiles[k - 1].next * before;
     LowerOf(tile).solveInPlace(y);
     border.topRows(tile.border.rows()).noalias() -= tile.border * y;
     x->middleRows(tile.first, tile.size()) = y;
@@ -206,26 +211,26 @@ void ArrowFactor::ForwardPiece(const Level& level,
   (*x)(rows, Eigen::all) = border;
 }
 
-void ArrowFactor::BackwardPiece(const Level& level,
-                                const Piece& piece,
-                                Eigen::MatrixXd* x) const {
-  const Eigen::MatrixXd border = (*x)(BorderRows(level, piece), Eigen::all);
+void ArrowheadCholesky::BackwardSubdomain(const Level& level,
+                                          const Subdomain& subdomain,
+                                          Eigen::MatrixXd* x) const {
+  const Eigen::MatrixXd border = (*x)(BorderRows(level, subdomain), Eigen::all);
   Eigen::MatrixXd after;
-  for (size_t k = piece.end; k-- > piece.begin;) {
-    const ArrowTile& tile = level.tiles[k];
+  for (size_t k = subdomain.end; k-- > subdomain.begin;) {
+    const ArrowheadTile& tile = level.tiles[k];
     Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
     y.noalias() -= tile.border.transpose() * border.topRows(tile.border.rows());
-    if (k + 1 < piece.end) y.noalias() -= tile.next.transpose() * after;
+    if (k + 1 < subdomain.end) y.noalias() -= tile.next.transpose() * after;
     UpperOf(tile).solveInPlace(y);
     x->middleRows(tile.first, tile.size()) = y;
     after = std::move(y);
   }
 }
 
-Eigen::MatrixXd ArrowFactor::Solve(const Eigen::MatrixXd& right_side) const {
+Eigen::MatrixXd ArrowheadCholesky::Solve(const Eigen::MatrixXd& right_side) const {
   Eigen::MatrixXd x = right_side;
   for (const Level& level : levels_) {
-    for (const Piece& piece : level.pieces) ForwardPiece(level, piece, &x);
+    for (const Subdomain& subdomain : level.subdomains) ForwardSubdomain(level, subdomain, &x);
   }
   auto corner = x.bottomRows(x.rows() - num_band_);
   if (corner.rows() > 0) {
@@ -233,34 +238,35 @@ Eigen::MatrixXd ArrowFactor::Solve(const Eigen::MatrixXd& right_side) const {
     corner = corner_scale_.asDiagonal() * corner_factor_.solve(scaled);
   }
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
-    for (const Piece& piece : level->pieces) BackwardPiece(*level, piece, &x);
+    for (const Subdomain& subdomain : level->subdomains)
+      BackwardSubdomain(*level, subdomain, &x);
   }
   return x;
 }
 
-Eigen::MatrixXd ArrowFactor::BorderInverse(const Piece& piece,
-                                           const std::vector<ArrowTile>& rest,
-                                           const Eigen::MatrixXd& corner) const {
+Eigen::MatrixXd ArrowheadCholesky::BorderInverse(const Subdomain& subdomain,
+                                                 const std::vector<ArrowheadTile>& rest,
+                                                 const Eigen::MatrixXd& corner) const {
   const auto tile_at = [&](int separator) {
     return separator < 0 ? nullptr : &rest[static_cast<size_t>(separator)];
   };
-  const ArrowTile* left = tile_at(piece.left);
-  const ArrowTile* right = tile_at(piece.right);
+  const ArrowheadTile* left = tile_at(subdomain.left);
+  const ArrowheadTile* right = tile_at(subdomain.right);
   const Eigen::Index num_left = left == nullptr ? 0 : left->size();
   const Eigen::Index num_right = right == nullptr ? 0 : right->size();
-  const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+  const auto num_seen = static_cast<Eigen::Index>(subdomain.seen.size());
   const Eigen::Index size = num_left + num_seen + num_right;
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(size, size);
-  lower.block(num_left, num_left, num_seen, num_seen) = corner(piece.seen, piece.seen);
+  lower.block(num_left, num_left, num_seen, num_seen) = corner(subdomain.seen, subdomain.seen);
   if (left != nullptr) {
     lower.topLeftCorner(num_left, num_left) = left->diagonal;
     lower.block(num_left, 0, num_seen, num_left) =
-        left->border(PositionsOf(piece.seen, left->seen), Eigen::all);
+        left->border(PositionsOf(subdomain.seen, left->seen), Eigen::all);
   }
   if (right != nullptr) {
     lower.bottomRightCorner(num_right, num_right) = right->diagonal;
     lower.block(num_left + num_seen, num_left, num_right, num_seen) =
-        right->border(PositionsOf(piece.seen, right->seen), Eigen::all).transpose();
+        right->border(PositionsOf(subdomain.seen, right->seen), Eigen::all).transpose();
   }
   if (left != nullptr && right != nullptr) {
     lower.bottomLeftCorner(num_right, num_left) = left->next;
@@ -270,14 +276,14 @@ Eigen::MatrixXd ArrowFactor::BorderInverse(const Piece& piece,
 
 // With M = [ next; border ] L^-1 below a tile's pivot and Z the inverse on those rows,
 //   Z_below,k = -Z M,    Z_kk = L^-T L^-1 - M^T Z_below,k.
-void ArrowFactor::Invert(const Eigen::MatrixXd& border_inverse,
-                         int num_right,
-                         const Piece& piece,
-                         std::vector<ArrowTile>* tiles) {
+void ArrowheadCholesky::Invert(const Eigen::MatrixXd& border_inverse,
+                               int num_right,
+                               const Subdomain& subdomain,
+                               std::vector<ArrowheadTile>* tiles) {
   const Eigen::Index num_first = border_inverse.rows() - num_right;
-  for (size_t k = piece.end; k-- > piece.begin;) {
-    ArrowTile& tile = (*tiles)[k];
-    const bool last = k + 1 == piece.end;
+  for (size_t k = subdomain.end; k-- > subdomain.begin;) {
+    ArrowheadTile& tile = (*tiles)[k];
+    const bool last = k + 1 == subdomain.end;
     const Eigen::Index num_border = tile.border.rows();
     Eigen::MatrixXd inverse_root = Eigen::MatrixXd::Identity(tile.size(), tile.size());
     LowerOf(tile).solveInPlace(inverse_root);
@@ -287,7 +293,7 @@ void ArrowFactor::Invert(const Eigen::MatrixXd& border_inverse,
     if (last) {
       tile.next = border.bottomRows(num_right);
     } else {
-      const ArrowTile& after = (*tiles)[k + 1];
+      const ArrowheadTile& after = (*tiles)[k + 1];
       const Eigen::MatrixXd next = tile.next * inverse_root;
       const auto cross = after.border.topRows(num_first);
       border.noalias() -= cross * next;
@@ -301,39 +307,40 @@ void ArrowFactor::Invert(const Eigen::MatrixXd& border_inverse,
   }
 }
 
-ArrowInverse ArrowFactor::TakeInverse() {
+ArrowheadInverse ArrowheadCholesky::TakeInverse() {
   const Eigen::Index num_border = corner_scale_.size();
   Eigen::MatrixXd corner = Eigen::MatrixXd::Identity(num_border, num_border);
   if (num_border > 0) {
     corner_factor_.solveInPlace(corner);
     corner = corner_scale_.asDiagonal() * corner * corner_scale_.asDiagonal();
   }
-  std::vector<ArrowTile> rest;  // the level above, inverted
+  std::vector<ArrowheadTile> rest;  // the level above, inverted
   while (!levels_.empty()) {
     Level& level = levels_.back();
     const bool lowest = levels_.size() == 1;
-    for (const Piece& piece : level.pieces) {
+    for (const Subdomain& subdomain : level.subdomains) {
       const int num_right =
-          piece.right < 0 ? 0 : rest[static_cast<size_t>(piece.right)].size();
-      const int num_left = piece.left < 0 ? 0 : rest[static_cast<size_t>(piece.left)].size();
-      Invert(BorderInverse(piece, rest, corner), num_right, piece, &level.tiles);
+          subdomain.right < 0 ? 0 : rest[static_cast<size_t>(subdomain.right)].size();
+      const int num_left =
+          subdomain.left < 0 ? 0 : rest[static_cast<size_t>(subdomain.left)].size();
+      Invert(BorderInverse(subdomain, rest, corner), num_right, subdomain, &level.tiles);
       if (num_left > 0) {
-        level.tiles[piece.begin - 1].next =
-            level.tiles[piece.begin].border.topRows(num_left).transpose();
+        level.tiles[subdomain.begin - 1].next =
+            level.tiles[subdomain.begin].border.topRows(num_left).transpose();
       }
-      for (size_t k = piece.begin; k < piece.end; ++k) {
-        ArrowTile& tile = level.tiles[k];
+      for (size_t k = subdomain.begin; k < subdomain.end; ++k) {
+        ArrowheadTile& tile = level.tiles[k];
         if (lowest) {
           tile.border.resize(0, 0);  // nobody asks for it any more
         } else {
-          const auto num_seen = static_cast<Eigen::Index>(piece.seen.size());
+          const auto num_seen = static_cast<Eigen::Index>(subdomain.seen.size());
           tile.border = tile.border.middleRows(num_left, num_seen).eval();
-          tile.seen = piece.seen;
+          tile.seen = subdomain.seen;
         }
       }
     }
     for (size_t i = 0; i < level.separators.size(); ++i) {
-      ArrowTile& tile = level.tiles[level.separators[i]];
+      ArrowheadTile& tile = level.tiles[level.separators[i]];
       Eigen::MatrixXd next = std::move(tile.next);
       tile = std::move(rest[i]);
       tile.next = std::move(next);
@@ -341,7 +348,7 @@ ArrowInverse ArrowFactor::TakeInverse() {
     rest = std::move(level.tiles);
     levels_.pop_back();
   }
-  return ArrowInverse(tile_size_, std::move(rest), std::move(corner));
+  return ArrowheadInverse(tile_size_, std::move(rest), std::move(corner));
 }
 
 }  // namespace plumbline

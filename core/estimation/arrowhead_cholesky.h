@@ -10,10 +10,10 @@
 namespace plumbline {
 
 // The entries of an arrow matrix' inverse within and between adjacent tiles, and its border.
-class ArrowInverse {
+class ArrowheadInverse {
  public:
-  ArrowInverse() = default;
-  ArrowInverse(int tile_size, std::vector<ArrowTile> tiles, Eigen::MatrixXd border)
+  ArrowheadInverse() = default;
+  ArrowheadInverse(int tile_size, std::vector<ArrowheadTile> tiles, Eigen::MatrixXd border)
       : tile_size_(tile_size), tiles_(std::move(tiles)), border_(std::move(border)) {}
 
   // Rows and columns first .. first + size - 1 of the band, within two adjacent tiles.
@@ -25,21 +25,21 @@ class ArrowInverse {
 
  private:
   int tile_size_ = 1;
-  std::vector<ArrowTile> tiles_;  // diagonal in full
+  std::vector<ArrowheadTile> tiles_;  // diagonal in full
   Eigen::MatrixXd border_;
 };
 
-// Cholesky factor of an arrow matrix. The band is cut into pieces of a few tiles, each
+// Cholesky factor of an arrow matrix. The band is cut into subdomains of a few tiles, each
 // followed by a tile that separates it from the next. Given its two separators and the
-// planes seen from it, a piece is independent of all others, so that it is eliminated with no
-// more than these in its border; the separators, with what the pieces leave on them, are an
-// arrow matrix again, and so on until one piece is left. Time and memory grow with the band's
-// length, times the planes that are seen together, not with all planes (nested dissection:
-// George 1973).
-class ArrowFactor {
+// planes seen from it, a subdomain is independent of all others, so that it is eliminated with
+// no more than these in its border; the separators, with what the subdomains leave on them,
+// are an arrow matrix again, and so on until one subdomain is left. Time and memory grow with
+// the band's length, times the planes that are seen together, not with all planes (nested
+// dissection: George 1973).
+class ArrowheadCholesky {
  public:
   // Throws Error when the matrix is not positive definite.
-  explicit ArrowFactor(ArrowMatrix matrix);
+  explicit ArrowheadCholesky(ArrowheadMatrix matrix);
 
   int size() const { return num_band_ + static_cast<int>(corner_scale_.size()); }
   // The solution for each column of the right side.
@@ -47,12 +47,12 @@ class ArrowFactor {
 
   // The inverse's entries by Takahashi's recursion, from the last elimination to the first, in
   // the factor's own memory, which it takes away.
-  ArrowInverse TakeInverse();
+  ArrowheadInverse TakeInverse();
 
  private:
   // Tiles begin .. end - 1, eliminated together. Their borders' rows afterwards:
   // [ left separator | seen | right separator, in the last tile only ].
-  struct Piece {
+  struct Subdomain {
     size_t begin = 0;
     size_t end = 0;
     int left = -1;  // position among the level's separators, -1: none
@@ -60,30 +60,34 @@ class ArrowFactor {
     std::vector<int> seen;
   };
   struct Level {
-    std::vector<ArrowTile> tiles;
+    std::vector<ArrowheadTile> tiles;
     std::vector<size_t> separators;  // positions of the tiles that the next level holds
-    std::vector<Piece> pieces;
+    std::vector<Subdomain> subdomains;
   };
 
   static void Cut(Level* level);
   // Adds to `rest`, the separators, and to the corner.
-  void Eliminate(Level* level, Piece* piece, std::vector<ArrowTile>* rest);
-  void AddToRest(const Piece& piece,
+  void Eliminate(Level* level, Subdomain* subdomain, std::vector<ArrowheadTile>* rest);
+  void AddToRest(const Subdomain& subdomain,
                  const Eigen::MatrixXd& schur,
-                 std::vector<ArrowTile>* rest);
-  // The inverse on a piece's border, from that on the next level's tiles.
-  Eigen::MatrixXd BorderInverse(const Piece& piece,
-                                const std::vector<ArrowTile>& rest,
+                 std::vector<ArrowheadTile>* rest);
+  // The inverse on a subdomain's border, from that on the next level's tiles.
+  Eigen::MatrixXd BorderInverse(const Subdomain& subdomain,
+                                const std::vector<ArrowheadTile>& rest,
                                 const Eigen::MatrixXd& corner) const;
   static void Invert(const Eigen::MatrixXd& border_inverse,
                      int num_right,
-                     const Piece& piece,
-                     std::vector<ArrowTile>* tiles);
-  // Substitution through a piece, in the rows of x.
-  void ForwardPiece(const Level& level, const Piece& piece, Eigen::MatrixXd* x) const;
-  void BackwardPiece(const Level& level, const Piece& piece, Eigen::MatrixXd* x) const;
-  // Rows of all variables that a piece's last tile has in its border.
-  std::vector<int> BorderRows(const Level& level, const Piece& piece) const;
+                     const Subdomain& subdomain,
+                     std::vector<ArrowheadTile>* tiles);
+  // Substitution through a subdomain, in the rows of x.
+  void ForwardSubdomain(const Level& level,
+                        const Subdomain& subdomain,
+                        Eigen::MatrixXd* x) const;
+  void BackwardSubdomain(const Level& level,
+                         const Subdomain& subdomain,
+                         Eigen::MatrixXd* x) const;
+  // Rows of all variables that a subdomain's last tile has in its border.
+  std::vector<int> BorderRows(const Level& level, const Subdomain& subdomain) const;
 
   int num_band_;
   int tile_size_;

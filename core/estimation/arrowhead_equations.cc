@@ -18,10 +18,11 @@ namespace {
 constexpr int kTileControlPoints = 8;
 
 // Nothing but the unit diagonal of what is held.
-ArrowEquations EmptyEquations(const BlockLayout& layout, bool planar) {
+ArrowheadEquations EmptyEquations(const BlockLayout& layout, bool planar) {
   const int num_band = layout.NumControlPointColumns();
-  ArrowEquations equations{
-      ArrowMatrix(num_band, kTileControlPoints * (planar ? 4 : 6), layout.size() - num_band),
+  ArrowheadEquations equations{
+      ArrowheadMatrix(
+          num_band, kTileControlPoints * (planar ? 4 : 6), layout.size() - num_band),
       Eigen::VectorXd::Zero(layout.size()),
       Eigen::VectorXd::Zero(layout.size())};
   for (int i = 0; i < layout.size(); ++i) {
@@ -34,8 +35,8 @@ ArrowEquations EmptyEquations(const BlockLayout& layout, bool planar) {
 
 }  // namespace
 
-ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) const {
-  ArrowEquations equations = EmptyEquations(layout, planar_);
+ArrowheadEquations EstimationProblem::LineariseArrowhead(const BlockLayout& layout) const {
+  ArrowheadEquations equations = EmptyEquations(layout, planar_);
   const auto add = [&](const std::vector<int>& columns,
                        const Eigen::MatrixXd& hessian,
                        const Eigen::VectorXd& gradient) {
@@ -57,10 +58,10 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
     equations.cost += model.cost;
     rows.clear();
     columns.clear();
-    for (const Run& run : RunsOf(*item->term, layout, positions)) {
-      for (int i = 0; i < run.size; ++i) {
-        rows.push_back(run.row + i);
-        columns.push_back(run.column + i);
+    for (const RowRange& range : RowRangesOf(*item->term, layout, positions)) {
+      for (int i = 0; i < range.size; ++i) {
+        rows.push_back(range.row + i);
+        columns.push_back(range.column + i);
       }
     }
     if (static_cast<Eigen::Index>(rows.size()) == model.gradient.size()) {
@@ -69,7 +70,7 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
       add(columns, model.hessian(rows, rows), model.gradient(rows));
     }
   };
-  ForEachInOrder<Item>(
+  RunOrderedPipeline<Item>(
       [&](Item* item) {
         if (next == groups_.size()) return false;
         item->term = &groups_[next++];
@@ -82,7 +83,7 @@ ArrowEquations EstimationProblem::LineariseArrow(const BlockLayout& layout) cons
 
 bool EstimationProblem::MoveDown(const BlockLayout& layout,
                                  Eigen::VectorXd step,
-                                 ArrowEquations* now,
+                                 ArrowheadEquations* now,
                                  double* share) {
   constexpr int kMaxHalvings = 4;
   constexpr double kRounding = 1e-12;  // of a cost
@@ -91,21 +92,21 @@ bool EstimationProblem::MoveDown(const BlockLayout& layout,
   const Values values = ValuesOf(layout);
   for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
     Move(layout, step(free));
-    *now = LineariseArrow(layout);
+    *now = LineariseArrowhead(layout);
     if (now->cost <= (1.0 + kRounding) * cost) return true;
     SetValues(layout, values);
     step *= 0.5;
     *share *= 0.5;
   }
-  *now = LineariseArrow(layout);
+  *now = LineariseArrowhead(layout);
   return false;
 }
 
-EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
-                                                          const Tolerance& tolerance,
-                                                          const FactorVisitor& visit) {
+EstimationProblem::Solution EstimationProblem::SolveArrowhead(int max_iterations,
+                                                              const Tolerance& tolerance,
+                                                              const CholeskyVisitor& visit) {
   const BlockLayout layout = Layout();
-  ArrowEquations now = LineariseArrow(layout);
+  ArrowheadEquations now = LineariseArrowhead(layout);
   Eigen::VectorXd last_step;
   double lengthening = 1.0;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -113,13 +114,13 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
     const double cost = now.cost;
     Eigen::VectorXd step;
     {
-      const ArrowFactor factor(std::move(now.hessian));
+      const ArrowheadCholesky factor(std::move(now.hessian));
       visit(factor);
       step = -factor.Solve(now.gradient);
     }
     const double slope = step.dot(now.gradient);
     lengthening =
-        iteration == 0 ? 1.0 : LengtheningOf(step, last_step, lengthening, now.diagonal);
+        iteration == 0 ? 1.0 : AitkenRelaxation(step, last_step, lengthening, now.diagonal);
     last_step = step;
     if (!MoveDown(layout, lengthening * step, &now, &lengthening)) break;
     const double decrease = cost - now.cost;
@@ -139,13 +140,13 @@ EstimationProblem::Solution EstimationProblem::SolveArrow(int max_iterations,
   return {std::move(now), static_cast<int>(layout.FreeColumns().size())};
 }
 
-void EstimationProblem::TakeArrowStep() {
+void EstimationProblem::TakeArrowheadStep() {
   // Of a control point, in rad or m: what such a rotation moves in second order over 10 m is
   // less than the noise of a range.
   constexpr double kSmallStep = 0.05;
   const BlockLayout layout = Layout();
-  ArrowEquations now = LineariseArrow(layout);
-  const Eigen::VectorXd step = -ArrowFactor(std::move(now.hessian)).Solve(now.gradient);
+  ArrowheadEquations now = LineariseArrowhead(layout);
+  const Eigen::VectorXd step = -ArrowheadCholesky(std::move(now.hessian)).Solve(now.gradient);
   const auto of_poses = step.head(layout.NumControlPointColumns());
   if (of_poses.size() > 0 && of_poses.lpNorm<Eigen::Infinity>() > kSmallStep) {
     double share = 1.0;

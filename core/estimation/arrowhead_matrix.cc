@@ -21,7 +21,7 @@ std::vector<int> PositionsOf(const std::vector<int>& variables,
   return positions;
 }
 
-std::vector<int> ArrowTile::BorderRows(const std::vector<int>& variables) {
+std::vector<int> ArrowheadTile::BorderRows(const std::vector<int>& variables) {
   if (!std::includes(seen.begin(), seen.end(), variables.begin(), variables.end())) {
     std::vector<int> all;
     std::set_union(
@@ -35,14 +35,14 @@ std::vector<int> ArrowTile::BorderRows(const std::vector<int>& variables) {
   return PositionsOf(variables, seen);
 }
 
-ArrowMatrix::ArrowMatrix(int num_band, int tile_size, int num_border)
+ArrowheadMatrix::ArrowheadMatrix(int num_band, int tile_size, int num_border)
     : num_band_(num_band),
       tile_size_(tile_size),
       corner_(Eigen::MatrixXd::Zero(num_border, num_border)) {
   CHECK_GT(tile_size, 0);
   for (int first = 0; first < num_band; first += tile_size) {
     const int size = std::min(tile_size, num_band - first);
-    ArrowTile tile;
+    ArrowheadTile tile;
     tile.first = first;
     tile.diagonal.setZero(size, size);
     tile.next.setZero(std::clamp(num_band - first - size, 0, tile_size), size);
@@ -51,7 +51,7 @@ ArrowMatrix::ArrowMatrix(int num_band, int tile_size, int num_border)
   }
 }
 
-void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block) {
+void ArrowheadMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block) {
   const auto band_end = std::lower_bound(columns.begin(), columns.end(), num_band_);
   std::vector<int> border;
   for (auto at = band_end; at != columns.end(); ++at) border.push_back(*at - num_band_);
@@ -62,7 +62,7 @@ void ArrowMatrix::AddBlock(const std::vector<int>& columns, const Eigen::MatrixX
   }
   for (Eigen::Index begin = 0; begin < num_in_band;) {
     const int index = columns[static_cast<size_t>(begin)] / tile_size_;
-    ArrowTile& tile = tiles_[static_cast<size_t>(index)];
+    ArrowheadTile& tile = tiles_[static_cast<size_t>(index)];
     const int next_first = tile.first + tile_size_;
     CHECK_LT(*(band_end - 1), next_first + tile_size_) << "outside the band";
     const auto end = static_cast<Eigen::Index>(

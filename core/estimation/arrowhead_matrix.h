@@ -6,7 +6,7 @@
 namespace plumbline {
 
 // Consecutive variables of an arrow's band, with their share of the matrix.
-struct ArrowTile {
+struct ArrowheadTile {
   int first = 0;             // row of its first variable
   Eigen::MatrixXd diagonal;  // the tile's own block; of a symmetric matrix the lower triangle
   Eigen::MatrixXd next;      // rows of the tile that follows, columns of this one
@@ -34,10 +34,10 @@ std::vector<int> PositionsOf(const std::vector<int>& variables, const std::vecto
 //       [ B^T C ]   C: num_border x num_border
 //
 // B holds only what has been added: a tile sees few of the planes.
-class ArrowMatrix {
+class ArrowheadMatrix {
  public:
   // Tiles of tile_size variables, the last one smaller where num_band is no multiple.
-  ArrowMatrix(int num_band, int tile_size, int num_border);
+  ArrowheadMatrix(int num_band, int tile_size, int num_border);
 
   // H(columns, columns) += the symmetric block; columns ascending, those of the band in the
   // same tile or in adjacent ones, which is CHECKed.
@@ -48,10 +48,10 @@ class ArrowMatrix {
  private:
   int num_band_;
   int tile_size_;
-  std::vector<ArrowTile> tiles_;
+  std::vector<ArrowheadTile> tiles_;
   Eigen::MatrixXd corner_;  // lower triangle of C
 
-  friend class ArrowFactor;
+  friend class ArrowheadCholesky;
 };
 
 }  // namespace plumbline

@@ -67,11 +67,11 @@ NormalEquations EstimationProblem::Linearise(const BlockLayout& layout) const {
   return equations;
 }
 
-std::vector<EstimationProblem::Run> EstimationProblem::RunsOf(
+std::vector<EstimationProblem::RowRange> EstimationProblem::RowRangesOf(
     const GroupTerm& term, const BlockLayout& layout, const BlockPositions& positions) const {
   const SegmentGroup& group = term.group->group();
   const auto num_poses = static_cast<size_t>(group.num_control_points());
-  std::vector<Run> runs;
+  std::vector<RowRange> ranges;
   const auto add = [&](size_t block, int row, int num_rows) {
     const size_t at = positions.at(term.blocks[block]);
     const int begin = layout.offsets[at];
@@ -80,11 +80,11 @@ std::vector<EstimationProblem::Run> EstimationProblem::RunsOf(
     row += num_rows - (end - begin);
     for (int column = begin; column < end; ++column, ++row) {
       if (!layout.is_free[static_cast<size_t>(column)]) continue;
-      if (runs.empty() || runs.back().row + runs.back().size != row ||
-          runs.back().column + runs.back().size != column) {
-        runs.push_back({row, column, 0});
+      if (ranges.empty() || ranges.back().row + ranges.back().size != row ||
+          ranges.back().column + ranges.back().size != column) {
+        ranges.push_back({row, column, 0});
       }
-      ++runs.back().size;
+      ++ranges.back().size;
     }
   };
   for (size_t i = 0; i < num_poses; ++i) {
@@ -95,22 +95,22 @@ std::vector<EstimationProblem::Run> EstimationProblem::RunsOf(
   for (size_t i = 0; i + 1 < offsets.size(); ++i) {
     add(2 * num_poses + i, offsets[i], offsets[i + 1] - offsets[i]);
   }
-  return runs;
+  return ranges;
 }
 
 void EstimationProblem::AddGroup(const GroupTerm& term,
                                  const BlockLayout& layout,
                                  const BlockPositions& positions,
                                  NormalEquations* equations) const {
-  const std::vector<Run> runs = RunsOf(term, layout, positions);
+  const std::vector<RowRange> ranges = RowRangesOf(term, layout, positions);
   const LinearisedGroup::Model model = term.group->ModelAt(term.blocks.data());
   equations->cost += model.cost;
-  for (size_t j = 0; j < runs.size(); ++j) {
-    const Run& by_column = runs[j];
+  for (size_t j = 0; j < ranges.size(); ++j) {
+    const RowRange& by_column = ranges[j];
     equations->gradient.segment(by_column.column, by_column.size) +=
         model.gradient.segment(by_column.row, by_column.size);
-    for (size_t i = j; i < runs.size(); ++i) {
-      const Run& by_row = runs[i];
+    for (size_t i = j; i < ranges.size(); ++i) {
+      const RowRange& by_row = ranges[i];
       equations->hessian.block(by_row.column, by_column.column, by_row.size, by_column.size) +=
           model.hessian.block(by_row.row, by_column.row, by_row.size, by_column.size);
     }

@@ -29,7 +29,7 @@
 
 namespace plumbline {
 
-class ArrowFactor;
+class ArrowheadCholesky;
 
 // A Gaussian on some blocks: history that has been marginalised.
 struct Prior {
@@ -97,21 +97,21 @@ class EstimationProblem {
     double cost = 0.0;   // or this, whichever is more
   };
   struct Solution {
-    ArrowEquations equations;  // at the solution
+    ArrowheadEquations equations;  // at the solution
     int num_unknowns;
   };
   // visit: called with each step's factor, the problem's values still those before the step.
-  using FactorVisitor = std::function<void(const ArrowFactor&)>;
-  Solution SolveArrow(
+  using CholeskyVisitor = std::function<void(const ArrowheadCholesky&)>;
+  Solution SolveArrowhead(
       int max_iterations,
       const Tolerance& tolerance,
-      const FactorVisitor& visit = [](const ArrowFactor&) {});
+      const CholeskyVisitor& visit = [](const ArrowheadCholesky&) {});
   // Its first step alone. Whether that lowers the cost is verified only where it moves a
   // control point far: it takes as long as the step.
-  void TakeArrowStep();
+  void TakeArrowheadStep();
 
   // Normal equations of all the residuals.
-  ArrowEquations LineariseArrow(const BlockLayout& layout) const;
+  ArrowheadEquations LineariseArrowhead(const BlockLayout& layout) const;
   NormalEquations Linearise() const { return Linearise(Layout()); }
   BlockLayout Layout() const;
   // (columns, ascending; dense Jacobian on them; residuals) of a residual block.
@@ -138,7 +138,7 @@ class EstimationProblem {
     std::vector<double*> blocks;
   };
   // Rows of a group that are consecutive columns of a layout, too.
-  struct Run {
+  struct RowRange {
     int row;
     int column;
     int size;
@@ -165,9 +165,9 @@ class EstimationProblem {
   double VisitProducts(const BlockLayout& layout, const ProductVisitor& visit) const;
   NormalEquations Linearise(const BlockLayout& layout) const;
   // A group's rows that are not held, ascending in the layout as in the group.
-  std::vector<Run> RunsOf(const GroupTerm& term,
-                          const BlockLayout& layout,
-                          const BlockPositions& positions) const;
+  std::vector<RowRange> RowRangesOf(const GroupTerm& term,
+                                    const BlockLayout& layout,
+                                    const BlockPositions& positions) const;
   // Adds its cost, gradient and the lower triangle of its Hessian.
   void AddGroup(const GroupTerm& term,
                 const BlockLayout& layout,
@@ -183,7 +183,7 @@ class EstimationProblem {
   // was, where a sixteenth of it would still raise the cost.
   bool MoveDown(const BlockLayout& layout,
                 Eigen::VectorXd step,
-                ArrowEquations* now,
+                ArrowheadEquations* now,
                 double* share);
 
   const Rig& rig_;

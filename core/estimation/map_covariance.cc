@@ -16,7 +16,7 @@ constexpr int kNumWeakDirections = 3;
 
 // Inverse iteration on a small subspace: the smallest eigenvalues of the scaled matrix and
 // their vectors.
-std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
+std::vector<WeakDirection> FindWeakDirections(const ArrowheadCholesky& factor,
                                               const Eigen::VectorXd& diagonal,
                                               const BlockLayout& layout) {
   constexpr int kSubspace = kNumWeakDirections + 3;
@@ -64,10 +64,11 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowFactor& factor,
 }  // namespace
 
 MapCovariance MapCovariance::Of(const EstimationProblem& problem) {
-  return Of(problem, problem.LineariseArrow(problem.Layout()));
+  return Of(problem, problem.LineariseArrowhead(problem.Layout()));
 }
 
-MapCovariance MapCovariance::Of(const EstimationProblem& problem, ArrowEquations equations) {
+MapCovariance MapCovariance::Of(const EstimationProblem& problem,
+                                ArrowheadEquations equations) {
   const BlockLayout layout = problem.Layout();
   MapCovariance result;
   result.planar_ = problem.planar();
@@ -78,7 +79,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem, ArrowEquations
     result.landmark_ids_.push_back(layout.blocks[i].index);
     result.offsets_.push_back(layout.offsets[i + 1] - num_band);
   }
-  ArrowFactor factor(std::move(equations.hessian));
+  ArrowheadCholesky factor(std::move(equations.hessian));
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   result.inverse_ = factor.TakeInverse();
   for (int i = 0; i < layout.size(); ++i) {

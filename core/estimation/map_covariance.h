@@ -28,7 +28,7 @@ class MapCovariance {
   // The inverse of the problem's normal equations: those at its current values, or others of
   // the same unknowns. Throws Error when they do not determine the unknowns.
   static MapCovariance Of(const EstimationProblem& problem);
-  static MapCovariance Of(const EstimationProblem& problem, ArrowEquations equations);
+  static MapCovariance Of(const EstimationProblem& problem, ArrowheadEquations equations);
 
   const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
   // First row of each landmark's parameters; the last element is the size.
@@ -52,7 +52,7 @@ class MapCovariance {
   bool planar_ = false;
   std::vector<int> landmark_ids_;
   std::vector<int> offsets_;
-  ArrowInverse inverse_;
+  ArrowheadInverse inverse_;
   std::vector<WeakDirection> weak_directions_;
 };
 

@@ -51,7 +51,7 @@ void ForEachPrior(const EstimationProblem& problem, const PriorVisitor& visit) {
 
 MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
                                   const EstimationProblem& problem,
-                                  const ArrowFactor& factor) {
+                                  const ArrowheadCholesky& factor) {
   std::array<double, kNumKinds> sum_squares = {};
   std::array<int, kNumKinds> count = {};
   Eigen::MatrixXd probes = Eigen::MatrixXd::Zero(factor.size(), kNumKinds * kNumProbes);
@@ -92,7 +92,7 @@ MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
 void CorrectForMotion(const MotionNoise& assumed,
                       const MotionNoise& found,
                       const EstimationProblem& problem,
-                      ArrowEquations* equations) {
+                      ArrowheadEquations* equations) {
   std::array<double, kNumKinds> weights;
   for (size_t kind = 0; kind < kNumKinds; ++kind) {
     const double rho = std::pow(StddevsOf(found)[kind] / StddevsOf(assumed)[kind], 2);

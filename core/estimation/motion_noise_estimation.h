@@ -7,9 +7,9 @@
 
 namespace plumbline {
 
-class ArrowFactor;
+class ArrowheadCholesky;
 class EstimationProblem;
-struct ArrowEquations;
+struct ArrowheadEquations;
 
 // One step towards the noise that makes the recording likeliest. For the accelerations a_i of
 // the estimate under `assumed`, and their posterior variances v_i, of each kind:
@@ -24,7 +24,7 @@ struct ArrowEquations;
 // matrix.
 MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
                                   const EstimationProblem& problem,
-                                  const ArrowFactor& factor);
+                                  const ArrowheadCholesky& factor);
 
 // Adds to the normal matrix of an estimate, and its diagonal, what makes the matrix' inverse
 // the covariance of the estimate's errors where the motion has other noise than its prior
@@ -37,6 +37,6 @@ MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
 void CorrectForMotion(const MotionNoise& assumed,
                       const MotionNoise& found,
                       const EstimationProblem& problem,
-                      ArrowEquations* equations);
+                      ArrowheadEquations* equations);
 
 }  // namespace plumbline

@@ -49,7 +49,7 @@ double Landmark::Distance() const {
 
 Eigen::Matrix2d Landmark::DeviationJacobian(const Eigen::Vector3d& p_world,
                                             const Eigen::Vector3d& direction_world) const {
-  return LandmarkCandidate(*this).DeviationJacobian(p_world, direction_world);
+  return LandmarkView(*this).DeviationJacobian(p_world, direction_world);
 }
 
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {

@@ -4,7 +4,7 @@
 
 namespace plumbline {
 
-LandmarkCandidate::LandmarkCandidate(const Landmark& of)
+LandmarkView::LandmarkView(const Landmark& of)
     : landmark(&of),
       normal(of.Normal()),
       distance(of.Distance()),
@@ -16,8 +16,8 @@ LandmarkCandidate::LandmarkCandidate(const Landmark& of)
       heading_fixed(of.heading_fixed),
       covariance(of.covariance) {}
 
-Eigen::Matrix2d LandmarkCandidate::DeviationJacobian(
-    const Eigen::Vector3d& p_world, const Eigen::Vector3d& direction_world) const {
+Eigen::Matrix2d LandmarkView::DeviationJacobian(const Eigen::Vector3d& p_world,
+                                                const Eigen::Vector3d& direction_world) const {
   Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();
   if (landmark->model == PlaneModel::kHorizontal) {
     jacobian(0, 0) = -1.0;

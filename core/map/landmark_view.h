@@ -8,7 +8,7 @@ namespace plumbline {
 
 // A landmark as tests of many observations look at it: what they ask for at hand, in one
 // place. Valid while the landmark stands still.
-struct LandmarkCandidate {
+struct LandmarkView {
   const Landmark* landmark;
   Eigen::Vector3d normal;
   double distance;
@@ -23,7 +23,7 @@ struct LandmarkCandidate {
   bool heading_fixed;
   Eigen::Matrix2d covariance;
 
-  explicit LandmarkCandidate(const Landmark& of);
+  explicit LandmarkView(const Landmark& of);
   double SignedDistance(const Eigen::Vector3d& p_world) const {
     return normal.dot(p_world) - distance;
   }

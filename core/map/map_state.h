@@ -19,7 +19,7 @@ struct MapState {
   // Beams of planes that no segment on them has: too few for one of their own, or parts of one
   // on no plane (core/visibility/resegmentation.h). With their landmarks; by scan line and
   // beam.
-  std::deque<Observation> short_runs = {};
+  std::deque<Observation> sub_minimum_segments = {};
 };
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in

@@ -24,15 +24,15 @@ LineBlockReader::LineBlockReader(RecordingReader* recording, const MapState& sta
   recording->Rewind();
 }
 
-bool LineBlockReader::Next(LineBlock* block) {
+bool LineBlockReader::Next(ScanLineBatch* block) {
   block->lines.resize(kLinesPerBlock);
   size_t num_lines = 0;
   while (num_lines < kLinesPerBlock && recording_->Next(&block->lines[num_lines].scan_line)) {
-    LineBlock::Line& line = block->lines[num_lines];
+    ScanLineBatch::Line& line = block->lines[num_lines];
     line.first_observation = next_observation_;
     line.first_run = next_run_;
     Pass(state_.observations, next_index_, &next_observation_);
-    Pass(state_.short_runs, next_index_, &next_run_);
+    Pass(state_.sub_minimum_segments, next_index_, &next_run_);
     line.last_observation = next_observation_;
     line.last_run = next_run_;
     ++next_index_;
@@ -42,7 +42,7 @@ bool LineBlockReader::Next(LineBlock* block) {
   block->end_index = next_index_;
   if (num_lines > 0) return true;
   CHECK_EQ(next_observation_, state_.observations.size()) << "observations out of order";
-  CHECK_EQ(next_run_, state_.short_runs.size()) << "short runs out of order";
+  CHECK_EQ(next_run_, state_.sub_minimum_segments.size()) << "short runs out of order";
   return false;
 }
 

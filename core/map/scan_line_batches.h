@@ -10,8 +10,8 @@
 namespace plumbline {
 
 // Some scan lines that follow each other in a recording, and what a map's state holds of each:
-// positions [first, last) in observations and short_runs.
-struct LineBlock {
+// positions [first, last) in observations and sub_minimum_segments.
+struct ScanLineBatch {
   struct Line {
     ScanLine scan_line;
     size_t first_observation = 0;
@@ -31,7 +31,7 @@ class LineBlockReader {
   LineBlockReader(RecordingReader* recording, const MapState& state);
 
   // False at the end. The block's memory is used again.
-  bool Next(LineBlock* block);
+  bool Next(ScanLineBatch* block);
 
  private:
   RecordingReader* recording_;

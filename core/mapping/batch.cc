@@ -66,13 +66,13 @@ class Batch {
         openings_(state->landmarks.size()),
         motion_noise_(MotionNoise::Of(options.trajectory)) {}
 
-  // See RecutSegments; last: the openings are not counted once more.
+  // See ResegmentRecording; last: the openings are not counted once more.
   int Recut(RecordingReader* recording, bool last) {
-    OpeningMap counted;
-    const int num_recut =
-        RecutSegments(rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
+    OccupancyGrids counted;
+    const int num_resegmented = ResegmentRecording(
+        rig_, options_, recording, openings_, last ? nullptr : &counted, state_);
     openings_ = counted.OpeningsOf(state_->landmarks);
-    return num_recut;
+    return num_resegmented;
   }
 
   // The noise of the motion that the last estimation is to assume. The options' own is wide
@@ -81,9 +81,9 @@ class Batch {
   void EstimateMotionNoise() {
     for (int step = 0; step < kNoiseSteps; ++step) {
       const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-      EstimationProblem::Solution solution = problem->SolveArrow(1, kRoundTolerance);
+      EstimationProblem::Solution solution = problem->SolveArrowhead(1, kRoundTolerance);
       motion_noise_ = ReestimateMotionNoise(
-          motion_noise_, *problem, ArrowFactor(std::move(solution.equations.hessian)));
+          motion_noise_, *problem, ArrowheadCholesky(std::move(solution.equations.hessian)));
     }
   }
 
@@ -101,7 +101,7 @@ class Batch {
         associated.push_back(&observation);
       }
     }
-    for (const Observation& run : state_->short_runs) {
+    for (const Observation& run : state_->sub_minimum_segments) {
       if (factor == FactorKind::kPoint) {
         problem->AddPoints(run);
       } else {
@@ -114,12 +114,12 @@ class Batch {
 
   // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
   // the weakly determined directions, the shape of a long loop above all. visit: as
-  // SolveArrow's; with single beams called once, at the solution.
+  // SolveArrowhead's; with single beams called once, at the solution.
   EstimationProblem::Solution SolveFinally(FactorKind factor,
                                            EstimationProblem* problem,
-                                           const EstimationProblem::FactorVisitor& visit) {
+                                           const EstimationProblem::CholeskyVisitor& visit) {
     if (factor == FactorKind::kSegment) {
-      return problem->SolveArrow(kMaxIterations, kFinalTolerance, visit);
+      return problem->SolveArrowhead(kMaxIterations, kFinalTolerance, visit);
     }
     ceres::Solver::Options options;
     // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
@@ -130,20 +130,20 @@ class Batch {
     options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
     options.logging_type = ceres::SILENT;
     const ceres::Solver::Summary summary = problem->Solve(options);
-    EstimationProblem::Solution solution{problem->LineariseArrow(problem->Layout()),
+    EstimationProblem::Solution solution{problem->LineariseArrowhead(problem->Layout()),
                                          summary.num_effective_parameters_reduced};
-    visit(ArrowFactor(solution.equations.hessian));
+    visit(ArrowheadCholesky(solution.equations.hessian));
     return solution;
   }
 
   // While associations may still be wrong.
   void EstimateRobustly() {
     BuildProblem(FactorKind::kSegment, kHuberWidth)
-        ->SolveArrow(kMaxIterations, kRoundTolerance);
+        ->SolveArrowhead(kMaxIterations, kRoundTolerance);
   }
   // Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
   // associations will move.
-  void StepRobustly() { BuildProblem(FactorKind::kSegment, kHuberWidth)->TakeArrowStep(); }
+  void StepRobustly() { BuildProblem(FactorKind::kSegment, kHuberWidth)->TakeArrowheadStep(); }
 
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
@@ -160,7 +160,7 @@ class Batch {
       if (id < 0 || !which[static_cast<size_t>(id)]) continue;
       CountObservation(observation, poses.Of(observation), state_);
     }
-    for (const Observation& run : state_->short_runs) {
+    for (const Observation& run : state_->sub_minimum_segments) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(run.landmark_id)];
       if (!which[static_cast<size_t>(run.landmark_id)] || landmark.num_segments == 0) continue;
       landmark.num_points += run.num_points;
@@ -180,25 +180,24 @@ class Batch {
   int Reassociate() {
     int num_changed = 0;
     SharedPoses poses(rig_, state_->trajectory);
-    std::vector<LandmarkCandidate> within_gap;
-    std::vector<LandmarkCandidate> candidates;
+    std::vector<LandmarkView> within_gap;
+    std::vector<LandmarkView> candidates;
     int scan_index = -1;
     for (size_t i = 0; i < state_->observations.size(); ++i) {
       Observation& observation = state_->observations[i];
       if (observation.scan_index != scan_index) {
         if (scan_index < 0 || !options_.loop_closure.enabled) {
-          within_gap = CandidatesWithinGap(
-              state_->landmarks, observation.scan_index, options_.loop_closure);
+          within_gap =
+              ViewsWithinGap(state_->landmarks, observation.scan_index, options_.loop_closure);
         }
         scan_index = observation.scan_index;
-        candidates =
-            CandidatesWithin(ReachOfScan(rig_,
-                                         state_->observations,
-                                         i,
-                                         poses.Of(observation).world_from_body.translation,
-                                         Matrix6d::Zero(),
-                                         options_.association),
-                             within_gap);
+        candidates = ViewsWithin(ReachOfScan(rig_,
+                                             state_->observations,
+                                             i,
+                                             poses.Of(observation).world_from_body.translation,
+                                             Matrix6d::Zero(),
+                                             options_.association),
+                                 within_gap);
       }
       if (observation.num_points == 0) continue;  // all of its beams are left out
       int id = FindLandmark(observation,
@@ -227,7 +226,7 @@ class Batch {
   // The landmarks that others were merged into, one entry for each of these.
   std::vector<int> MergeDuplicates() {
     std::vector<int> merged_into;
-    const auto pairs = FindDuplicates(rig_, *state_, options_, 0);
+    const auto pairs = FindMergeablePlanes(rig_, *state_, options_, 0);
     // A landmark that was itself merged away passes its share on.
     std::vector<int> target(state_->landmarks.size());
     for (size_t i = 0; i < target.size(); ++i) target[i] = static_cast<int>(i);
@@ -240,20 +239,20 @@ class Batch {
     return merged_into;
   }
 
-  // Takes the observations from landmarks that only repeat a stronger one (IsShadow).
+  // Takes the observations from landmarks that only repeat a stronger one (IsRedundant).
   int DropShadows() {
     const double range_noise_m = MaxRangeNoise(rig_);
-    std::vector<bool> is_shadow(state_->landmarks.size(), false);
+    std::vector<bool> is_redundant(state_->landmarks.size(), false);
     for (const Landmark& weak : state_->landmarks) {
       for (const Landmark& strong : state_->landmarks) {
         if (weak.num_points == 0 || weak.num_points >= strong.num_points) continue;
         if (!IsWithinGap(strong, weak.first_scan, options_.loop_closure)) continue;
-        if (!IsShadow(weak, strong, range_noise_m)) continue;
-        is_shadow[static_cast<size_t>(weak.id)] = true;
+        if (!IsRedundant(weak, strong, range_noise_m)) continue;
+        is_redundant[static_cast<size_t>(weak.id)] = true;
         break;
       }
     }
-    return Release(is_shadow);
+    return Release(is_redundant);
   }
 
   // Takes the observations from landmarks that other beams pass through.
@@ -300,7 +299,7 @@ class Batch {
       if (observation.landmark_id < 0) continue;
       in_segments[static_cast<size_t>(observation.landmark_id)] += observation.num_points;
     }
-    for (const Observation& run : state_->short_runs) {
+    for (const Observation& run : state_->sub_minimum_segments) {
       in_runs[static_cast<size_t>(run.landmark_id)] += run.num_points;
     }
     std::vector<bool> is_slant;
@@ -308,7 +307,7 @@ class Batch {
       is_slant.push_back(in_runs[i] > kMaxRunsShare * in_segments[i]);
     }
     const int num_released = Release(is_slant);
-    std::deque<Observation>& runs = state_->short_runs;
+    std::deque<Observation>& runs = state_->sub_minimum_segments;
     runs.erase(std::remove_if(runs.begin(),
                               runs.end(),
                               [&](const Observation& run) {
@@ -321,7 +320,7 @@ class Batch {
   // Of the estimate that these equations are of, for a motion of the noise found.
   MapCovariance SetCovariances(const EstimationProblem& problem,
                                const MotionNoise& found,
-                               ArrowEquations equations) {
+                               ArrowheadEquations equations) {
     CorrectForMotion(motion_noise_, found, problem, &equations);
     MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
     const std::vector<int>& offsets = covariance.offsets();
@@ -344,7 +343,7 @@ class Batch {
     report->motion_noise = motion_noise_;
     std::optional<MotionNoise> found;  // before the first step: little changes after it
     EstimationProblem::Solution solution =
-        SolveFinally(factor, problem.get(), [&](const ArrowFactor& at) {
+        SolveFinally(factor, problem.get(), [&](const ArrowheadCholesky& at) {
           if (!found) found = ReestimateMotionNoise(motion_noise_, *problem, at);
         });
     VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
@@ -370,7 +369,7 @@ class Batch {
       constant += offset * offset * observation.measurement.constant();
     };
     for (const Observation& observation : state_->observations) add(observation);
-    for (const Observation& run : state_->short_runs) add(run);
+    for (const Observation& run : state_->sub_minimum_segments) add(run);
     return (2.0 * solution.equations.cost + constant) / (num_points - solution.num_unknowns);
   }
 
@@ -450,15 +449,15 @@ BatchReport EstimateBatch(const Rig& rig,
     const double next = ChangesToCome(report.changed_associations, last_changes);
     last_changes = report.changed_associations;
     // Openings are known from the second reading of the recording on.
-    const bool may_stand = round > 1 || !options.batch.recut_segments;
+    const bool may_stand = round > 1 || !options.batch.resegment;
     const bool stands =
         may_stand && next < kStandingShare * static_cast<double>(state->observations.size());
     const bool last = stands || round == options.batch.max_rounds;
-    if (options.batch.recut_segments && (round == 1 || last)) {
+    if (options.batch.resegment && (round == 1 || last)) {
       batch.RecountLandmarks();
-      const int num_recut = batch.Recut(recording, last);
+      const int num_resegmented = batch.Recut(recording, last);
       const int num_slants = batch.DropSlants();
-      VLOG(1) << "ends of " << num_recut << " segments moved, " << num_slants
+      VLOG(1) << "ends of " << num_resegmented << " segments moved, " << num_slants
               << " segments taken from slants";
       share_done = last ? kLastCutShare : kFirstCutShare;
       progress(share_done);

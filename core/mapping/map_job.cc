@@ -54,10 +54,10 @@ void WriteWindow(const MapResult& result, ResultWriter* writer) {
   std::vector<StampedPose> poses;
   std::vector<StampedCovariance> covariances;
   const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
-  for (const WindowStatement& statement : result.window_statements) {
-    poses.push_back(statement.newest_pose);
-    covariances.push_back({statement.newest_pose.time_ns,
-                           statement.pose_covariance(position_first, position_first)});
+  for (const WindowEstimate& estimate : result.window_estimates) {
+    poses.push_back(estimate.newest_pose);
+    covariances.push_back({estimate.newest_pose.time_ns,
+                           estimate.pose_covariance(position_first, position_first)});
   }
   writer->WriteWindow(poses, covariances, result.window_planes);
 }
@@ -127,7 +127,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
   writer.WriteTrajectoryCovariance(PoseCovariances(result));
   writer.WritePlaneCovariance(covariance);
-  if (!result.window_statements.empty()) WriteWindow(result, &writer);
+  if (!result.window_estimates.empty()) WriteWindow(result, &writer);
   const PointReport points = ExportPoints(
       rig,
       result.state,

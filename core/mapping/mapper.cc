@@ -76,10 +76,9 @@ void FollowRecording(const Rig& rig,
 }
 
 // The planes of the last statement, as they are estimated now.
-PlaneCovariance PlanesOf(const std::vector<WindowStatement>& statements,
-                         const MapState& state) {
-  if (statements.empty()) return {};
-  const WindowStatement& last = statements.back();
+PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const MapState& state) {
+  if (estimates.empty()) return {};
+  const WindowEstimate& last = estimates.back();
   std::vector<PlanePatch> patches;
   std::vector<int> rows;
   int row = 0;
@@ -116,9 +115,9 @@ MapResult MapRecording(const Rig& rig,
     const Stopwatch::Running running(&tracking_watch);
     FollowRecording(rig, planar, options, progress, recording, &follower, &warnings);
   }
-  PlaneCovariance window_planes = PlanesOf(follower.statements(), follower.state());
+  PlaneCovariance window_planes = PlanesOf(follower.estimates(), follower.state());
   MapResult result(std::move(follower.state()));
-  result.window_statements = follower.statements();
+  result.window_estimates = follower.estimates();
   result.window_planes = std::move(window_planes);
   result.planar = planar;
   result.scan_times_ns = follower.scan_times_ns();

@@ -23,9 +23,9 @@ struct MapResult {
 
   MapState state;
   bool planar = false;
-  std::vector<int64_t> scan_times_ns;              // instant of each mapped scan
-  std::vector<WindowStatement> window_statements;  // where the options ask for them
-  PlaneCovariance window_planes;                   // of the last one
+  std::vector<int64_t> scan_times_ns;            // instant of each mapped scan
+  std::vector<WindowEstimate> window_estimates;  // where the options ask for them
+  PlaneCovariance window_planes;                 // of the last one
   BatchReport batch;
   std::vector<std::pair<std::string, double>> stages;  // name, seconds
   std::vector<std::string> warnings;

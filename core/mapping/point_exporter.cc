@@ -86,7 +86,7 @@ struct LineCount {
 
 // Some scan lines on their way into the map.
 struct Item {
-  LineBlock block;
+  ScanLineBatch block;
   std::vector<LineCount> counts;  // of the block's lines
   PackedPoints points;
 };
@@ -97,7 +97,7 @@ class LinePlacer {
   // planes: of the landmarks, by id.
   LinePlacer(const Rig& rig,
              const MapState& state,
-             const std::vector<LandmarkCandidate>& planes,
+             const std::vector<LandmarkView>& planes,
              int64_t start_ns)
       : rig_(rig),
         state_(state),
@@ -105,12 +105,13 @@ class LinePlacer {
         start_ns_(start_ns),
         sampler_(state.trajectory) {}
 
-  LineCount Place(const LineBlock::Line& line, PackedPoints* points) {
+  LineCount Place(const ScanLineBatch::Line& line, PackedPoints* points) {
     plane_of_beam_.assign(line.scan_line.ranges.size(), nullptr);
     for (size_t i = line.first_observation; i < line.last_observation; ++i) {
       Assign(state_.observations[i]);
     }
-    for (size_t i = line.first_run; i < line.last_run; ++i) Assign(state_.short_runs[i]);
+    for (size_t i = line.first_run; i < line.last_run; ++i)
+      Assign(state_.sub_minimum_segments[i]);
     return PlaceBeams(line.scan_line, points);
   }
 
@@ -118,7 +119,7 @@ class LinePlacer {
   // Notes the plane of an observation's beams.
   void Assign(const Observation& observation) {
     if (observation.landmark_id < 0) return;
-    const LandmarkCandidate* plane = &planes_[static_cast<size_t>(observation.landmark_id)];
+    const LandmarkView* plane = &planes_[static_cast<size_t>(observation.landmark_id)];
     for (int beam = observation.first_beam; beam <= observation.last_beam; ++beam) {
       plane_of_beam_[static_cast<size_t>(beam)] = plane;
     }
@@ -158,7 +159,7 @@ class LinePlacer {
       point.time_s = SecondsBetween(start_ns_, time_ns);
       point.scanner = scan_line.scanner_index;
       point.residual_m = std::numeric_limits<float>::quiet_NaN();
-      if (const LandmarkCandidate* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
+      if (const LandmarkView* plane = plane_of_beam_[static_cast<size_t>(beam)]) {
         const double residual = plane->SignedDistance(p_world);
         ++count.num_used;
         count.sum_squares += residual * residual;
@@ -172,10 +173,10 @@ class LinePlacer {
 
   const Rig& rig_;
   const MapState& state_;
-  const std::vector<LandmarkCandidate>& planes_;
+  const std::vector<LandmarkView>& planes_;
   int64_t start_ns_;
   PoseSampler sampler_;
-  std::vector<const LandmarkCandidate*> plane_of_beam_;
+  std::vector<const LandmarkView*> plane_of_beam_;
 };
 
 }  // namespace
@@ -185,19 +186,19 @@ PointReport ExportPoints(const Rig& rig,
                          const ProgressCallback& progress,
                          RecordingReader* recording,
                          ResultWriter* writer) {
-  std::vector<LandmarkCandidate> planes;
+  std::vector<LandmarkView> planes;
   for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
   LineBlockReader reader(recording, state);
   SupportOverTime support;
   double sum_squares = 0.0;
   PointReport report;
-  ForEachInOrder<Item>(
+  RunOrderedPipeline<Item>(
       [&](Item* item) { return reader.Next(&item->block); },
       [&](Item* item) {
         LinePlacer placer(rig, state, planes, recording->start_ns());
         item->points.Clear();
         item->counts.clear();
-        for (const LineBlock::Line& line : item->block.lines) {
+        for (const ScanLineBatch::Line& line : item->block.lines) {
           item->counts.push_back(placer.Place(line, &item->points));
         }
       },

@@ -130,17 +130,17 @@ void ScanFollower::Accept(int observation_index, bool tracked) {
 void ScanFollower::Judge(const Observation& observation) {
   Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
   if (landmark.IsJudged()) return;
-  for (const PossibleLandmark& on : PossibleLandmarks(
+  for (const Hypothesis& on : HypothesesOf(
            observation,
            poses_->Of(observation),
            tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()),
-           {LandmarkCandidate(landmark)},
+           {LandmarkView(landmark)},
            options_.association)) {
     landmark.Judge(on.distance2);
   }
 }
 
-void ScanFollower::AddLandmark(PlaneCandidate candidate) {
+void ScanFollower::AddLandmark(TentativePlane candidate) {
   candidate.landmark.id = static_cast<int>(state_->landmarks.size());
   state_->landmarks.push_back(std::move(candidate.landmark));
   for (const int index : candidate.observations) {
@@ -149,18 +149,18 @@ void ScanFollower::AddLandmark(PlaneCandidate candidate) {
   }
 }
 
-bool ScanFollower::ShadowsLandmark(const PlaneCandidate& candidate) const {
+bool ScanFollower::IsRedundantPlane(const TentativePlane& candidate) const {
   const int scan_index = static_cast<int>(scan_times_ns_.size()) - 1;
   return std::any_of(
       state_->landmarks.begin(), state_->landmarks.end(), [&](const Landmark& landmark) {
         return landmark.num_segments > 0 &&
                IsWithinGap(landmark, scan_index, options_.loop_closure) &&
-               IsShadow(candidate.landmark, landmark, MaxRangeNoise(rig_));
+               IsRedundant(candidate.landmark, landmark, MaxRangeNoise(rig_));
       });
 }
 
 void ScanFollower::StartPlanes(int min_scans) {
-  for (PlaneCandidate& candidate : candidates_.TakeReady(min_scans)) {
+  for (TentativePlane& candidate : candidates_.TakeReady(min_scans)) {
     // An observation that served two candidates belongs to the one that came first.
     std::vector<int>& indices = candidate.observations;
     indices.erase(
@@ -171,7 +171,7 @@ void ScanFollower::StartPlanes(int min_scans) {
                                 0;
                        }),
         indices.end());
-    if (static_cast<int>(indices.size()) < min_scans || ShadowsLandmark(candidate)) continue;
+    if (static_cast<int>(indices.size()) < min_scans || IsRedundantPlane(candidate)) continue;
     AddLandmark(std::move(candidate));
   }
 }
@@ -179,7 +179,8 @@ void ScanFollower::StartPlanes(int min_scans) {
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
-  for (const auto& [into, from] : FindDuplicates(rig_, *state_, options_, last_solved_scan_)) {
+  for (const auto& [into, from] :
+       FindMergeablePlanes(rig_, *state_, options_, last_solved_scan_)) {
     const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
     if (older.num_segments == 0) continue;
     if (!MayBeTakenUp(older, last_solved_scan_, options_.loop_closure)) continue;
@@ -223,13 +224,13 @@ void ScanFollower::Follow(const Scan& scan) {
   tracker_->Track(first, last, {state_->landmarks, scan_index, options_.loop_closure});
   CheckNotLost(scan.end_ns);
   // Where an unsteady rig was, and so where planes meet, is hardly known.
-  if (options_.window.recut_segments && tracker_->IsSteady(scan.end_ns)) {
-    RecutScan(rig_,
-              options_,
-              scan,
-              static_cast<size_t>(first),
-              tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
-              state_.get());
+  if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
+    ResegmentScan(rig_,
+                  options_,
+                  scan,
+                  static_cast<size_t>(first),
+                  tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
+                  state_.get());
   }
   poses_.emplace(rig_, state_->trajectory);
   for (int index = first; index <= last; ++index) {

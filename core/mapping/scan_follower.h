@@ -32,7 +32,7 @@ class ScanFollower {
   bool started() const { return window_ != nullptr; }
   MapState& state() { return *state_; }
   const std::vector<int64_t>& scan_times_ns() const { return scan_times_ns_; }
-  const std::vector<WindowStatement>& statements() const { return window_->statements(); }
+  const std::vector<WindowEstimate>& estimates() const { return window_->estimates(); }
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
 
   // Looks for the model frame in this scan; false when it does not show.
@@ -46,8 +46,8 @@ class ScanFollower {
   void Accept(int observation_index, bool tracked);
   void Judge(const Observation& observation);
   void StartPlanes(int min_scans);
-  bool ShadowsLandmark(const PlaneCandidate& candidate) const;
-  void AddLandmark(PlaneCandidate candidate);
+  bool IsRedundantPlane(const TentativePlane& candidate) const;
+  void AddLandmark(TentativePlane candidate);
   void SolveWindow(int64_t now_ns);
   void CheckNotLost(int64_t now_ns);
 
@@ -55,7 +55,7 @@ class ScanFollower {
   bool planar_;
   const MapperOptions& options_;
   double scan_period_s_;
-  CandidatePlanes candidates_;
+  TentativePlanes candidates_;
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<Tracker> tracker_;

@@ -41,13 +41,16 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("min_points", o.planes.min_points, 3, 10000);
     s.Number("max_direction_sigma_deg", o.planes.max_direction_sigma_deg, 0.01, 90.0);
     s.Integer("min_scans", o.planes.min_scans, 1, 1000);
-    s.Number("max_candidate_age_s", o.planes.max_candidate_age_s, 0.0, 1e6);
+    s.Number("max_tentative_age_s", o.planes.max_tentative_age_s, 0.0, 1e6);
+    s.Renamed("max_candidate_age_s", "max_tentative_age_s");
   });
   v.Section("window", [&](auto& s) {
     s.Integer("num_scans", o.window.num_scans, 2, 10000);
     s.Integer("knot_intervals_per_step", o.window.knot_intervals_per_step, 1, 100);
-    s.Flag("recut_segments", o.window.recut_segments);
-    s.Flag("keep_statements", o.window.keep_statements);
+    s.Flag("resegment", o.window.resegment);
+    s.Renamed("recut_segments", "resegment");
+    s.Flag("keep_estimates", o.window.keep_estimates);
+    s.Renamed("keep_statements", "keep_estimates");
   });
   v.Section("loop_closure", [&](auto& s) {
     s.Flag("enabled", o.loop_closure.enabled);
@@ -57,7 +60,8 @@ void Visit(Options& o, Visitor& v) {
   v.Section("batch", [&](auto& s) {
     s.Choice("factor", o.batch.factor, {"segment", "point"});
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
-    s.Flag("recut_segments", o.batch.recut_segments);
+    s.Flag("resegment", o.batch.resegment);
+    s.Renamed("recut_segments", "resegment");
     s.Flag("estimate_motion_noise", o.batch.estimate_motion_noise);
   });
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
@@ -72,6 +76,9 @@ struct FieldReader {
     node.Optional(key, &value, min, max);
   }
   void Flag(const char* key, bool& value) { node.Optional(key, &value); }
+  void Renamed(const char* old_key, const char* new_key) {
+    node.RejectRenamed(old_key, new_key);
+  }
   template <typename Enum>
   void Choice(const char* key, Enum& value, const std::vector<std::string>& words) {
     if (node.Has(key)) value = static_cast<Enum>(node[key].AsChoice(words));
@@ -99,6 +106,7 @@ struct FieldWriter {
   void Choice(const char* key, Enum value, const std::vector<std::string>& words) {
     Line(key) << words[static_cast<size_t>(value)] << "\n";
   }
+  void Renamed(const char*, const char*) {}
   std::ostream& Line(const char* key) { return out << "  " << key << ": "; }
 };
 

@@ -36,16 +36,16 @@ struct PlaneOptions {
   int min_points = 8;                    // of a segment that starts a plane
   double max_direction_sigma_deg = 3.0;  // of a segment that starts a plane
   int min_scans = 4;                     // that must agree before a new plane is trusted
-  double max_candidate_age_s = 1.0;      // a candidate not seen for so long is dropped
+  double max_tentative_age_s = 1.0;      // a candidate not seen for so long is dropped
 };
 
 struct WindowOptions {
   int num_scans = 10;  // estimated together; what is older is marginalised
   // While the tracker alone follows the rig well; else one.
   int knot_intervals_per_step = 2;
-  bool recut_segments = true;  // cut segments where the planes known so far meet
+  bool resegment = true;  // cut segments where the planes known so far meet
   // Whether what it states, pose by pose, is kept for the result: what one knows on the way.
-  bool keep_statements = false;
+  bool keep_estimates = false;
 };
 
 struct LoopClosureOptions {
@@ -57,9 +57,9 @@ enum class FactorKind { kSegment, kPoint };
 
 struct BatchOptions {
   FactorKind factor =
-      FactorKind::kSegment;    // kPoint: one residual per beam, slow; for comparison
-  int max_rounds = 6;          // of estimation and renewed association
-  bool recut_segments = true;  // cut segments anew where the estimated planes meet
+      FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
+  int max_rounds = 6;        // of estimation and renewed association
+  bool resegment = true;     // cut segments anew where the estimated planes meet
   // Whether the last estimation's prior on the motion is as wide as the recording says, not as
   // the trajectory's options give it: poses become more accurate, the batch takes longer.
   bool estimate_motion_noise = false;

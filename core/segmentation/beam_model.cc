@@ -7,30 +7,31 @@
 
 namespace plumbline {
 
-static_assert(BeamFan::kBlock % kLanes == 0);
+static_assert(BeamModel::kBlock % kSimdWidth == 0);
 
 // See the comment of the class.
-struct BeamFan::LanesMeeting {
-  Lanes point_x, point_y;  // p
-  Lanes f;
-  Lanes variance;  // V
-  Lanes is_met;    // positive if f and V make sense
+struct BeamModel::SimdIntersection {
+  Simd point_x, point_y;  // p
+  Simd f;
+  Simd variance;  // V
+  Simd is_met;    // positive if f and V make sense
 };
 
-inline BeamFan::LanesMeeting BeamFan::MeetLanes(int i, const Eigen::Vector2d& q) const {
+inline BeamModel::SimdIntersection BeamModel::IntersectSimd(int i,
+                                                            const Eigen::Vector2d& q) const {
   const double qx = q.x();
   const double qy = q.y();
-  const Lanes ux = LoadLanes(direction_x_ + i);
-  const Lanes uy = LoadLanes(direction_y_ + i);
-  const Lanes ox = LoadLanes(origin_x_ + i);
-  const Lanes oy = LoadLanes(origin_y_ + i);
-  const Lanes slope = qx * ux + qy * uy;
-  const Lanes numerator = 1.0 - (qx * ox + qy * oy);
-  const Lanes by_angle = angle_noise_ * numerator * (qy * ux - qx * uy);
-  const Lanes slope2 = slope * slope;
+  const Simd ux = LoadSimd(direction_x_ + i);
+  const Simd uy = LoadSimd(direction_y_ + i);
+  const Simd ox = LoadSimd(origin_x_ + i);
+  const Simd oy = LoadSimd(origin_y_ + i);
+  const Simd slope = qx * ux + qy * uy;
+  const Simd numerator = 1.0 - (qx * ox + qy * oy);
+  const Simd by_angle = angle_noise_ * numerator * (qy * ux - qx * uy);
+  const Simd slope2 = slope * slope;
   return {slope * ox + numerator * ux,
           slope * oy + numerator * uy,
-          slope * (LoadLanes(range_ + i) * slope - numerator),
+          slope * (LoadSimd(range_ + i) * slope - numerator),
           range_variance_ * (slope2 * slope2) + by_angle * by_angle,
           Smaller(numerator, slope * (2.0 * max_range_) - numerator)};
 }
@@ -38,17 +39,17 @@ inline BeamFan::LanesMeeting BeamFan::MeetLanes(int i, const Eigen::Vector2d& q)
 // With a constant twist (v, w) the scanner at time t is turned by w t and lies at
 // t (sin(wt)/(wt) v + (1 - cos(wt))/(wt) v_perp); both factors as series, good to 1e-9 for a
 // turn of 0.2 rad.
-BeamFan::BeamFan(const ScanLine& scan_line,
-                 const Scanner& scanner,
-                 const ScannerMotion& motion,
-                 double outlier_threshold)
+BeamModel::BeamModel(const ScanLine& scan_line,
+                     const Scanner& scanner,
+                     const ScannerMotion& motion,
+                     double outlier_threshold)
     : num_beams_(scan_line.num_beams()),
       range_variance_(scanner.range_noise_m * scanner.range_noise_m),
       angle_noise_(scanner.angle_noise_rad),
       max_range_(scanner.max_range_m),
       outlier_threshold_(outlier_threshold) {
   // In whole lanes.
-  const int length = (num_beams_ + kBlock + kLanes - 1) / kLanes * kLanes;
+  const int length = (num_beams_ + kBlock + kSimdWidth - 1) / kSimdWidth * kSimdWidth;
   columns_.reset(new double[5 * static_cast<size_t>(length)]);
   origin_x_ = columns_.get();
   origin_y_ = origin_x_ + length;
@@ -60,25 +61,25 @@ BeamFan::BeamFan(const ScanLine& scan_line,
   const double turn = motion.yaw_rate_rad_s * scan_line.time_increment_s;
   const double start = scan_line.angle_min - middle * turn;
   const double increment = scan_line.angle_increment + turn;
-  const double step_x = std::cos(kLanes * increment);
-  const double step_y = std::sin(kLanes * increment);
+  const double step_x = std::cos(kSimdWidth * increment);
+  const double step_y = std::sin(kSimdWidth * increment);
   const double vx = motion.velocity_m_s.x();
   const double vy = motion.velocity_m_s.y();
-  Lanes x = MakeLanes([&](int k) { return std::cos(start + k * increment); });
-  Lanes y = MakeLanes([&](int k) { return std::sin(start + k * increment); });
-  const Lanes index = MakeLanes([](int k) { return k; });
-  for (int i = 0; i < length; i += kLanes) {
-    const Lanes time = (index + (i - middle)) * scan_line.time_increment_s;
-    const Lanes angle = motion.yaw_rate_rad_s * time;
-    const Lanes angle2 = angle * angle;
-    const Lanes along = time * (1.0 - angle2 * (1.0 / 6.0) * (1.0 - angle2 * (1.0 / 20.0)));
-    const Lanes across =
+  Simd x = MakeSimd([&](int k) { return std::cos(start + k * increment); });
+  Simd y = MakeSimd([&](int k) { return std::sin(start + k * increment); });
+  const Simd index = MakeSimd([](int k) { return k; });
+  for (int i = 0; i < length; i += kSimdWidth) {
+    const Simd time = (index + (i - middle)) * scan_line.time_increment_s;
+    const Simd angle = motion.yaw_rate_rad_s * time;
+    const Simd angle2 = angle * angle;
+    const Simd along = time * (1.0 - angle2 * (1.0 / 6.0) * (1.0 - angle2 * (1.0 / 20.0)));
+    const Simd across =
         0.5 * time * angle * (1.0 - angle2 * (1.0 / 12.0) * (1.0 - angle2 * (1.0 / 30.0)));
-    StoreLanes(along * vx - across * vy, origin_x_ + i);
-    StoreLanes(along * vy + across * vx, origin_y_ + i);
-    StoreLanes(x, direction_x_ + i);
-    StoreLanes(y, direction_y_ + i);
-    const Lanes next_x = x * step_x - y * step_y;
+    StoreSimd(along * vx - across * vy, origin_x_ + i);
+    StoreSimd(along * vy + across * vx, origin_y_ + i);
+    StoreSimd(x, direction_x_ + i);
+    StoreSimd(y, direction_y_ + i);
+    const Simd next_x = x * step_x - y * step_y;
     y = x * step_y + y * step_x;
     x = next_x;
   }
@@ -93,49 +94,49 @@ BeamFan::BeamFan(const ScanLine& scan_line,
   }
 }
 
-LineEquations BeamFan::SumOnLine(int first,
-                                 int last,
-                                 const Eigen::Vector2d& q,
-                                 int* num_points) const {
-  Lanes count{}, xx{}, xy{}, yy{}, x{}, y{}, square{};
-  const Lanes index = MakeLanes([](int k) { return k; });
-  for (int i = first; i <= last; i += kLanes) {
-    const Lanes one = index <= static_cast<double>(last - i) ? Lanes{} + 1.0 : Lanes{};
-    const LanesMeeting at = MeetLanes(i, q);
+LineEquations BeamModel::SumOnLine(int first,
+                                   int last,
+                                   const Eigen::Vector2d& q,
+                                   int* num_points) const {
+  Simd count{}, xx{}, xy{}, yy{}, x{}, y{}, square{};
+  const Simd index = MakeSimd([](int k) { return k; });
+  for (int i = first; i <= last; i += kSimdWidth) {
+    const Simd one = index <= static_cast<double>(last - i) ? Simd{} + 1.0 : Simd{};
+    const SimdIntersection at = IntersectSimd(i, q);
     // One number decides about all conditions: masks that are combined get taken apart.
-    const Lanes counts = Smaller(at.is_met, outlier_threshold_ * at.variance - at.f * at.f);
-    const Lanes weight = counts > 0.0 ? one / at.variance : Lanes{};
-    const Lanes f = counts > 0.0 ? at.f : Lanes{};  // NaN without a return
-    const Lanes weighted_x = weight * at.point_x;
-    const Lanes weighted_y = weight * at.point_y;
+    const Simd counts = Smaller(at.is_met, outlier_threshold_ * at.variance - at.f * at.f);
+    const Simd weight = counts > 0.0 ? one / at.variance : Simd{};
+    const Simd f = counts > 0.0 ? at.f : Simd{};  // NaN without a return
+    const Simd weighted_x = weight * at.point_x;
+    const Simd weighted_y = weight * at.point_y;
     xx += weighted_x * at.point_x;
     xy += weighted_x * at.point_y;
     yy += weighted_y * at.point_y;
     x -= weighted_x * f;
     y -= weighted_y * f;
     square += weight * (f * f);
-    count += counts > 0.0 ? one : Lanes{};
+    count += counts > 0.0 ? one : Simd{};
   }
   *num_points = static_cast<int>(SumOf(count));
   return {SumOf(xx), SumOf(xy), SumOf(yy), SumOf(x), SumOf(y), SumOf(square)};
 }
 
-std::array<double, BeamFan::kBlock> BeamFan::Deviations(int first,
-                                                        const Eigen::Vector2d& q) const {
-  const Lanes largest = Lanes{} + outlier_threshold_;
+std::array<double, BeamModel::kBlock> BeamModel::Deviations(int first,
+                                                            const Eigen::Vector2d& q) const {
+  const Simd largest = Simd{} + outlier_threshold_;
   std::array<double, kBlock> deviations;
-  for (int k = 0; k < kBlock; k += kLanes) {
-    const Lanes range = LoadLanes(range_ + first + k);
-    const LanesMeeting at = MeetLanes(first + k, q);
-    const Lanes deviation =
+  for (int k = 0; k < kBlock; k += kSimdWidth) {
+    const Simd range = LoadSimd(range_ + first + k);
+    const SimdIntersection at = IntersectSimd(first + k, q);
+    const Simd deviation =
         at.is_met > 0.0 ? Smaller(at.f * at.f / at.variance, largest) : largest;
-    StoreLanes(range == range ? deviation : Lanes{}, &deviations[static_cast<size_t>(k)]);
+    StoreSimd(range == range ? deviation : Simd{}, &deviations[static_cast<size_t>(k)]);
   }
   return deviations;
 }
 
 // The end that TrimToLine leaves, looking towards the other one.
-int BeamFan::TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const {
+int BeamModel::TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const {
   constexpr int kMaxTail = 4;  // beams; as many as this are the line's
   const int step = other_end < end ? -1 : 1;
   while (end != other_end) {

@@ -85,7 +85,7 @@ struct LineEquations {
 //   V = sigma_range^2 s^4 + (sigma_angle N (q x u))^2
 // the residual is f / s^2, its variance V / s^4 and minus its derivative by q is p / s^2, so
 // that the beam adds p p^T / V and -p f / V to the normal equations and f^2 / V to chi square.
-class BeamFan {
+class BeamModel {
  public:
   struct Beam {
     Eigen::Vector2d origin;
@@ -98,7 +98,7 @@ class BeamFan {
   };
   // Of a beam and a scaled line q = (x, y) / scale; each times scale to the power at which it
   // contains q (N and e: the first).
-  struct Meeting {
+  struct LineIntersection {
     double slope;      // s
     double numerator;  // N
     double excess;     // e
@@ -107,10 +107,10 @@ class BeamFan {
   };
 
   // Beams whose squared whitened residual exceeds `outlier_threshold` are not on a line.
-  BeamFan(const ScanLine& scan_line,
-          const Scanner& scanner,
-          const ScannerMotion& motion,
-          double outlier_threshold);
+  BeamModel(const ScanLine& scan_line,
+            const Scanner& scanner,
+            const ScannerMotion& motion,
+            double outlier_threshold);
 
   int num_beams() const { return num_beams_; }
   Beam beam(int i) const {
@@ -135,7 +135,7 @@ class BeamFan {
   }
 
   // Likewise. Without a return the excess is NaN.
-  bool Meet(int i, const ScaledLine& line, Meeting* meeting) const {
+  bool Intersect(int i, const ScaledLine& line, LineIntersection* meeting) const {
     const double slope = line.x * direction_x_[i] + line.y * direction_y_[i];
     const double numerator = line.scale - (line.x * origin_x_[i] + line.y * origin_y_[i]);
     if (!(numerator > 0.0 && slope * 2.0 * max_range_ > numerator)) return false;
@@ -151,13 +151,13 @@ class BeamFan {
     return true;
   }
 
-  bool IsOnLine(const Meeting& at) const {
+  bool IsOnLine(const LineIntersection& at) const {
     const double f = at.slope * at.excess;
     return f * f < outlier_threshold_ * at.variance;
   }
   bool IsOnLine(int i, const Eigen::Vector2d& q) const {
-    Meeting at;
-    return Meet(i, {q.x(), q.y(), 1.0}, &at) && IsOnLine(at);
+    LineIntersection at;
+    return Intersect(i, {q.x(), q.y(), 1.0}, &at) && IsOnLine(at);
   }
 
   // Leaves out beams at both ends that are not on the line, and the few on it that more beams
@@ -185,8 +185,9 @@ class BeamFan {
     bool is_above;  // the first predicts the longer range
   };
   Separation Separate(int i, const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
-    Meeting in_a, in_b;
-    if (!Meet(i, {a.x(), a.y(), 1.0}, &in_a) || !Meet(i, {b.x(), b.y(), 1.0}, &in_b)) {
+    LineIntersection in_a, in_b;
+    if (!Intersect(i, {a.x(), a.y(), 1.0}, &in_a) ||
+        !Intersect(i, {b.x(), b.y(), 1.0}, &in_b)) {
       return {std::numeric_limits<double>::infinity(), true};
     }
     const double product = in_a.slope * in_b.slope;
@@ -206,8 +207,8 @@ class BeamFan {
 
  private:
   int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
-  struct LanesMeeting;
-  LanesMeeting MeetLanes(int i, const Eigen::Vector2d& q) const;
+  struct SimdIntersection;
+  SimdIntersection IntersectSimd(int i, const Eigen::Vector2d& q) const;
 
   int num_beams_;
   double range_variance_;

@@ -7,9 +7,9 @@
 
 namespace plumbline {
 
-LineGrower::LineGrower(const BeamFan& fan, const Thresholds& thresholds)
-    : fan_(fan), thresholds_(thresholds) {
-  const size_t num_beams = static_cast<size_t>(fan.num_beams());
+LineGrower::LineGrower(const BeamModel& model, const Thresholds& thresholds)
+    : beams_(model), thresholds_(thresholds) {
+  const size_t num_beams = static_cast<size_t>(model.num_beams());
   point_beams_.reset(new int[num_beams]);
   sums_.reset(new LineEquations[num_beams + 1]);
   chi2_.reset(new double[num_beams + 1]);
@@ -22,8 +22,8 @@ void LineGrower::Clear() { num_points_ = 0; }
 void LineGrower::TakeUpAll(int first, int last, const Eigen::Vector2d& q) {
   line_ = {q.x(), q.y(), 1.0};
   for (int i = first; i <= last; ++i) {
-    BeamFan::Meeting at;
-    if (fan_.Meet(i, line_, &at) && fan_.IsOnLine(at)) TakeUp(i, at);
+    BeamModel::LineIntersection at;
+    if (beams_.Intersect(i, line_, &at) && beams_.IsOnLine(at)) TakeUp(i, at);
   }
 }
 
@@ -33,7 +33,7 @@ void LineGrower::Truncate(int num_points) {
 }
 
 // Linearised at line_: an observation of q itself, not of its change.
-void LineGrower::TakeUp(int beam, const BeamFan::Meeting& at) {
+void LineGrower::TakeUp(int beam, const BeamModel::LineIntersection& at) {
   const double weight = 1.0 / at.variance;
   const double value = at.slope * (line_.scale - at.excess);
   LineEquations sum = sums_[num_points_];
@@ -49,13 +49,13 @@ bool LineGrower::Seed(int first) {
   // The measured ranges give a first line, and that the weights and the linearisation.
   LineEquations measured{};
   int gap = 0;
-  for (int i = first; i < fan_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
-    if (!fan_.HasReturn(i)) continue;
-    const BeamFan::Beam beam = fan_.beam(i);
+  for (int i = first; i < beams_.num_beams() && gap < thresholds_.min_points; ++i, ++gap) {
+    if (!beams_.HasReturn(i)) continue;
+    const BeamModel::Beam beam = beams_.beam(i);
     gap = -1;
     measured.Add(beam.origin + beam.range * beam.direction,
                  1.0,
-                 beam.range * beam.range / fan_.range_variance());
+                 beam.range * beam.range / beams_.range_variance());
     seed_beams_.push_back(i);
     if (static_cast<int>(seed_beams_.size()) == thresholds_.min_points) break;
   }
@@ -63,8 +63,8 @@ bool LineGrower::Seed(int first) {
   if (!measured.IsSolvable()) return false;
   line_ = measured.SolveScaled();
   for (const int i : seed_beams_) {
-    BeamFan::Meeting at;
-    if (!fan_.Meet(i, line_, &at)) return false;
+    BeamModel::LineIntersection at;
+    if (!beams_.Intersect(i, line_, &at)) return false;
     TakeUp(i, at);
   }
   if (!sums_[num_points_].IsSolvable()) return false;
@@ -75,14 +75,14 @@ bool LineGrower::Seed(int first) {
 // Each step waits for the line that the step before leaves. Hence the scaled line, and the
 // sums outside the array.
 void LineGrower::Grow(int begin, int end, int step, int num_kept) {
-  CHECK_GE(step * (end - begin), 0);  // else it would leave the fan
-  const double inverse_outlier_threshold = 1.0 / fan_.outlier_threshold();
+  CHECK_GE(step * (end - begin), 0);  // else it would leave the beams
+  const double inverse_outlier_threshold = 1.0 / beams_.outlier_threshold();
   LineEquations sum = sums_[num_points_];
   ScaledLine line = line_;
   int gap = 0;
   for (int i = begin; i != end && gap < thresholds_.min_points; i += step, ++gap) {
-    BeamFan::Meeting at;
-    if (!fan_.HasReturn(i) || !fan_.Meet(i, line, &at)) continue;
+    BeamModel::LineIntersection at;
+    if (!beams_.HasReturn(i) || !beams_.Intersect(i, line, &at)) continue;
     const Eigen::Vector2d row = line.scale * at.point;
     // The variance of the line so far matters only to beams that it can let in.
     const double residual = at.slope * at.excess;

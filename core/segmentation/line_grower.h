@@ -19,7 +19,7 @@ class LineGrower {
     double seed = 0.0;   // of the chi square of the first min_points points
   };
 
-  LineGrower(const BeamFan& fan, const Thresholds& thresholds);
+  LineGrower(const BeamModel& model, const Thresholds& thresholds);
 
   // Starts a line with the first min_points returns from beam `first` on. False when they do
   // not lie on one line.
@@ -49,11 +49,11 @@ class LineGrower {
   const LineEquations& equations() const { return sums_[num_points_]; }
 
  private:
-  void TakeUp(int beam, const BeamFan::Meeting& at);
+  void TakeUp(int beam, const BeamModel::LineIntersection& at);
   bool EndAtChange(size_t num_kept);
   double SplitChi2(size_t begin, size_t end) const;
 
-  const BeamFan& fan_;
+  const BeamModel& beams_;
   const Thresholds thresholds_;
   ScaledLine line_;
   std::vector<int> seed_beams_;

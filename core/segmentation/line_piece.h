@@ -7,7 +7,7 @@
 namespace plumbline {
 
 // A segment in the making.
-struct Piece {
+struct LinePiece {
   int first = 0;
   int last = 0;                   // inclusive
   bool starts_at_change = false;  // a test has proved that the line before ends there
@@ -19,7 +19,7 @@ struct Piece {
 
 // (q_a - q_b)^T (P_a + P_b)^-1 (q_a - q_b), chi square with two degrees of freedom if both are
 // one line.
-inline double Difference(const Piece& a, const Piece& b) {
+inline double Difference(const LinePiece& a, const LinePiece& b) {
   const LineEquations& m = a.information;
   const LineEquations& n = b.information;
   const double scale_m = 1.0 / m.Determinant();

@@ -44,8 +44,8 @@ class Segmenter {
       : scanner_(scanner),
         options_(options),
         limits_(options, scan_line.num_beams()),
-        fan_(scan_line, scanner, motion, limits_.outlier),
-        grower_(fan_,
+        beams_(scan_line, scanner, motion, limits_.outlier),
+        grower_(beams_,
                 {options.min_points,
                  limits_.run,
                  Chi2Quantile(options.min_points - 2, limits_.sum_quantile)}) {}
@@ -62,38 +62,38 @@ class Segmenter {
  private:
   void GrowAll();
   void AddGrownPiece(bool starts_at_change);
-  bool Fit(int max_iterations, Piece* piece) const;
-  bool AreAdjacent(const Piece& a, const Piece& b) const;
+  bool Fit(int max_iterations, LinePiece* piece) const;
+  bool AreAdjacent(const LinePiece& a, const LinePiece& b) const;
   std::pair<int, double> BestSplit(const Eigen::Vector2d& a,
                                    const Eigen::Vector2d& b,
                                    int first,
                                    int last,
                                    int split) const;
-  void OptimiseSplit(Piece* a, Piece* b) const;
-  bool Merge(const Piece& a, const Piece& b, Piece* merged) const;
-  bool IsNeeded(const Piece& a, const Piece& b, const Piece& c) const;
+  void OptimiseSplit(LinePiece* a, LinePiece* b) const;
+  bool Merge(const LinePiece& a, const LinePiece& b, LinePiece* merged) const;
+  bool IsNeeded(const LinePiece& a, const LinePiece& b, const LinePiece& c) const;
   void OptimiseSplitsAndMerge();
   void SeparateWeakRuns();
   int PassDoubtful(
-      int i, int end, int step, double limit, const Piece& a, const Piece& b) const;
-  void LeaveOutBetween(Piece* a, Piece* b) const;
-  bool IsNearLimit(int i, const Piece& piece) const;
+      int i, int end, int step, double limit, const LinePiece& a, const LinePiece& b) const;
+  void LeaveOutBetween(LinePiece* a, LinePiece* b) const;
+  bool IsNearLimit(int i, const LinePiece& piece) const;
   void LeaveOutDoubtfulBeams();
-  bool MakeSegment(const Piece& piece, Segment* segment) const;
+  bool MakeSegment(const LinePiece& piece, Segment* segment) const;
   std::vector<Segment> MakeSegments() const;
 
   const Scanner& scanner_;
   const SegmentationOptions& options_;
   const Limits limits_;
-  const BeamFan fan_;
+  const BeamModel beams_;
   LineGrower grower_;
-  std::vector<Piece> pieces_;
+  std::vector<LinePiece> pieces_;
 };
 
 // --- Growing
 
 void Segmenter::GrowAll() {
-  const int num_beams = fan_.num_beams();
+  const int num_beams = beams_.num_beams();
   int next = 0;
   int end = num_beams;  // where the next line has to end, if known
   bool starts_at_change = false;
@@ -102,7 +102,7 @@ void Segmenter::GrowAll() {
       end = num_beams;
       starts_at_change = true;
     }
-    if (!fan_.HasReturn(next) || !grower_.Seed(next)) {
+    if (!beams_.HasReturn(next) || !grower_.Seed(next)) {
       ++next;
       continue;
     }
@@ -124,7 +124,7 @@ void Segmenter::GrowAll() {
 }
 
 void Segmenter::AddGrownPiece(bool starts_at_change) {
-  Piece piece;
+  LinePiece piece;
   piece.first = grower_.PointBeam(0);
   piece.last = grower_.PointBeam(grower_.num_points() - 1);
   piece.starts_at_change = starts_at_change;
@@ -152,10 +152,11 @@ void Segmenter::AddGrownPiece(bool starts_at_change) {
 // seen symmetrically (by 0.5 of its sigma for a wall that passes 0.6 m from the scanner, 1080
 // beams, sigma 3 cm). Shortens the piece to beams on the line. False if fewer than min_points
 // remain.
-bool Segmenter::Fit(int max_iterations, Piece* piece) const {
+bool Segmenter::Fit(int max_iterations, LinePiece* piece) const {
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     int num_points = 0;
-    const LineEquations sum = fan_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
+    const LineEquations sum =
+        beams_.SumOnLine(piece->first, piece->last, piece->q, &num_points);
     if (num_points < options_.min_points || !sum.IsSolvable()) return false;
     const Eigen::Vector2d change = sum.Solve();
     piece->q += change;
@@ -166,13 +167,13 @@ bool Segmenter::Fit(int max_iterations, Piece* piece) const {
     // Length of the step in standard deviations; the error left is of its square.
     if (gain < 1e-4) break;
   }
-  fan_.TrimToLine(piece->q, &piece->first, &piece->last);
+  beams_.TrimToLine(piece->q, &piece->first, &piece->last);
   return true;
 }
 
 // --- Neighbours
 
-bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
+bool Segmenter::AreAdjacent(const LinePiece& a, const LinePiece& b) const {
   return b.first - a.last <= options_.min_points;
 }
 
@@ -180,15 +181,15 @@ bool Segmenter::AreAdjacent(const Piece& a, const Piece& b) const {
 // `split` on both sides. Second: the change of chi square with respect to `split`.
 std::pair<int, double> Segmenter::BestSplit(
     const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
-  constexpr int kBlock = BeamFan::kBlock;
+  constexpr int kBlock = BeamModel::kBlock;
   std::array<double, kBlock> in_a, in_b;
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
     const auto k = static_cast<size_t>((i - split - 1) % kBlock);
     if (k == 0) {
-      in_a = fan_.Deviations(i, a);
-      in_b = fan_.Deviations(i, b);
+      in_a = beams_.Deviations(i, a);
+      in_b = beams_.Deviations(i, b);
     }
     cost += in_a[k] - in_b[k];
     if (cost < best.second) best = {i, cost};
@@ -198,8 +199,8 @@ std::pair<int, double> Segmenter::BestSplit(
   for (int i = split; i >= first && cost < best.second + limits_.run; --i) {
     if (i < block) {
       block = std::max(0, block - kBlock);
-      in_a = fan_.Deviations(block, a);
-      in_b = fan_.Deviations(block, b);
+      in_a = beams_.Deviations(block, a);
+      in_b = beams_.Deviations(block, b);
     }
     const auto k = static_cast<size_t>(i - block);
     cost += in_b[k] - in_a[k];
@@ -209,11 +210,11 @@ std::pair<int, double> Segmenter::BestSplit(
 }
 
 // Moves the end points between two adjacent pieces to the most likely place.
-void Segmenter::OptimiseSplit(Piece* a, Piece* b) const {
+void Segmenter::OptimiseSplit(LinePiece* a, LinePiece* b) const {
   for (int iteration = 0; iteration < 4; ++iteration) {
     const int split = BestSplit(a->q, b->q, a->first + 1, b->last - 1, a->last).first;
-    Piece new_a = *a;
-    Piece new_b = *b;
+    LinePiece new_a = *a;
+    LinePiece new_b = *b;
     new_a.last = split;
     new_b.first = split + 1;
     if (new_a.last == a->last && new_b.first == b->first) return;
@@ -225,7 +226,7 @@ void Segmenter::OptimiseSplit(Piece* a, Piece* b) const {
   }
 }
 
-bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
+bool Segmenter::Merge(const LinePiece& a, const LinePiece& b, LinePiece* merged) const {
   if (b.starts_at_change || Difference(a, b) > limits_.run) return false;
   *merged = a.last - a.first > b.last - b.first ? a : b;
   merged->first = a.first;
@@ -235,20 +236,20 @@ bool Segmenter::Merge(const Piece& a, const Piece& b, Piece* merged) const {
 }
 
 // Is the piece b between a and c needed, or do the lines a and c explain its beams?
-bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
-  std::array<double, BeamFan::kBlock> in_a, in_b, in_c;
+bool Segmenter::IsNeeded(const LinePiece& a, const LinePiece& b, const LinePiece& c) const {
+  std::array<double, BeamModel::kBlock> in_a, in_b, in_c;
   double cost = 0.0;
   for (int i = b.first; i <= b.last; ++i) {
-    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
-    if (k == 0) in_b = fan_.Deviations(i, b.q);
+    const auto k = static_cast<size_t>((i - b.first) % BeamModel::kBlock);
+    if (k == 0) in_b = beams_.Deviations(i, b.q);
     cost -= in_b[k];
   }
   // No split is better than the better line for each beam: that decides after a few of them.
   double cost_of_better = cost;
   for (int i = b.first; i <= b.last; ++i) {
-    const auto k = static_cast<size_t>((i - b.first) % BeamFan::kBlock);
-    if (k == 0) in_a = fan_.Deviations(i, a.q);
-    if (k == 0) in_c = fan_.Deviations(i, c.q);
+    const auto k = static_cast<size_t>((i - b.first) % BeamModel::kBlock);
+    if (k == 0) in_a = beams_.Deviations(i, a.q);
+    if (k == 0) in_c = beams_.Deviations(i, c.q);
     cost_of_better += std::min(in_a[k], in_c[k]);
     if (cost_of_better > limits_.run) return true;
     cost += in_c[k];
@@ -257,12 +258,12 @@ bool Segmenter::IsNeeded(const Piece& a, const Piece& b, const Piece& c) const {
 }
 
 void Segmenter::OptimiseSplitsAndMerge() {
-  std::vector<Piece> done;
+  std::vector<LinePiece> done;
   done.reserve(pieces_.size());
-  for (Piece piece : pieces_) {
+  for (LinePiece piece : pieces_) {
     while (!done.empty() && AreAdjacent(done.back(), piece)) {
       OptimiseSplit(&done.back(), &piece);
-      Piece merged;
+      LinePiece merged;
       if (Merge(done.back(), piece, &merged)) {
         piece = merged;
         done.pop_back();
@@ -286,8 +287,8 @@ void Segmenter::OptimiseSplitsAndMerge() {
 void Segmenter::SeparateWeakRuns() {
   constexpr double kLittle = 10.0;  // stronger runs do not merge; saves time only
   for (size_t k = 0; k + 1 < pieces_.size(); ++k) {
-    const Piece a = pieces_[k];
-    const Piece b = pieces_[k + 1];
+    const LinePiece a = pieces_[k];
+    const LinePiece b = pieces_[k + 1];
     if (!AreAdjacent(a, b) || Difference(a, b) > kLittle * limits_.run) continue;
     grower_.Clear();
     grower_.TakeUpAll(a.first, a.last, a.q);
@@ -297,9 +298,9 @@ void Segmenter::SeparateWeakRuns() {
     if (!grower_.FindForeignRun(&begin, &end)) continue;
     if (begin < options_.min_points || end > grower_.num_points() - options_.min_points)
       continue;
-    Piece wall = a;
-    Piece run = a;
-    Piece rest = b;
+    LinePiece wall = a;
+    LinePiece run = a;
+    LinePiece rest = b;
     wall.last = grower_.PointBeam(begin - 1);
     run.first = grower_.PointBeam(begin);
     run.last = grower_.PointBeam(end - 1);
@@ -321,27 +322,27 @@ void Segmenter::SeparateWeakRuns() {
 // S of squared separations goes to the wrong line with the probability of a normal variable >
 // sqrt(S) / 2.
 int Segmenter::PassDoubtful(
-    int i, int end, int step, double limit, const Piece& a, const Piece& b) const {
+    int i, int end, int step, double limit, const LinePiece& a, const LinePiece& b) const {
   const double max_sum = 4.0 * options_.ambiguity_sigmas * options_.ambiguity_sigmas;
   double sum = 0.0;
   for (; i != end && sum < max_sum; i += step) {
-    const double square = fan_.Separate(i, a.q, b.q).square;
+    const double square = beams_.Separate(i, a.q, b.q).square;
     if (square >= limit * limit) break;
     sum += square;
   }
   return i;
 }
 
-void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
+void Segmenter::LeaveOutBetween(LinePiece* a, LinePiece* b) const {
   int last_of_a = a->last;
   int first_of_b = b->first;
   // Where the lines intersect so near that the split may just as well be there, it is there.
   const double any = std::numeric_limits<double>::infinity();
   const int low = PassDoubtful(a->last, a->first, -1, any, *a, *b);
   const int high = PassDoubtful(b->first, b->last, 1, any, *a, *b);
-  bool is_above = fan_.Separate(low, a->q, b->q).is_above;
+  bool is_above = beams_.Separate(low, a->q, b->q).is_above;
   for (int i = low; i < high; ++i) {
-    const bool is_next_above = fan_.Separate(i + 1, a->q, b->q).is_above;
+    const bool is_next_above = beams_.Separate(i + 1, a->q, b->q).is_above;
     if (is_next_above != is_above) {
       last_of_a = i;
       first_of_b = i + 1;
@@ -355,9 +356,9 @@ void Segmenter::LeaveOutBetween(Piece* a, Piece* b) const {
 }
 
 // Near the limits of the scanner only noise of one sign gives a valid range.
-bool Segmenter::IsNearLimit(int i, const Piece& piece) const {
-  BeamFan::Prediction prediction;
-  if (!fan_.Predict(i, piece.q, &prediction)) return true;
+bool Segmenter::IsNearLimit(int i, const LinePiece& piece) const {
+  BeamModel::Prediction prediction;
+  if (!beams_.Predict(i, piece.q, &prediction)) return true;
   const double margin = options_.ambiguity_sigmas * std::sqrt(prediction.variance);
   return prediction.range > scanner_.max_range_m - margin ||
          prediction.range < scanner_.min_range_m + margin;
@@ -365,9 +366,9 @@ bool Segmenter::IsNearLimit(int i, const Piece& piece) const {
 
 void Segmenter::LeaveOutDoubtfulBeams() {
   constexpr int kMaxIterations = 5;
-  const std::vector<Piece> whole = pieces_;
+  const std::vector<LinePiece> whole = pieces_;
   for (int round = 0; round < 3; ++round) {
-    std::vector<Piece> shorter = pieces_;
+    std::vector<LinePiece> shorter = pieces_;
     for (size_t k = 0; k < whole.size(); ++k) {
       shorter[k].first = whole[k].first;
       shorter[k].last = whole[k].last;
@@ -377,7 +378,7 @@ void Segmenter::LeaveOutDoubtfulBeams() {
     }
     bool is_changed = false;
     for (size_t k = 0; k < whole.size(); ++k) {
-      Piece& piece = shorter[k];
+      LinePiece& piece = shorter[k];
       while (piece.first < piece.last && IsNearLimit(piece.first, piece)) ++piece.first;
       while (piece.first < piece.last && IsNearLimit(piece.last, piece)) --piece.last;
       const bool has_moved = piece.first != pieces_[k].first || piece.last != pieces_[k].last;
@@ -416,27 +417,27 @@ void CheckConsistent(const Segment& segment, int min_points) {
 //
 // The line's statistics follow from the information of q, since n . p = d for the points it is
 // made of: |q|^2 information = sum w p p^T, w = 1 / variance of a point along the normal.
-bool Segmenter::MakeSegment(const Piece& piece, Segment* segment) const {
+bool Segmenter::MakeSegment(const LinePiece& piece, Segment* segment) const {
   int first = piece.first;
   int last = piece.last;
-  fan_.TrimToLine(piece.q, &first, &last);
-  const LineEquations sum = fan_.SumOnLine(first, last, piece.q, &segment->num_points);
+  beams_.TrimToLine(piece.q, &first, &last);
+  const LineEquations sum = beams_.SumOnLine(first, last, piece.q, &segment->num_points);
   if (segment->num_points < options_.min_points || !sum.IsSolvable()) return false;
   segment->first_beam = first;
   segment->last_beam = last;
   if (segment->num_points < last - first + 1) {
     for (int i = first; i <= last; ++i) {
-      if (!fan_.IsOnLine(i, piece.q)) segment->excluded_beams.push_back(i);
+      if (!beams_.IsOnLine(i, piece.q)) segment->excluded_beams.push_back(i);
     }
     segment->num_points = last - first + 1 - static_cast<int>(segment->excluded_beams.size());
   }
   const Eigen::Vector2d change = sum.Solve();
   const Eigen::Vector2d q = piece.q + change;
-  BeamFan::Prediction at_end;
-  if (!fan_.Predict(segment->first_beam, q, &at_end)) return false;
-  if (!fan_.Predict(segment->last_beam, q, &at_end)) return false;
-  segment->start = fan_.PointOnLine(segment->first_beam, q);
-  segment->end = fan_.PointOnLine(segment->last_beam, q);
+  BeamModel::Prediction at_end;
+  if (!beams_.Predict(segment->first_beam, q, &at_end)) return false;
+  if (!beams_.Predict(segment->last_beam, q, &at_end)) return false;
+  segment->start = beams_.PointOnLine(segment->first_beam, q);
+  segment->end = beams_.PointOnLine(segment->last_beam, q);
   segment->chi2 = sum.square - change.dot(Eigen::Vector2d(sum.x, sum.y));
   const double norm = q.norm();
   const Eigen::Vector2d normal = -q / norm;
@@ -466,7 +467,7 @@ std::vector<Segment> Segmenter::MakeSegments() const {
   std::vector<std::pair<double, int>> factors;
   factors.reserve(pieces_.size());
   int num_points = 0;
-  for (const Piece& piece : pieces_) {
+  for (const LinePiece& piece : pieces_) {
     if (piece.num_points < options_.min_points) continue;
     Segment segment;
     if (!MakeSegment(piece, &segment)) continue;

@@ -303,18 +303,18 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
   return best;
 }
 
-std::vector<LandmarkCandidate> Tracker::OfScan(int first_observation,
-                                               const Matrix6d& pose_covariance,
-                                               const LandmarksWithinGap& landmarks) const {
+std::vector<LandmarkView> Tracker::OfScan(int first_observation,
+                                          const Matrix6d& pose_covariance,
+                                          const LandmarksWithinGap& landmarks) const {
   const auto first = static_cast<size_t>(first_observation);
   const int64_t time_ns = state_->observations[first].middle_time_ns();
-  return CandidatesWithin(ReachOfScan(rig_,
-                                      state_->observations,
-                                      first,
-                                      state_->trajectory.WorldFromBody(time_ns).translation,
-                                      pose_covariance,
-                                      options_.association),
-                          landmarks);
+  return ViewsWithin(ReachOfScan(rig_,
+                                 state_->observations,
+                                 first,
+                                 state_->trajectory.WorldFromBody(time_ns).translation,
+                                 pose_covariance,
+                                 options_.association),
+                     landmarks);
 }
 
 Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
@@ -334,11 +334,11 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
   // What the control points can not follow is the same all through the scan.
   covariance += unsteady.replicate<2, 2>();
   // The poses pass linearly between both ends: neither is less certain than these together.
-  const std::vector<LandmarkCandidate> near =
+  const std::vector<LandmarkView> near =
       OfScan(*std::min_element(observations.begin(), observations.end()),
              covariance.topLeftCorner<6, 6>() + covariance.bottomRightCorner<6, 6>(),
              landmarks);
-  std::vector<Pairing> pairings;
+  std::vector<JointHypothesis> hypotheses;
   int num_paired = 0;
   SharedPoses poses(rig_, state_->trajectory);
   for (const int index : observations) {
@@ -348,29 +348,28 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
                                    static_cast<double>(end_ns - begin_ns)
                              : 0.0;
     const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
-    const size_t num_before = pairings.size();
-    for (const PossibleLandmark& possible :
-         PossibleLandmarks(observation,
-                           poses.Of(observation),
-                           PoseCovariance(covariance, share),
-                           near,
-                           options_.association)) {
-      pairings.push_back({index,
-                          possible.id,
-                          possible.deviation.value,
-                          possible.noise,
-                          possible.deviation.by_pose.lazyProduct(by_motion)});
+    const size_t num_before = hypotheses.size();
+    for (const Hypothesis& possible : HypothesesOf(observation,
+                                                   poses.Of(observation),
+                                                   PoseCovariance(covariance, share),
+                                                   near,
+                                                   options_.association)) {
+      hypotheses.push_back({index,
+                            possible.id,
+                            possible.deviation.value,
+                            possible.noise,
+                            possible.deviation.by_pose.lazyProduct(by_motion)});
     }
-    if (pairings.size() > num_before) ++num_paired;
+    if (hypotheses.size() > num_before) ++num_paired;
   }
-  const JointChoice choice = ChooseJointly(pairings, covariance, options_.association);
+  const JointChoice choice = ChooseJointly(hypotheses, covariance, options_.association);
   Association association;
   // Observations without any pairing are clutter too.
   association.cost = choice.cost + ClutterCost(options_.association) *
                                        (static_cast<int>(observations.size()) - num_paired);
-  for (const size_t i : choice.pairings) {
-    const int index = pairings[i].observation_index;
-    association.chosen.emplace_back(index, pairings[i].landmark_id);
+  for (const size_t i : choice.hypotheses) {
+    const int index = hypotheses[i].observation_index;
+    association.chosen.emplace_back(index, hypotheses[i].landmark_id);
     association.length_m += state_->observations[static_cast<size_t>(index)].length_m();
   }
   return association;
@@ -432,7 +431,7 @@ bool Tracker::Associate(int first_observation,
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
     return pose_uncertainty_.At(state_->trajectory, observation.middle_time_ns());
   };
-  const std::vector<LandmarkCandidate> near =
+  const std::vector<LandmarkView> near =
       OfScan(first_observation,
              covariance_at(first_observation) + covariance_at(last_observation),
              landmarks);

@@ -76,9 +76,9 @@ class Tracker {
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
   // Those within reach of the newest scan.
-  std::vector<LandmarkCandidate> OfScan(int first_observation,
-                                        const Matrix6d& pose_covariance,
-                                        const LandmarksWithinGap& landmarks) const;
+  std::vector<LandmarkView> OfScan(int first_observation,
+                                   const Matrix6d& pose_covariance,
+                                   const LandmarksWithinGap& landmarks) const;
   // The observations, weightiest first, with poses that differ from the prediction by the
   // control points' errors and by this covariance on top.
   Association ChooseUnder(const Matrix6d& unsteady,

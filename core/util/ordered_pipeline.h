@@ -16,7 +16,7 @@ namespace plumbline {
 //   void take(Item*)   never beside another's
 // The first exception ends it and is thrown on.
 template <typename Item, typename Read, typename Work, typename Take>
-void ForEachInOrder(const Read& read, const Work& work, const Take& take) {
+void RunOrderedPipeline(const Read& read, const Work& work, const Take& take) {
   const auto num_threads = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
   if (num_threads == 1) {
     for (Item item; read(&item);) {

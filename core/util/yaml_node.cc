@@ -250,6 +250,10 @@ void YamlNode::RejectUnreadKeys() const {
   }
 }
 
+void YamlNode::RejectRenamed(const std::string& old_key, const std::string& new_key) const {
+  if (Has(old_key)) (*this)[old_key].Fail("'" + old_key + "' is called '" + new_key + "' now");
+}
+
 void YamlNode::Ignore(const std::string& key) const { state_->known_keys.insert(key); }
 
 void YamlNode::Fail(const std::string& message) const {

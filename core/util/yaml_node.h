@@ -19,9 +19,8 @@ namespace plumbline {
 //   for (const YamlNode& scanner : root["scanners"].Elements()) {
 //     name = scanner["name"].AsString();
 //     noise = scanner["range_noise_m"].AsDouble(0.0001, 1.0);
-//     scanner.Optional("time_offset_s", &offset, -10.0, 10.0);   // keeps the default if
-//     absent scanner.RejectUnreadKeys();                                 // call last on each
-//     mapping
+//     scanner.Optional("time_offset_s", &offset, -10.0, 10.0);  // keeps the default if absent
+//     scanner.RejectUnreadKeys();                               // last, on each mapping
 //   }
 class YamlNode {
  public:
@@ -49,6 +48,8 @@ class YamlNode {
 
   // Error that names the first key that nobody asked for, with its line.
   void RejectUnreadKeys() const;
+  // Error where a key stands that has another name now: it names both.
+  void RejectRenamed(const std::string& old_key, const std::string& new_key) const;
   // Declares a key as known without reading it (another program's part of a shared file).
   void Ignore(const std::string& key) const;
 

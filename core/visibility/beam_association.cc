@@ -25,9 +25,9 @@ constexpr double kReach = PatchExtent::kCellSize;
 
 }  // namespace
 
-bool FirstPlanes::IsSolidAt(const LandmarkCandidate& plane,
-                            const Eigen::Vector3d& p_world,
-                            double margin_m) const {
+bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
+                                const Eigen::Vector3d& p_world,
+                                double margin_m) const {
   const Landmark& landmark = *plane.landmark;
   if (!landmark.extent.IsSeenAt(p_world, margin_m)) return false;
   // A floor's openings are where something stands on it: it hides what lies below all the
@@ -35,10 +35,10 @@ bool FirstPlanes::IsSolidAt(const LandmarkCandidate& plane,
   return !plane.is_vertical || !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
 }
 
-bool FirstPlanes::EndsBefore(const LandmarkCandidate& plane,
-                             const Eigen::Vector3d& p_world) const {
+bool BeamAssociation::EndsBefore(const LandmarkView& plane,
+                                 const Eigen::Vector3d& p_world) const {
   bool ends = false;
-  planes_.ForEachWithin(p_world, kReach, [&](const LandmarkCandidate& other) {
+  planes_.ForEachWithin(p_world, kReach, [&](const LandmarkView& other) {
     if (ends || other.landmark == plane.landmark) return;
     const double cosine = other.normal.dot(plane.normal);
     if (std::abs(cosine) > kMaxCornerCosine) return;
@@ -52,12 +52,12 @@ bool FirstPlanes::EndsBefore(const LandmarkCandidate& plane,
   return ends;
 }
 
-bool FirstPlanes::IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const {
+bool BeamAssociation::IsSeenAt(const LandmarkView& plane, const Eigen::Vector2d& p) const {
   const Eigen::Vector3d p_world = placement_ * p.homogeneous();
   return IsSolidAt(plane, p_world, kMargin) && !EndsBefore(plane, p_world);
 }
 
-bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) const {
+bool BeamAssociation::GoesOn(const LandmarkView& plane, int beam, int step) const {
   const Trace trace(placement_, plane);
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
   const Eigen::Vector2d p = trace.RangeAlong(direction) * direction;
@@ -69,31 +69,29 @@ bool FirstPlanes::GoesOn(const LandmarkCandidate& plane, int beam, int step) con
   return IsSolidAt(plane, beyond, kMargin) || EndsBefore(plane, beyond);
 }
 
-const LandmarkCandidate* FirstPlanes::PlaneOf(int beam) const {
+const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   if (beam < 0 || beam >= scan_line_.num_beams()) return nullptr;
   const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
   if (!scanner_.IsValidRange(measured)) return nullptr;
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
   const double off_m = kOutlierSigmas * scanner_.range_noise_m;
-  const LandmarkCandidate* first = nullptr;
+  const LandmarkView* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
-  ranges_.ForEachBetween(direction,
-                         measured - kPassed,
-                         nearest,
-                         [&](const LandmarkCandidate& plane, double range) {
-                           if (range >= nearest || !IsSeenAt(plane, range * direction)) return;
-                           nearest = range;
-                           first = &plane;
-                         });
+  ranges_.ForEachBetween(
+      direction, measured - kPassed, nearest, [&](const LandmarkView& plane, double range) {
+        if (range >= nearest || !IsSeenAt(plane, range * direction)) return;
+        nearest = range;
+        first = &plane;
+      });
   return nearest > measured - off_m ? first : nullptr;
 }
 
 // Towards a plane that stands in front of it the plane falls back behind that; towards one
 // round an edge it comes out before it.
-bool FirstPlanes::IsMet(const LandmarkCandidate& plane,
-                        const LandmarkCandidate* beyond,
-                        int end,
-                        int step) const {
+bool BeamAssociation::IsMet(const LandmarkView& plane,
+                            const LandmarkView* beyond,
+                            int end,
+                            int step) const {
   if (beyond == nullptr || beyond == &plane) return false;
   const Trace trace(placement_, plane);
   const Trace other(placement_, *beyond);
@@ -105,8 +103,9 @@ bool FirstPlanes::IsMet(const LandmarkCandidate& plane,
   return std::abs(at) < kFarSigmas * scanner_.range_noise_m && at > behind(end);
 }
 
-std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_beam) const {
-  std::vector<const LandmarkCandidate*> planes;
+std::vector<BeamAssociation::Run> BeamAssociation::RunsWithin(int first_beam,
+                                                              int last_beam) const {
+  std::vector<const LandmarkView*> planes;
   planes.reserve(static_cast<size_t>(std::max(0, last_beam - first_beam + 1)));
   for (int beam = first_beam; beam <= last_beam; ++beam) planes.push_back(PlaneOf(beam));
   const auto plane_of = [&](int beam) {
@@ -115,7 +114,7 @@ std::vector<FirstPlanes::Run> FirstPlanes::RunsWithin(int first_beam, int last_b
   };
   std::vector<Run> runs;
   for (int beam = first_beam; beam <= last_beam;) {
-    const LandmarkCandidate* plane = plane_of(beam);
+    const LandmarkView* plane = plane_of(beam);
     int first = beam;
     int last = beam;
     while (last < last_beam && plane_of(last + 1) == plane) ++last;

@@ -7,7 +7,7 @@
 #include "core/map/landmark_view.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
-#include "core/visibility/opening_grid.h"
+#include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_set.h"
 #include "core/visibility/plane_trace.h"
 
@@ -15,22 +15,22 @@ namespace plumbline {
 
 // What the known planes say of single beams of a scan line: each lies on the plane that it
 // meets first, or on none.
-class FirstPlanes {
+class BeamAssociation {
  public:
   // Consecutive beams on one plane.
   struct Run {
-    const LandmarkCandidate* plane;
+    const LandmarkView* plane;
     Trace trace;
     int first_beam;
     int last_beam;  // inclusive
   };
 
   // placement: at the instant of the beams asked for. openings: of the landmarks, by id.
-  FirstPlanes(const ScanLine& scan_line,
-              const Scanner& scanner,
-              const ScanPlacement& placement,
-              const PlaneSet& planes,
-              const std::vector<PlaneOpenings>& openings)
+  BeamAssociation(const ScanLine& scan_line,
+                  const Scanner& scanner,
+                  const ScanPlacement& placement,
+                  const PlaneSet& planes,
+                  const std::vector<PlaneOpenings>& openings)
       : scan_line_(scan_line),
         scanner_(scanner),
         placement_(placement),
@@ -45,24 +45,21 @@ class FirstPlanes {
 
  private:
   // nullptr where the range does not agree.
-  const LandmarkCandidate* PlaneOf(int beam) const;
+  const LandmarkView* PlaneOf(int beam) const;
   // Whether it has been seen there, and no opening.
-  bool IsSolidAt(const LandmarkCandidate& plane,
+  bool IsSolidAt(const LandmarkView& plane,
                  const Eigen::Vector3d& p_world,
                  double margin_m) const;
   // Whether the plane ends close by at another one's edge, and the point lies beyond: in front
   // of the other, where nothing has been seen of the plane.
-  bool EndsBefore(const LandmarkCandidate& plane, const Eigen::Vector3d& p_world) const;
+  bool EndsBefore(const LandmarkView& plane, const Eigen::Vector3d& p_world) const;
   // Whether it is solid there, and the point not beyond its end; p: scanner frame.
-  bool IsSeenAt(const LandmarkCandidate& plane, const Eigen::Vector2d& p) const;
+  bool IsSeenAt(const LandmarkView& plane, const Eigen::Vector2d& p) const;
   // Whether the plane does not end close beyond the beam, or at an edge that is known.
-  bool GoesOn(const LandmarkCandidate& plane, int beam, int step) const;
+  bool GoesOn(const LandmarkView& plane, int beam, int step) const;
   // Whether that of the beam beyond its end stands in front of the plane and hides the rest of
   // it. How far a plane was seen to a free edge is known to centimetres only.
-  bool IsMet(const LandmarkCandidate& plane,
-             const LandmarkCandidate* beyond,
-             int end,
-             int step) const;
+  bool IsMet(const LandmarkView& plane, const LandmarkView* beyond, int end, int step) const;
 
   const ScanLine& scan_line_;
   const Scanner& scanner_;

@@ -36,7 +36,7 @@ Eigen::Vector2d AskedPoint(const Observation& observation) {
 
 // Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
 // ends.
-void CountPassage(const LandmarkCandidate& plane,
+void CountPassage(const LandmarkView& plane,
                   const Eigen::Vector3d& start_world,
                   const Eigen::Vector3d& end_world,
                   double margin_m,
@@ -50,7 +50,7 @@ void CountPassage(const LandmarkCandidate& plane,
 }
 
 // Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
-Eigen::AlignedBox2d PlanBox(const LandmarkCandidate& plane) {
+Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
   constexpr double kRim = 0.5;  // m, more than a cell
   const PatchExtent& extent = plane.landmark->extent;
   Eigen::AlignedBox2d box;
@@ -86,10 +86,9 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   std::vector<CellGrid> passages(state.landmarks.size());
   LoopClosureOptions no_gap;
   no_gap.enabled = true;
-  const std::vector<LandmarkCandidate> planes =
-      CandidatesWithinGap(state.landmarks, 0, no_gap);
+  const std::vector<LandmarkView> planes = ViewsWithinGap(state.landmarks, 0, no_gap);
   std::vector<Eigen::AlignedBox2d> boxes;
-  for (const LandmarkCandidate& plane : planes) boxes.push_back(PlanBox(plane));
+  for (const LandmarkView& plane : planes) boxes.push_back(PlanBox(plane));
   PlanGrid grid(boxes);
   SharedPoses poses(rig, state.trajectory);
   for (const Observation& observation : state.observations) {
@@ -99,7 +98,7 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
     const Eigen::Vector3d start_world = placement.col(2);
     const Eigen::Vector3d end_world = placement * AskedPoint(observation).homogeneous();
     grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
-      const LandmarkCandidate& plane = planes[static_cast<size_t>(index)];
+      const LandmarkView& plane = planes[static_cast<size_t>(index)];
       if (plane.landmark->id == observation.landmark_id) return;
       CountPassage(plane,
                    start_world,

@@ -40,43 +40,44 @@ constexpr double kMaxBlockDistance = 0.4;  // m
 
 // Where a beam meets the plane at a segment's end, p in the scanner's frame; nothing where
 // that is out of range.
-std::optional<Eigen::Vector3d> MeetingPoint(const SegmentEnd& end, const Eigen::Vector2d& p) {
+std::optional<Eigen::Vector3d> IntersectionPoint(const SegmentEnd& end,
+                                                 const Eigen::Vector2d& p) {
   if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
   return end.placement * p.homogeneous();
 }
 
 }  // namespace
 
-HiddenBeams::Meeting HiddenBeams::MakeMeeting() const {
+Occlusion::PlaneView Occlusion::MakePlaneView() const {
   return {poses.motion.TraceOf(plane.normal, plane.distance), poses.motion};
 }
 
-int64_t HiddenBeams::BeamInstantNs(int beam) const {
+int64_t Occlusion::BeamInstantNs(int beam) const {
   return scan_line.BeamTime(beam) + NanosecondsFromSeconds(scanner.time_offset_s);
 }
 
-std::optional<Eigen::Vector3d> HiddenBeams::MeetingPoint(const Meeting& meeting,
-                                                         int beam,
-                                                         const Eigen::Vector2d& direction,
-                                                         double min_cosine) const {
+std::optional<Eigen::Vector3d> Occlusion::IntersectionPoint(const PlaneView& view,
+                                                            int beam,
+                                                            const Eigen::Vector2d& direction,
+                                                            double min_cosine) const {
   const int64_t time_ns = BeamInstantNs(beam);
-  const Eigen::Vector3d line = meeting.trace.At(time_ns);
+  const Eigen::Vector3d line = view.trace.At(time_ns);
   const double cosine = line.head<2>().dot(direction);
   if (std::abs(cosine) < min_cosine) return std::nullopt;
-  return meeting.motion.ToWorld(line.z() / cosine * direction, time_ns);
+  return view.motion.ToWorld(line.z() / cosine * direction, time_ns);
 }
 
-std::optional<Eigen::Vector3d> HiddenBeams::SafeMeetingPoint(const Meeting& meeting,
-                                                             int beam) const {
-  return MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kSafeCosine);
+std::optional<Eigen::Vector3d> Occlusion::SafeIntersectionPoint(const PlaneView& view,
+                                                                int beam) const {
+  return IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kSafeCosine);
 }
 
-std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
+std::vector<int> Occlusion::InOpenings(const PlaneOpenings& openings) const {
   std::vector<int> beams;
   if (openings.none()) return beams;
-  const Meeting meeting = MakeMeeting();
+  const PlaneView view = MakePlaneView();
   const auto is_open = [&](int beam) {
-    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
+    const auto at = IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kMinCosine);
     return at && openings.IsAt(*at);
   };
   if (!openings.has_height()) {  // at the ends only
@@ -90,34 +91,34 @@ std::vector<int> HiddenBeams::InOpenings(const PlaneOpenings& openings) const {
     }
     return beams;
   }
-  AddOpen(meeting,
+  AddOpen(view,
           openings,
           {first_beam,
            last_beam,
-           SafeMeetingPoint(meeting, first_beam),
-           SafeMeetingPoint(meeting, last_beam)},
+           SafeIntersectionPoint(view, first_beam),
+           SafeIntersectionPoint(view, last_beam)},
           &beams);
   return beams;
 }
 
 // Most segments pass no opening, of the others most beams: between ends that are not grazing
 // and have none along them no beam is in one.
-void HiddenBeams::AddOpen(const Meeting& meeting,
-                          const PlaneOpenings& openings,
-                          const Stretch& stretch,
-                          std::vector<int>* beams) const {
+void Occlusion::AddOpen(const PlaneView& view,
+                        const PlaneOpenings& openings,
+                        const Stretch& stretch,
+                        std::vector<int>* beams) const {
   if (stretch.start && stretch.end && !openings.MayBeAlong(*stretch.start, *stretch.end)) {
     return;
   }
   if (stretch.last - stretch.first >= kBeamsAtOnce) {
     const int middle = (stretch.first + stretch.last) / 2;
-    AddOpen(meeting,
+    AddOpen(view,
             openings,
-            {stretch.first, middle, stretch.start, SafeMeetingPoint(meeting, middle)},
+            {stretch.first, middle, stretch.start, SafeIntersectionPoint(view, middle)},
             beams);
-    AddOpen(meeting,
+    AddOpen(view,
             openings,
-            {middle + 1, stretch.last, SafeMeetingPoint(meeting, middle + 1), stretch.end},
+            {middle + 1, stretch.last, SafeIntersectionPoint(view, middle + 1), stretch.end},
             beams);
     return;
   }
@@ -125,17 +126,17 @@ void HiddenBeams::AddOpen(const Meeting& meeting,
   const int64_t start_ns = BeamInstantNs(stretch.first);
   const int64_t end_ns = BeamInstantNs(stretch.last);
   const double share = 1.0 / std::max(1, stretch.last - stretch.first);
-  Eigen::Vector3d line = meeting.trace.At(start_ns);
-  const Eigen::Vector3d line_step = share * (meeting.trace.At(end_ns) - line);
-  Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(meeting.motion.At(start_ns));
+  Eigen::Vector3d line = view.trace.At(start_ns);
+  const Eigen::Vector3d line_step = share * (view.trace.At(end_ns) - line);
+  Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(view.motion.At(start_ns));
   const Eigen::Matrix<double, 2, 3> on_axes_step =
-      share * (openings.OnAxes(meeting.motion.At(end_ns)) - on_axes);
+      share * (openings.OnAxes(view.motion.At(end_ns)) - on_axes);
   for (int beam = stretch.first; beam <= stretch.last; ++beam) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const double cosine = line.head<2>().dot(direction);
     const bool is_open =
         std::abs(cosine) < kMinCosine
-            ? IsNearOpening(meeting, beam, direction, openings)
+            ? IsNearOpening(view, beam, direction, openings)
             : openings.IsAtLocal(on_axes * (line.z() / cosine * direction).homogeneous());
     if (is_open) beams->push_back(beam);
     line += line_step;
@@ -143,30 +144,30 @@ void HiddenBeams::AddOpen(const Meeting& meeting,
   }
 }
 
-bool HiddenBeams::IsNearOpening(const Meeting& meeting,
-                                int beam,
-                                const Eigen::Vector2d& direction,
-                                const PlaneOpenings& openings) const {
+bool Occlusion::IsNearOpening(const PlaneView& view,
+                              int beam,
+                              const Eigen::Vector2d& direction,
+                              const PlaneOpenings& openings) const {
   const std::optional<Eigen::Vector3d> at =
-      MeetingPoint(meeting, beam, direction, kGrazingCosine);
+      IntersectionPoint(view, beam, direction, kGrazingCosine);
   if (!at) return true;
   const Eigen::Vector3d from =
-      meeting.motion.ToWorld(Eigen::Vector2d::Zero(), BeamInstantNs(beam));
+      view.motion.ToWorld(Eigen::Vector2d::Zero(), BeamInstantNs(beam));
   const Eigen::Vector3d reach = kGrazingReach * (*at - from).normalized();
   return openings.MayBeAlong(*at - reach, *at + reach);
 }
 
-HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
-    const Meeting& meeting, const std::vector<LandmarkCandidate>& others) const {
+Occlusion::WallCrossings Occlusion::FindCrossings(
+    const PlaneView& view, const std::vector<LandmarkView>& others) const {
   WallCrossings crossings;
   const std::optional<Eigen::Vector3d> start =
-      MeetingPoint(meeting, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
+      IntersectionPoint(view, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
   const std::optional<Eigen::Vector3d> end =
-      MeetingPoint(meeting, last_beam, scan_line.BeamDirection(last_beam), kMinCosine);
+      IntersectionPoint(view, last_beam, scan_line.BeamDirection(last_beam), kMinCosine);
   if (!start || !end) return crossings;
   crossings.start = *start;
   crossings.end = *end;
-  for (const LandmarkCandidate& other : others) {
+  for (const LandmarkView& other : others) {
     if (!other.is_vertical) continue;
     const double from = other.SignedDistance(*start);
     const double to = other.SignedDistance(*end);
@@ -177,18 +178,17 @@ HiddenBeams::WallCrossings HiddenBeams::FindCrossings(
   return crossings;
 }
 
-double HiddenBeams::BeamAt(const WallCrossings& crossings, double share) const {
+double Occlusion::BeamAt(const WallCrossings& crossings, double share) const {
   const Rigid3d scanner_from_world = poses.world_from_scanner.Inverse();
   const Eigen::Vector3d p = scanner_from_world * crossings.PointAt(share);
   const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
   return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
 }
 
-std::vector<int> HiddenBeams::BehindCorners(
-    const std::vector<LandmarkCandidate>& others) const {
+std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& others) const {
   std::vector<int> beams;
   if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const WallCrossings crossings = FindCrossings(MakeMeeting(), others);
+  const WallCrossings crossings = FindCrossings(MakePlaneView(), others);
   for (const WallCrossing& first : crossings.leaving) {
     for (const WallCrossing& second : crossings.entering) {
       if (first.at >= second.at) continue;
@@ -209,13 +209,13 @@ std::vector<int> HiddenBeams::BehindCorners(
   return beams;
 }
 
-std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& others) const {
+std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others) const {
   std::vector<int> beams;
   if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const Meeting meeting = MakeMeeting();
-  const WallCrossings crossings = FindCrossings(meeting, others);
-  const auto is_hidden = [&](int beam, const LandmarkCandidate& wall) {
-    const auto at = MeetingPoint(meeting, beam, scan_line.BeamDirection(beam), kMinCosine);
+  const PlaneView view = MakePlaneView();
+  const WallCrossings crossings = FindCrossings(view, others);
+  const auto is_hidden = [&](int beam, const LandmarkView& wall) {
+    const auto at = IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kMinCosine);
     return at && wall.SignedDistance(*at) > -kReach &&
            wall.landmark->extent.IsNear(*at, *at, kReach);
   };
@@ -232,35 +232,35 @@ std::vector<int> HiddenBeams::BehindWalls(const std::vector<LandmarkCandidate>& 
   return beams;
 }
 
-void HiddenBeams::CountHits(OpeningMap* openings) const {
-  const Meeting meeting = MakeMeeting();
+void Occlusion::CountHits(OccupancyGrids* openings) const {
+  const PlaneView view = MakePlaneView();
   const double margin_m = kOutlierSigmas * scanner.range_noise_m;
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
   for (int beam = first_beam + kNumBeams; beam <= last_beam - kNumBeams; beam += stride) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const int64_t time_ns = BeamInstantNs(beam);
-    const Eigen::Vector3d line = meeting.trace.At(time_ns);
+    const Eigen::Vector3d line = view.trace.At(time_ns);
     const double cosine = line.head<2>().dot(direction);
     if (std::abs(cosine) < kMinCosine) continue;
     const double on_plane_m = line.z() / cosine;
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!(std::abs(range - on_plane_m) < margin_m)) continue;
     openings->CountHit(
-        *plane.landmark, meeting.motion.ToWorld(on_plane_m * direction, time_ns), stride);
+        *plane.landmark, view.motion.ToWorld(on_plane_m * direction, time_ns), stride);
   }
 }
 
-void CountHitsAtEnd(const SegmentEnd& end, OpeningMap* openings) {
+void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* openings) {
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
     const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
     const std::optional<Eigen::Vector3d> at =
-        MeetingPoint(end, end.trace.RangeAlong(direction) * direction);
+        IntersectionPoint(end, end.trace.RangeAlong(direction) * direction);
     if (!at) break;
     openings->CountHit(end.landmark, *at);
   }
 }
 
-void CountPassages(const SegmentEnd& end, OpeningMap* openings) {
+void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   bool is_opening = false;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
@@ -282,7 +282,7 @@ void CountPassages(const SegmentEnd& end, OpeningMap* openings) {
                        beyond_m > -kMaxBlockDistance;
     if (!is_close && !passes) break;
     if (!passes && !stops) continue;
-    const std::optional<Eigen::Vector3d> at = MeetingPoint(end, on_plane_m * direction);
+    const std::optional<Eigen::Vector3d> at = IntersectionPoint(end, on_plane_m * direction);
     if (!at) continue;
     if (!passes) {
       openings->CountBlock(end.landmark, *at);

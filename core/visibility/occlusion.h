@@ -10,7 +10,7 @@
 #include "core/map/observation_poses.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
-#include "core/visibility/opening_grid.h"
+#include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_trace.h"
 
 namespace plumbline {
@@ -18,11 +18,11 @@ namespace plumbline {
 // Beams of a segment that can not lie on its plane, whatever their range: the place where they
 // meet it is an opening, or behind an edge of the building. At grazing incidence such a beam
 // may pass for the plane's, and there a single one weighs as much as thousands of others.
-struct HiddenBeams {
+struct Occlusion {
   const ScanLine& scan_line;
   const Scanner& scanner;
   const ObservationPoses& poses;  // of the segment
-  const LandmarkCandidate& plane;
+  const LandmarkView& plane;
   int first_beam;
   int last_beam;  // inclusive
 
@@ -32,18 +32,18 @@ struct HiddenBeams {
   // Those that meet a floor or ceiling behind two walls at once, both seen close by: between
   // the two faces of a corner that stands into the segment. Without a corner there, nothing is
   // behind both that a beam could reach.
-  std::vector<int> BehindCorners(const std::vector<LandmarkCandidate>& others) const;
+  std::vector<int> BehindCorners(const std::vector<LandmarkView>& others) const;
   // Those that meet a floor or ceiling close behind a single wall, where it has been seen:
   // they end on its face. Tells a corner of which the other face has not come into view yet,
   // at the price of the floor beside a door's jambs.
-  std::vector<int> BehindWalls(const std::vector<LandmarkCandidate>& others) const;
+  std::vector<int> BehindWalls(const std::vector<LandmarkView>& others) const;
   // Counts those that lie on the plane, away from both ends: some stand for all.
-  void CountHits(OpeningMap* openings) const;
+  void CountHits(OccupancyGrids* openings) const;
 
  private:
   // A wall that the segment crosses, at this share of its length.
   struct WallCrossing {
-    const LandmarkCandidate* wall;
+    const LandmarkView* wall;
     double at;
   };
   // All of them, on the way from the segment's first beam to its last.
@@ -57,7 +57,7 @@ struct HiddenBeams {
   };
 
   // Where beams meet the plane.
-  struct Meeting {
+  struct PlaneView {
     PlaneTrace trace;
     const ScanMotion& motion;
   };
@@ -71,27 +71,27 @@ struct HiddenBeams {
     std::optional<Eigen::Vector3d> end;
   };
 
-  Meeting MakeMeeting() const;
+  PlaneView MakePlaneView() const;
   int64_t BeamInstantNs(int beam) const;
   // None where an end is too grazing to tell where it lies.
-  WallCrossings FindCrossings(const Meeting& meeting,
-                              const std::vector<LandmarkCandidate>& others) const;
+  WallCrossings FindCrossings(const PlaneView& view,
+                              const std::vector<LandmarkView>& others) const;
   // The beam that meets the plane at a share of the segment's length, whole or between two.
   double BeamAt(const WallCrossings& crossings, double share) const;
   // Where a beam along a direction meets the plane, in the world; nothing where the cosine of
   // the angle between beam and normal is below a minimum.
-  std::optional<Eigen::Vector3d> MeetingPoint(const Meeting& meeting,
-                                              int beam,
-                                              const Eigen::Vector2d& direction,
-                                              double min_cosine) const;
-  std::optional<Eigen::Vector3d> SafeMeetingPoint(const Meeting& meeting, int beam) const;
+  std::optional<Eigen::Vector3d> IntersectionPoint(const PlaneView& view,
+                                                   int beam,
+                                                   const Eigen::Vector2d& direction,
+                                                   double min_cosine) const;
+  std::optional<Eigen::Vector3d> SafeIntersectionPoint(const PlaneView& view, int beam) const;
   // Those of the stretch that InOpenings() finds.
-  void AddOpen(const Meeting& meeting,
+  void AddOpen(const PlaneView& view,
                const PlaneOpenings& openings,
                const Stretch& stretch,
                std::vector<int>* beams) const;
   // Of a beam at grazing incidence.
-  bool IsNearOpening(const Meeting& meeting,
+  bool IsNearOpening(const PlaneView& view,
                      int beam,
                      const Eigen::Vector2d& direction,
                      const PlaneOpenings& openings) const;
@@ -110,8 +110,8 @@ struct SegmentEnd {
 };
 
 // Counts the segment's last beams, which lie on the plane.
-void CountHitsAtEnd(const SegmentEnd& end, OpeningMap* openings);
+void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* openings);
 // Counts what the beams beyond the end tell of openings in its plane.
-void CountPassages(const SegmentEnd& end, OpeningMap* openings);
+void CountPassages(const SegmentEnd& end, OccupancyGrids* openings);
 
 }  // namespace plumbline

@@ -20,7 +20,7 @@ constexpr double kMaxDistance = 1.0;  // m
 constexpr double kRim = 0.3;  // m
 
 // Whether all that was seen of the other plane lies behind this one without touching it.
-bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
+bool IsBehind(const LandmarkView& other, const LandmarkView& own) {
   const PatchExtent& extent = other.landmark->extent;
   for (const double u : {extent.min_corner().x(), extent.max_corner().x()}) {
     for (const double v : {extent.min_corner().y(), extent.max_corner().y()}) {
@@ -32,10 +32,10 @@ bool IsBehind(const LandmarkCandidate& other, const LandmarkCandidate& own) {
 }
 
 // Where the trace meets the other plane's patch; middle: direction of the segment's middle.
-std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
-                                 const LandmarkCandidate& other,
-                                 const FreeEnd& end,
-                                 const Eigen::Vector2d& middle) {
+std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
+                                      const LandmarkView& other,
+                                      const FreeEnd& end,
+                                      const Eigen::Vector2d& middle) {
   const ScanLine& scan_line = own.scan_line;
   const Trace other_trace(own.placement, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
@@ -69,30 +69,31 @@ std::optional<PlaneMeeting> Meet(const PlaneOnScanLine& own,
   const bool goes_on = at_upright_edge ? own_extent.GoesOnBeyond(at_world, outwards)
                                        : own_extent.IsWithin(at_world, -kRim);
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
-  return PlaneMeeting{static_cast<int>(std::floor(beyond)),
-                      other_trace,
-                      &other,
-                      goes_on,
-                      at_upright_edge && is_turned_away && !goes_on};
+  return PlaneIntersection{static_cast<int>(std::floor(beyond)),
+                           other_trace,
+                           &other,
+                           goes_on,
+                           at_upright_edge && is_turned_away && !goes_on};
 }
 
 }  // namespace
 
-std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
-                                       const Eigen::Vector3d& p_world,
-                                       const PlaneSet& others,
-                                       const FreeEnd& end) {
-  std::vector<PlaneMeeting> meetings;
+std::vector<PlaneIntersection> FindIntersections(const PlaneOnScanLine& own,
+                                                 const Eigen::Vector3d& p_world,
+                                                 const PlaneSet& others,
+                                                 const FreeEnd& end) {
+  std::vector<PlaneIntersection> intersections;
   const Eigen::Vector2d middle = own.scan_line.BeamDirection(end.middle);
-  others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkCandidate& other) {
+  others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkView& other) {
     if (other.landmark == own.plane.landmark) return;
-    const auto meeting = Meet(own, other, end, middle);
-    if (meeting) meetings.push_back(*meeting);
+    const auto intersection = Meet(own, other, end, middle);
+    if (intersection) intersections.push_back(*intersection);
   });
-  std::sort(meetings.begin(),
-            meetings.end(),
-            [](const PlaneMeeting& a, const PlaneMeeting& b) { return a.last > b.last; });
-  return meetings;
+  std::sort(
+      intersections.begin(),
+      intersections.end(),
+      [](const PlaneIntersection& a, const PlaneIntersection& b) { return a.last > b.last; });
+  return intersections;
 }
 
 }  // namespace plumbline

@@ -26,15 +26,15 @@ struct FreeEnd {
 struct PlaneOnScanLine {
   const ScanLine& scan_line;
   const ScanPlacement& placement;  // at the end's instant
-  const LandmarkCandidate& plane;
+  const LandmarkView& plane;
   const Trace& trace;
 };
 
 // Where it meets another plane.
-struct PlaneMeeting {
+struct PlaneIntersection {
   int last;  // beam before it, counted outwards from the segment's end; inside: negative
   Trace other;
-  const LandmarkCandidate* plane;
+  const LandmarkView* plane;
   // Whether the segment's plane has been seen beyond, by more than segments that went on past
   // an edge for a few beams.
   bool goes_on;
@@ -47,9 +47,9 @@ struct PlaneMeeting {
 // segment's middle; p_world: the segment's end. From outside inwards: where three planes meet,
 // what lies beyond the first may be far from the second. The other side of a thin wall is left
 // out: what was seen of it lies behind the plane, which goes on.
-std::vector<PlaneMeeting> FindMeetings(const PlaneOnScanLine& own,
-                                       const Eigen::Vector3d& p_world,
-                                       const PlaneSet& others,
-                                       const FreeEnd& end);
+std::vector<PlaneIntersection> FindIntersections(const PlaneOnScanLine& own,
+                                                 const Eigen::Vector3d& p_world,
+                                                 const PlaneSet& others,
+                                                 const FreeEnd& end);
 
 }  // namespace plumbline

@@ -7,12 +7,12 @@
 
 namespace plumbline {
 
-PlaneSet::PlaneSet(std::vector<LandmarkCandidate> planes) : planes_(std::move(planes)) {
+PlaneSet::PlaneSet(std::vector<LandmarkView> planes) : planes_(std::move(planes)) {
   const Eigen::Array4d none = Eigen::Array4d::Zero();
   const Eigen::Array4d far = Eigen::Array4d::Constant(std::numeric_limits<double>::infinity());
   blocks_.assign((planes_.size() + kBlock - 1) / kBlock, {none, none, none, far});
   for (size_t i = 0; i < planes_.size(); ++i) {
-    Block& block = blocks_[i / kBlock];
+    PlaneQuad& block = blocks_[i / kBlock];
     const auto at = static_cast<Eigen::Index>(i % kBlock);
     block.x[at] = planes_[i].normal.x();
     block.y[at] = planes_[i].normal.y();
@@ -25,7 +25,7 @@ PlaneRanges::PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement)
     : planes_(planes.planes()) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   blocks_.reserve(planes.blocks_.size());
-  for (const PlaneSet::Block& block : planes.blocks_) {
+  for (const PlaneSet::PlaneQuad& block : planes.blocks_) {
     const auto along = [&](int axis) -> Eigen::Array4d {
       return block.x * placement(0, axis) + block.y * placement(1, axis) +
              block.z * placement(2, axis);

@@ -15,17 +15,17 @@ namespace plumbline {
 class PlaneSet {
  public:
   PlaneSet() = default;
-  explicit PlaneSet(std::vector<LandmarkCandidate> planes);
+  explicit PlaneSet(std::vector<LandmarkView> planes);
 
-  const std::vector<LandmarkCandidate>& planes() const { return planes_; }
+  const std::vector<LandmarkView>& planes() const { return planes_; }
 
   // Calls visit(plane) for the planes whose signed distance from the point is at most
   // distance_m in size, in order.
   template <typename Visit>
   void ForEachWithin(const Eigen::Vector3d& p_world, double distance_m, Visit visit) const {
     size_t first = 0;
-    for (const Block& block : blocks_) {
-      // As LandmarkCandidate::SignedDistance sums it.
+    for (const PlaneQuad& block : blocks_) {
+      // As LandmarkView::SignedDistance sums it.
       const Eigen::Array4d away =
           (block.x * p_world.x() + (block.y * p_world.y() + block.z * p_world.z()) -
            block.distance)
@@ -44,12 +44,12 @@ class PlaneSet {
 
   static constexpr int kBlock = 4;
   // Normals and distances; what is beyond the last plane is infinitely far away.
-  struct Block {
+  struct PlaneQuad {
     Eigen::Array4d x, y, z, distance;
   };
 
-  std::vector<LandmarkCandidate> planes_;
-  std::vector<Block> blocks_;
+  std::vector<LandmarkView> planes_;
+  std::vector<PlaneQuad> blocks_;
 };
 
 // At which ranges the beams of a scan plane meet the planes of a set: those that have the
@@ -66,7 +66,7 @@ class PlaneRanges {
                       double max_range,
                       Visit visit) const {
     size_t first = 0;
-    for (const Block& block : blocks_) {
+    for (const PlaneQuad& block : blocks_) {
       // The range is height / slope.
       const Eigen::Array4d slope = block.x * direction.x() + block.y * direction.y();
       const Eigen::Array4d within =
@@ -84,12 +84,12 @@ class PlaneRanges {
  private:
   // The normals' parts in the scan plane, turned round; the scanner's height above the planes:
   // infinite where it is behind.
-  struct Block {
+  struct PlaneQuad {
     Eigen::Array4d x, y, height;
   };
 
-  const std::vector<LandmarkCandidate>& planes_;
-  std::vector<Block> blocks_;
+  const std::vector<LandmarkView>& planes_;
+  std::vector<PlaneQuad> blocks_;
 };
 
 }  // namespace plumbline

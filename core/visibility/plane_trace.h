@@ -17,7 +17,7 @@ struct Trace {
   Eigen::Vector2d normal;
   double distance;
 
-  Trace(const ScanPlacement& placement, const LandmarkCandidate& plane)
+  Trace(const ScanPlacement& placement, const LandmarkView& plane)
       : normal(placement.col(0).dot(plane.normal), placement.col(1).dot(plane.normal)),
         distance(plane.distance - placement.col(2).dot(plane.normal)) {}
 

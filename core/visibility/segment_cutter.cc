@@ -26,7 +26,7 @@ SegmentCutter::SegmentCutter(const Rig& rig,
                              const MapperOptions& options,
                              const Trajectory& trajectory,
                              const std::vector<PlaneOpenings>* openings,
-                             OpeningMap* counted)
+                             OccupancyGrids* counted)
     : rig_(rig),
       options_(options),
       openings_(openings),
@@ -34,8 +34,8 @@ SegmentCutter::SegmentCutter(const Rig& rig,
       sampler_(trajectory),
       poses_(rig, trajectory) {}
 
-const LandmarkCandidate* SegmentCutter::Find(int landmark_id) const {
-  for (const LandmarkCandidate& candidate : candidates_.planes()) {
+const LandmarkView* SegmentCutter::Find(int landmark_id) const {
+  for (const LandmarkView& candidate : candidates_.planes()) {
     if (candidate.landmark->id == landmark_id) return &candidate;
   }
   return nullptr;
@@ -63,7 +63,7 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
 SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
                                              const Observation& observation,
                                              const FreeEnd& end) {
-  const LandmarkCandidate* own = Find(observation.landmark_id);
+  const LandmarkView* own = Find(observation.landmark_id);
   if (own == nullptr) return {end.beam};
   const bool at_last = end.step > 0;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
@@ -72,37 +72,38 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
           .motion.At(at_last ? observation.end_time_ns() : observation.start_time_ns());
   const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
   const Trace trace(placement, *own);
-  const std::vector<PlaneMeeting> meetings = FindMeetings(
+  const std::vector<PlaneIntersection> intersections = FindIntersections(
       {scan_line, placement, *own, trace}, placement * p.homogeneous(), candidates_, end);
   const double far_m = kFarSigmas * scanner.range_noise_m;
   int last = 0;  // counted outwards, as the meetings
-  int free = 0;  // innermost meeting outside
+  int free = 0;  // innermost intersection outside
   std::vector<Trace> outside;
-  for (const PlaneMeeting& meeting : meetings) {
-    if (meeting.last >= 0) {
-      free = meeting.last;
-      outside.push_back(meeting.other);
+  for (const PlaneIntersection& intersection : intersections) {
+    if (intersection.last >= 0) {
+      free = intersection.last;
+      outside.push_back(intersection.other);
       continue;
     }
     const Eigen::Vector2d direction = scan_line.BeamDirection(end.beam + end.step * last);
     const double own_range = trace.RangeAlong(direction);
-    double other_range = meeting.other.RangeAlong(direction);
+    double other_range = intersection.other.RangeAlong(direction);
     // What lies behind may be hidden by a plane that meets this one farther out.
     for (const Trace& nearer : outside) {
       const double range = nearer.RangeAlong(direction);
       if (range > own_range) other_range = std::min(other_range, range);
     }
-    if (meeting.is_edge || std::abs(own_range - other_range) < far_m) last = meeting.last;
+    if (intersection.is_edge || std::abs(own_range - other_range) < far_m)
+      last = intersection.last;
   }
   NewEnd result{end.beam + end.step * last, trace};
   if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
   bool goes_on = false;    // the plane, beyond what it meets
   bool at_corner = false;  // of two walls
-  for (const PlaneMeeting& meeting : meetings) {
-    if (std::abs(end.beam + end.step * meeting.last - result.beam) > 1) continue;
+  for (const PlaneIntersection& intersection : intersections) {
+    if (std::abs(end.beam + end.step * intersection.last - result.beam) > 1) continue;
     result.is_met = true;
-    goes_on = goes_on || meeting.goes_on;
-    at_corner = at_corner || meeting.plane->is_vertical;
+    goes_on = goes_on || intersection.goes_on;
+    at_corner = at_corner || intersection.plane->is_vertical;
   }
   if (counted_ == nullptr) return result;
   int on_plane = result.beam;
@@ -156,14 +157,14 @@ std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
 void SegmentCutter::CountHits(const ScanLine& scan_line,
                               const Observation& observation,
                               const Ends& ends) {
-  const LandmarkCandidate* own = Find(observation.landmark_id);
+  const LandmarkView* own = Find(observation.landmark_id);
   if (own == nullptr) return;
-  HiddenBeams{scan_line,
-              rig_.scanners[static_cast<size_t>(observation.scanner_index)],
-              poses_.Of(observation),
-              *own,
-              ends.first.beam,
-              ends.last.beam}
+  Occlusion{scan_line,
+            rig_.scanners[static_cast<size_t>(observation.scanner_index)],
+            poses_.Of(observation),
+            *own,
+            ends.first.beam,
+            ends.last.beam}
       .CountHits(counted_);
 }
 
@@ -175,30 +176,30 @@ bool SegmentCutter::IsOff(const ScanLine& scan_line, const Trace& trace, int bea
   return !(std::abs(range - expected) < kFreeEndSigmas * scanner.range_noise_m);
 }
 
-std::vector<int> SegmentCutter::HiddenBeamsOf(const ScanLine& scan_line,
-                                              const Observation& observation,
-                                              const LandmarkCandidate& own,
-                                              const Range& range) {
+std::vector<int> SegmentCutter::OccludedBeamsOf(const ScanLine& scan_line,
+                                                const Observation& observation,
+                                                const LandmarkView& own,
+                                                const Range& range) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
-  const HiddenBeams hidden{
+  const Occlusion occlusion{
       scan_line, scanner, poses_.Of(observation), own, range.first, range.last};
-  std::vector<int> beams = hidden.BehindCorners(candidates_.planes());
+  std::vector<int> beams = occlusion.BehindCorners(candidates_.planes());
   const std::vector<int> others =
       openings_ != nullptr
-          ? hidden.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
-          : hidden.BehindWalls(candidates_.planes());
+          ? occlusion.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
+          : occlusion.BehindWalls(candidates_.planes());
   beams.insert(beams.end(), others.begin(), others.end());
   return beams;
 }
 
-bool SegmentCutter::LeaveOutHidden(const ScanLine& scan_line,
-                                   const Ends& ends,
-                                   Range* range,
-                                   Observation* observation) {
+bool SegmentCutter::ExcludeOccluded(const ScanLine& scan_line,
+                                    const Ends& ends,
+                                    Range* range,
+                                    Observation* observation) {
   *range = {ends.first.beam, ends.last.beam};
-  const LandmarkCandidate* own = Find(observation->landmark_id);
+  const LandmarkView* own = Find(observation->landmark_id);
   if (own == nullptr) return false;
-  std::vector<int> excluded = HiddenBeamsOf(scan_line, *observation, *own, *range);
+  std::vector<int> excluded = OccludedBeamsOf(scan_line, *observation, *own, *range);
   const auto& known = observation->excluded_beams;
   excluded.insert(excluded.end(), known.begin(), known.end());
   std::sort(excluded.begin(), excluded.end());
@@ -261,26 +262,27 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
   segment.normal = {-observation->tangent().y(), observation->tangent().x()};
   segment.sigma_offset_m = observation->sigma_offset_m;
   segment.sigma_direction_rad = observation->sigma_direction_rad;
-  const LandmarkCandidate* own = Find(observation->landmark_id);
+  const LandmarkView* own = Find(observation->landmark_id);
   if (own == nullptr) {  // out of the scan line's reach, as where the estimate spins
     observation->landmark_id = -1;
     return;
   }
   const PlaneTrace trace = poses_.Of(*observation).motion.TraceOf(own->normal, own->distance);
-  Observation recut =
+  Observation resegmented =
       MakeObservationOn(trace, scan_line, scanner, segment, !observation->points.empty());
-  recut.scan_index = observation->scan_index;
-  recut.scan_line_index = observation->scan_line_index;
-  recut.landmark_id = observation->landmark_id;
-  recut.taken_to = observation->landmark_id;
-  recut.revision = observation->revision + 1;
+  resegmented.scan_index = observation->scan_index;
+  resegmented.scan_line_index = observation->scan_line_index;
+  resegmented.landmark_id = observation->landmark_id;
+  resegmented.taken_to = observation->landmark_id;
+  resegmented.revision = observation->revision + 1;
   // With other beams it may lie on its plane no more. (A single beam has no line to test.)
-  if (recut.num_points > 1 &&
-      FindLandmark(recut, poses_.Of(recut), pose_covariance, {*own}, options_.association) <
+  if (resegmented.num_points > 1 &&
+      FindLandmark(
+          resegmented, poses_.Of(resegmented), pose_covariance, {*own}, options_.association) <
           0) {
-    recut.landmark_id = -1;
+    resegmented.landmark_id = -1;
   }
-  *observation = std::move(recut);
+  *observation = std::move(resegmented);
 }
 
 }  // namespace plumbline

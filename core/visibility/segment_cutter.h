@@ -13,7 +13,7 @@
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 #include "core/trajectory/trajectory.h"
-#include "core/visibility/opening_grid.h"
+#include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_intersections.h"
 #include "core/visibility/plane_set.h"
 #include "core/visibility/plane_trace.h"
@@ -46,14 +46,14 @@ class SegmentCutter {
                 const MapperOptions& options,
                 const Trajectory& trajectory,
                 const std::vector<PlaneOpenings>* openings,
-                OpeningMap* counted);
+                OccupancyGrids* counted);
 
   // The planes that may bound segments, their own included.
-  void SetCandidates(std::vector<LandmarkCandidate> candidates) {
+  void SetViews(std::vector<LandmarkView> candidates) {
     candidates_ = PlaneSet(std::move(candidates));
   }
   const PlaneSet& candidates() const { return candidates_; }
-  const LandmarkCandidate* Find(int landmark_id) const;
+  const LandmarkView* Find(int landmark_id) const;
   PoseSampler* sampler() { return &sampler_; }
   SharedPoses* poses() { return &poses_; }
 
@@ -67,10 +67,10 @@ class SegmentCutter {
   // The range between the ends, shorter where the beams there can not lie on the segment's
   // plane or are off it; other such beams are left out. Returns whether the segment is another
   // one then.
-  bool LeaveOutHidden(const ScanLine& scan_line,
-                      const Ends& ends,
-                      Range* range,
-                      Observation* observation);
+  bool ExcludeOccluded(const ScanLine& scan_line,
+                       const Ends& ends,
+                       Range* range,
+                       Observation* observation);
   // Makes the observation anew of the beams in the range, on its plane's trace. It loses its
   // landmark where it has no beams left, lies on its plane no more, or the plane is none of
   // the candidates.
@@ -86,15 +86,15 @@ class SegmentCutter {
   void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
   // Those between two beams of an observation, on this plane.
-  std::vector<int> HiddenBeamsOf(const ScanLine& scan_line,
-                                 const Observation& observation,
-                                 const LandmarkCandidate& own,
-                                 const Range& range);
+  std::vector<int> OccludedBeamsOf(const ScanLine& scan_line,
+                                   const Observation& observation,
+                                   const LandmarkView& own,
+                                   const Range& range);
 
   const Rig& rig_;
   const MapperOptions& options_;
   const std::vector<PlaneOpenings>* openings_;
-  OpeningMap* counted_;
+  OccupancyGrids* counted_;
   PoseSampler sampler_;
   SharedPoses poses_;
   PlaneSet candidates_;

@@ -51,23 +51,23 @@ void MoveToFront(const std::vector<int>& kept, Eigen::MatrixXd* matrix) {
 
 }  // namespace
 
-bool DormantPlanes::DependsOn(const BlockId& block) const {
+bool InactiveLandmarks::DependsOn(const BlockId& block) const {
   return std::find(given_.begin(), given_.end(), block) != given_.end();
 }
 
-std::vector<int> DormantPlanes::GivenRows(const History& history) const {
+std::vector<int> InactiveLandmarks::GivenRows(const MarginalPrior& prior) const {
   std::vector<int> rows;
   for (const BlockId& block : given_) {
-    const size_t at = FindBlock(history.equations, block);
-    CHECK_LT(at, history.equations.blocks.size());
-    for (int k = 0; k < BlockSize(history.equations, at); ++k) {
-      rows.push_back(history.equations.offsets[at] + k);
+    const size_t at = FindBlock(prior.equations, block);
+    CHECK_LT(at, prior.equations.blocks.size());
+    for (int k = 0; k < BlockSize(prior.equations, at); ++k) {
+      rows.push_back(prior.equations.offsets[at] + k);
     }
   }
   return rows;
 }
 
-std::vector<int> DormantPlanes::RowsOfPlanes(const std::set<int>& landmark_ids) const {
+std::vector<int> InactiveLandmarks::RowsOfLandmarks(const std::set<int>& landmark_ids) const {
   std::vector<int> rows;
   for (const Plane& plane : planes_) {
     if (landmark_ids.count(plane.id) == 0) continue;
@@ -76,24 +76,24 @@ std::vector<int> DormantPlanes::RowsOfPlanes(const std::set<int>& landmark_ids) 
   return rows;
 }
 
-Eigen::MatrixXd DormantPlanes::ByHistory(const History& history,
-                                         const std::vector<int>& rows) const {
-  Eigen::MatrixXd by_history = Eigen::MatrixXd::Zero(mean_.size(), history.equations.size());
-  by_history(Eigen::all, GivenRows(history)) = gain_;
-  return by_history(Eigen::all, rows);
+Eigen::MatrixXd InactiveLandmarks::ByPrior(const MarginalPrior& prior,
+                                           const std::vector<int>& rows) const {
+  Eigen::MatrixXd by_prior = Eigen::MatrixXd::Zero(mean_.size(), prior.equations.size());
+  by_prior(Eigen::all, GivenRows(prior)) = gain_;
+  return by_prior(Eigen::all, rows);
 }
 
-void DormantPlanes::Reserve(Eigen::Index size) {
+void InactiveLandmarks::Reserve(Eigen::Index size) {
   if (covariance_.rows() >= size) return;
   Eigen::MatrixXd larger(2 * size, 2 * size);
   larger.topLeftCorner(mean_.size(), mean_.size()) = Covariance();
   covariance_ = std::move(larger);
 }
 
-Eigen::VectorXd DormantPlanes::Compose(const Elimination& elimination,
-                                       Eigen::Index num_taken,
-                                       const Eigen::MatrixXd& by_leaving,
-                                       const Eigen::MatrixXd& by_staying) {
+Eigen::VectorXd InactiveLandmarks::Compose(const Elimination& elimination,
+                                           Eigen::Index num_taken,
+                                           const Eigen::MatrixXd& by_leaving,
+                                           const Eigen::MatrixXd& by_staying) {
   const Eigen::VectorXd mean =
       elimination.BackSubstitute(Eigen::VectorXd::Zero(by_staying.cols()));
   const Eigen::MatrixXd gain = elimination.Gain();
@@ -118,16 +118,16 @@ Eigen::VectorXd DormantPlanes::Compose(const Elimination& elimination,
   return mean.head(num_taken);
 }
 
-void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
-                           int first_control_point,
-                           History* history) {
+void InactiveLandmarks::Deactivate(const std::set<int>& landmark_ids,
+                                   int first_control_point,
+                                   MarginalPrior* prior) {
   const auto is_taken = [&](const BlockId& block) {
     return IsLandmark(block) && landmark_ids.count(block.index) > 0;
   };
   const auto is_anchor = [&](const BlockId& block) {
     return !IsLandmark(block) && block.index < first_control_point;
   };
-  const NormalEquations& past = history->equations;
+  const NormalEquations& past = prior->equations;
   std::vector<int> leaving = RowsOf(past, is_taken);
   const auto num_taken = static_cast<Eigen::Index>(leaving.size());
   const std::vector<int> anchors = RowsOf(past, is_anchor);
@@ -136,10 +136,10 @@ void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
       past, [&](const BlockId& block) { return !is_taken(block) && !is_anchor(block); });
   const Elimination elimination = EliminateRows(leaving, staying, past);
   const auto num_before = static_cast<int>(mean_.size());
-  const Eigen::VectorXd means = Compose(
-      elimination, num_taken, ByHistory(*history, leaving), ByHistory(*history, staying));
+  const Eigen::VectorXd means =
+      Compose(elimination, num_taken, ByPrior(*prior, leaving), ByPrior(*prior, staying));
 
-  History rest;
+  MarginalPrior rest;
   given_.clear();
   given_offsets_.assign(1, 0);
   int row = num_before;
@@ -148,27 +148,27 @@ void DormantPlanes::TakeIn(const std::set<int>& landmark_ids,
     const int block_size = BlockSize(past, i);
     if (is_taken(block)) {
       mean_.segment(row, block_size) =
-          history->at[i] + means.segment(row - num_before, block_size);
+          prior->at[i] + means.segment(row - num_before, block_size);
       planes_.push_back({block.index, row, block_size});
       ids_.insert(block.index);
       row += block_size;
     } else if (!is_anchor(block)) {
       rest.equations.blocks.push_back(block);
       rest.equations.offsets.push_back(rest.equations.offsets.back() + block_size);
-      rest.at.push_back(std::move(history->at[i]));
+      rest.at.push_back(std::move(prior->at[i]));
       given_.push_back(block);
       given_offsets_.push_back(given_offsets_.back() + block_size);
     }
   }
   rest.equations.hessian = elimination.hessian();
   rest.equations.gradient = elimination.gradient();
-  *history = std::move(rest);
+  *prior = std::move(rest);
 }
 
-void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
-                             const std::deque<Landmark>& landmarks,
-                             History* history) {
-  const std::vector<int> rows = RowsOfPlanes(landmark_ids);
+void InactiveLandmarks::Activate(const std::set<int>& landmark_ids,
+                                 const std::deque<Landmark>& landmarks,
+                                 MarginalPrior* prior) {
+  const std::vector<int> rows = RowsOfLandmarks(landmark_ids);
   if (rows.empty()) return;
   const auto size = static_cast<Eigen::Index>(rows.size());
   const Eigen::Index num_given = gain_.cols();
@@ -179,8 +179,8 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   part.blocks = given_;
   part.offsets = given_offsets_;
   std::map<BlockId, Eigen::VectorXd> at;
-  for (size_t i = 0; i < history->at.size(); ++i) {
-    at[history->equations.blocks[i]] = history->at[i];
+  for (size_t i = 0; i < prior->at.size(); ++i) {
+    at[prior->equations.blocks[i]] = prior->at[i];
   }
   Eigen::VectorXd residual(size);
   Eigen::Index row = 0;
@@ -204,15 +204,15 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   for (size_t i = 0; i < part.blocks.size(); ++i) {
     sizes[part.blocks[i]] = BlockSize(part, i);
   }
-  for (size_t i = 0; i < history->equations.blocks.size(); ++i) {
-    sizes[history->equations.blocks[i]] = BlockSize(history->equations, i);
+  for (size_t i = 0; i < prior->equations.blocks.size(); ++i) {
+    sizes[prior->equations.blocks[i]] = BlockSize(prior->equations, i);
   }
   NormalEquations all = ZeroSystem(sizes);
-  AddTo(history->equations, history->equations.blocks, &all);
+  AddTo(prior->equations, prior->equations.blocks, &all);
   AddTo(part, part.blocks, &all);
-  history->equations = std::move(all);
-  history->at.clear();
-  for (const BlockId& block : history->equations.blocks) history->at.push_back(at.at(block));
+  prior->equations = std::move(all);
+  prior->at.clear();
+  for (const BlockId& block : prior->equations.blocks) prior->at.push_back(at.at(block));
 
   // The others, given these too.
   const Eigen::MatrixXd regression = Covariance()(Eigen::all, rows) * *weight;
@@ -226,10 +226,10 @@ void DormantPlanes::GiveBack(const std::set<int>& landmark_ids,
   gain_ = std::move(gain);
   given_ = std::move(part.blocks);
   given_offsets_ = std::move(part.offsets);
-  RemovePlanes(landmark_ids);
+  RemoveLandmarks(landmark_ids);
 }
 
-void DormantPlanes::RemovePlanes(const std::set<int>& landmark_ids) {
+void InactiveLandmarks::RemoveLandmarks(const std::set<int>& landmark_ids) {
   std::vector<int> rows;
   std::vector<Plane> planes;
   for (Plane plane : planes_) {
@@ -248,15 +248,15 @@ void DormantPlanes::RemovePlanes(const std::set<int>& landmark_ids) {
   MoveToFront(rows, &covariance_);
 }
 
-void DormantPlanes::Rebase(const History& history, const Eigen::VectorXd& moved) {
-  mean_ += gain_ * moved(GivenRows(history));
+void InactiveLandmarks::Rebase(const MarginalPrior& prior, const Eigen::VectorXd& moved) {
+  mean_ += gain_ * moved(GivenRows(prior));
 }
 
-void DormantPlanes::Merge(int into,
-                          int from,
-                          const Eigen::VectorXd& shift,
-                          const Eigen::MatrixXd& by_into,
-                          bool hold_first) {
+void InactiveLandmarks::Merge(int into,
+                              int from,
+                              const Eigen::VectorXd& shift,
+                              const Eigen::MatrixXd& by_into,
+                              bool hold_first) {
   const auto find = [&](int id) {
     return static_cast<size_t>(std::find(given_.begin(), given_.end(), LandmarkBlock(id)) -
                                given_.begin());
@@ -285,11 +285,11 @@ void DormantPlanes::Merge(int into,
   for (size_t i = from_at + 1; i < given_offsets_.size(); ++i) given_offsets_[i] -= size;
 }
 
-void DormantPlanes::Update(const History& history,
-                           const Eigen::VectorXd& steps,
-                           const Eigen::MatrixXd& covariance,
-                           std::deque<Landmark>* landmarks) const {
-  const std::vector<int> rows = GivenRows(history);
+void InactiveLandmarks::Update(const MarginalPrior& prior,
+                               const Eigen::VectorXd& steps,
+                               const Eigen::MatrixXd& covariance,
+                               std::deque<Landmark>* landmarks) const {
+  const std::vector<int> rows = GivenRows(prior);
   const Eigen::VectorXd estimate = mean_ + gain_ * steps(rows);
   const Eigen::MatrixXd of_given = covariance(rows, rows);
   const Eigen::MatrixXd spread = gain_ * of_given;

@@ -26,7 +26,7 @@ namespace plumbline {
 //
 // All that x was must stay in the history until the next planes are taken in. For control
 // points that the window has left behind this means that they stay as anchors.
-class DormantPlanes {
+class InactiveLandmarks {
  public:
   bool empty() const { return ids_.empty(); }
   bool Contains(int landmark_id) const { return ids_.count(landmark_id) > 0; }
@@ -36,15 +36,17 @@ class DormantPlanes {
   // Moves these planes from the history to the dormant ones, and drops the history's control
   // points before first_control_point, its anchors. Throws Error when the history does not
   // determine them.
-  void TakeIn(const std::set<int>& landmark_ids, int first_control_point, History* history);
+  void Deactivate(const std::set<int>& landmark_ids,
+                  int first_control_point,
+                  MarginalPrior* prior);
 
   // Moves these planes back to the history, where they are about the landmarks' parameters.
-  void GiveBack(const std::set<int>& landmark_ids,
+  void Activate(const std::set<int>& landmark_ids,
                 const std::deque<Landmark>& landmarks,
-                History* history);
+                MarginalPrior* prior);
 
   // The history's values move by this much (its rows): what is given is measured from there.
-  void Rebase(const History& history, const Eigen::VectorXd& moved);
+  void Rebase(const MarginalPrior& prior, const Eigen::VectorXd& moved);
 
   // Plane `from` of the history becomes part of its plane `into`; from's parameters are
   // measured from values that are `shift` larger, and by_into is their derivative by into's.
@@ -57,7 +59,7 @@ class DormantPlanes {
 
   // Sets the landmarks' parameters and covariances as they follow from the history's blocks:
   // their steps from the history's values, their joint covariance.
-  void Update(const History& history,
+  void Update(const MarginalPrior& prior,
               const Eigen::VectorXd& steps,
               const Eigen::MatrixXd& covariance,
               std::deque<Landmark>* landmarks) const;
@@ -69,9 +71,9 @@ class DormantPlanes {
     int size;
   };
   // Rows of given() in the history.
-  std::vector<int> GivenRows(const History& history) const;
+  std::vector<int> GivenRows(const MarginalPrior& prior) const;
   // The gain with respect to these rows of the history.
-  Eigen::MatrixXd ByHistory(const History& history, const std::vector<int>& rows) const;
+  Eigen::MatrixXd ByPrior(const MarginalPrior& prior, const std::vector<int>& rows) const;
   // Replaces what leaves the history by what it is given the rest, and appends the first
   // num_taken variables that leave, their means zero; returns these, from the history's
   // values. Columns of by_leaving, by_staying: as `elimination` eliminates, keeps.
@@ -79,7 +81,7 @@ class DormantPlanes {
                           Eigen::Index num_taken,
                           const Eigen::MatrixXd& by_leaving,
                           const Eigen::MatrixXd& by_staying);
-  std::vector<int> RowsOfPlanes(const std::set<int>& landmark_ids) const;
+  std::vector<int> RowsOfLandmarks(const std::set<int>& landmark_ids) const;
   // covariance_, where it holds something.
   Eigen::Block<const Eigen::MatrixXd> Covariance() const {
     return covariance_.topLeftCorner(mean_.size(), mean_.size());
@@ -87,7 +89,7 @@ class DormantPlanes {
   // Sees to it that covariance_ has room for so many rows.
   void Reserve(Eigen::Index size);
   // Keeps only these planes' rows.
-  void RemovePlanes(const std::set<int>& landmark_ids);
+  void RemoveLandmarks(const std::set<int>& landmark_ids);
 
   std::set<int> ids_;
   std::vector<Plane> planes_;

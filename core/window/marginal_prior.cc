@@ -94,8 +94,8 @@ void CovarianceToAnchored(const std::deque<Landmark>& landmarks,
   });
 }
 
-Reanchoring MergePlanes(const Landmark& into, const Landmark& from, History* history) {
-  NormalEquations& past = history->equations;
+Reanchoring MergePlanes(const Landmark& into, const Landmark& from, MarginalPrior* prior) {
+  NormalEquations& past = prior->equations;
   const size_t from_at = FindBlock(past, LandmarkBlock(from.id));
   CHECK_LT(from_at, past.blocks.size());
   const size_t into_at = FindBlock(past, LandmarkBlock(into.id));
@@ -107,13 +107,13 @@ Reanchoring MergePlanes(const Landmark& into, const Landmark& from, History* his
   Reanchoring change;
   change.shift = Eigen::VectorXd::Zero(size);
   if (into_at < past.blocks.size()) {
-    SetFromAnchored(history->at[into_at], &as_into);
+    SetFromAnchored(prior->at[into_at], &as_into);
     as_from.parameters = as_into.parameters;
-    change.shift = AnchoredParameters(as_from) - history->at[from_at];
+    change.shift = AnchoredParameters(as_from) - prior->at[from_at];
     if (size == 2) change.shift[0] = std::remainder(change.shift[0], 2.0 * M_PI);
     past.gradient += past.hessian.middleCols(row, size) * change.shift;
   } else {
-    SetFromAnchored(history->at[from_at], &as_from);
+    SetFromAnchored(prior->at[from_at], &as_from);
     as_into.parameters = as_from.parameters;
   }
   change.by_into = ParametersByAnchored(as_from).inverse() * ParametersByAnchored(as_into);
@@ -124,16 +124,16 @@ Reanchoring MergePlanes(const Landmark& into, const Landmark& from, History* his
   std::map<BlockId, Eigen::VectorXd> at;
   std::map<BlockId, int> sizes;
   for (size_t i = 0; i < names.size(); ++i) {
-    at[names[i]] = history->at[i];
+    at[names[i]] = prior->at[i];
     sizes[names[i]] = BlockSize(past, i);
   }
   at[LandmarkBlock(into.id)] = AnchoredParameters(as_into);
   NormalEquations merged = ZeroSystem(sizes);
   AddTo(past, names, &merged);
-  history->at.clear();
+  prior->at.clear();
   for (size_t i = 0; i < merged.blocks.size(); ++i) {
     const BlockId& block = merged.blocks[i];
-    history->at.push_back(at.at(block));
+    prior->at.push_back(at.at(block));
     if (!(block == LandmarkBlock(into.id)) || !into.heading_fixed) continue;
     merged.hessian.row(merged.offsets[i]).setZero();  // a held direction has no say
     merged.hessian.col(merged.offsets[i]).setZero();

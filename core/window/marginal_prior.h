@@ -15,11 +15,11 @@ namespace plumbline {
 // coordinates in which it stays one while they move. A plane that has been seen for a moment
 // may still turn by degrees: vertical landmarks are kept anchored where they were first seen
 // (factors/manifold/anchored_plane.h).
-struct History {
+struct MarginalPrior {
   NormalEquations equations;
   std::vector<Eigen::VectorXd> at;  // parallel to equations.blocks
 
-  History() { equations.offsets.assign(1, 0); }
+  MarginalPrior() { equations.offsets.assign(1, 0); }
 };
 
 // The point that a landmark is anchored at: x, y of the world. Zero for horizontal ones and
@@ -50,6 +50,6 @@ struct Reanchoring {
 // Makes the plane `from` of the history the plane `into`, each with its own anchor: about the
 // value that the history has for `into`, else about that for `from`. Exact to first order in
 // how far the plane is from there, however far the two have turned.
-Reanchoring MergePlanes(const Landmark& into, const Landmark& from, History* history);
+Reanchoring MergePlanes(const Landmark& into, const Landmark& from, MarginalPrior* prior);
 
 }  // namespace plumbline

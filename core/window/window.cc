@@ -80,8 +80,8 @@ std::set<int> Window::LandmarksInWindow() const {
 }
 
 Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) const {
-  const BlockId& id = history_.equations.blocks[block];
-  const Eigen::VectorXd& at = history_.at[block];
+  const BlockId& id = prior_.equations.blocks[block];
+  const Eigen::VectorXd& at = prior_.at[block];
   if (IsLandmark(id)) {
     return AnchoredParameters(state_->landmarks[static_cast<size_t>(id.index)]) - at;
   }
@@ -94,115 +94,117 @@ Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) co
   return Log(Quaternion(now) * Quaternion(at.data()).conjugate());
 }
 
-bool Window::WakePlanes(const std::set<int>& in_view) {
-  std::set<int> waking;
+bool Window::ActivateLandmarks(const std::set<int>& in_view) {
+  std::set<int> activated_ids;
   for (const int id : in_view) {
     last_in_view_[id] = num_solves_;
-    if (dormant_.Contains(id)) waking.insert(id);
+    if (inactive_.Contains(id)) activated_ids.insert(id);
   }
-  dormant_.GiveBack(waking, state_->landmarks, &history_);
-  return !waking.empty();
+  inactive_.Activate(activated_ids, state_->landmarks, &prior_);
+  return !activated_ids.empty();
 }
 
-void Window::RestPlanes() {
-  std::set<int> resting;
-  for (const BlockId& block : history_.equations.blocks) {
+void Window::DeactivateLandmarks() {
+  std::set<int> deactivated;
+  for (const BlockId& block : prior_.equations.blocks) {
     if (!IsLandmark(block)) continue;
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(block.index)];
     // Of a plane that is held in part, the conditional would be singular.
     if (landmark.heading_fixed) continue;
-    if (num_solves_ - last_in_view_[block.index] >= kRestAfter) resting.insert(block.index);
+    if (num_solves_ - last_in_view_[block.index] >= kInactiveAfter)
+      deactivated.insert(block.index);
   }
-  if (!resting.empty()) dormant_.TakeIn(resting, start_, &history_);
+  if (!deactivated.empty()) inactive_.Deactivate(deactivated, start_, &prior_);
 }
 
-Window::Passive Window::EliminatePassive(const std::set<int>& in_view) const {
-  const NormalEquations& past = history_.equations;
-  Passive passive;
+Window::OutOfView Window::EliminateOutOfView(const std::set<int>& in_view) const {
+  const NormalEquations& past = prior_.equations;
+  OutOfView out_of_view;
   std::vector<int> order;
   std::vector<int> active_rows;
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     const BlockId& block = past.blocks[i];
     const bool is_active =
         IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_;
-    (is_active ? passive.active_blocks : passive.blocks).push_back(i);
+    (is_active ? out_of_view.active_blocks : out_of_view.blocks).push_back(i);
     for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
       (is_active ? active_rows : order).push_back(row);
     }
   }
-  const auto num_passive = static_cast<Eigen::Index>(order.size());
+  const auto num_out_of_view = static_cast<Eigen::Index>(order.size());
   order.insert(order.end(), active_rows.begin(), active_rows.end());
-  passive.elimination =
-      Elimination::Make(past.hessian(order, order), past.gradient(order), num_passive);
-  if (!passive.elimination) throw Error(kNotDetermined);
-  return passive;
+  out_of_view.elimination =
+      Elimination::Make(past.hessian(order, order), past.gradient(order), num_out_of_view);
+  if (!out_of_view.elimination) throw Error(kNotDetermined);
+  return out_of_view;
 }
 
-void Window::AddHistory(const Passive& passive, EstimationProblem* problem) const {
-  if (passive.active_blocks.empty()) return;
+void Window::AddMarginalPrior(const OutOfView& out_of_view, EstimationProblem* problem) const {
+  if (out_of_view.active_blocks.empty()) return;
   Prior prior;
-  for (const size_t i : passive.active_blocks) {
-    const BlockId& block = history_.equations.blocks[i];
+  for (const size_t i : out_of_view.active_blocks) {
+    const BlockId& block = prior_.equations.blocks[i];
     prior.blocks.push_back(block);
     prior.linear.blocks.push_back(
-        {problem->KindOf(block), static_cast<int>(history_.at[i].size()), history_.at[i]});
+        {problem->KindOf(block), static_cast<int>(prior_.at[i].size()), prior_.at[i]});
     if (!IsLandmark(block)) continue;
     prior.linear.blocks.back().anchor =
         AnchorOf(state_->landmarks[static_cast<size_t>(block.index)]);
   }
   const MarginalisedSystem root = plumbline::Marginalise(
-      passive.elimination->hessian(), passive.elimination->gradient(), 0);
+      out_of_view.elimination->hessian(), out_of_view.elimination->gradient(), 0);
   prior.linear.root = root.root;
   prior.linear.offset = root.offset;
   problem->AddPrior(prior);
 }
 
-void Window::MovePassive(const Passive& passive,
-                         const EstimationProblem& problem,
-                         const NormalEquations& equations,
-                         Eigen::MatrixXd covariance,
-                         bool dormant_too) {
-  if (passive.blocks.empty() && !dormant_too) return;
-  const NormalEquations& past = history_.equations;
-  const std::vector<int> active_rows = RowsOf(past, passive.active_blocks);
-  const std::vector<int> passive_rows = RowsOf(past, passive.blocks);
+void Window::MoveOutOfView(const OutOfView& out_of_view,
+                           const EstimationProblem& problem,
+                           const NormalEquations& equations,
+                           Eigen::MatrixXd covariance,
+                           bool inactive_too) {
+  if (out_of_view.blocks.empty() && !inactive_too) return;
+  const NormalEquations& past = prior_.equations;
+  const std::vector<int> active_rows = RowsOf(past, out_of_view.active_blocks);
+  const std::vector<int> out_of_view_rows = RowsOf(past, out_of_view.blocks);
   Eigen::VectorXd steps(past.size());
   std::vector<size_t> solved_blocks;  // the history's active blocks in the solution
-  for (const size_t i : passive.active_blocks) {
+  for (const size_t i : out_of_view.active_blocks) {
     solved_blocks.push_back(FindBlock(equations, past.blocks[i]));
     steps.segment(past.offsets[i], BlockSize(past, i)) = Moved(problem, i);
   }
   const std::vector<int> solved_rows = RowsOf(equations, solved_blocks);
-  steps(passive_rows) = passive.elimination->BackSubstitute(steps(active_rows));
-  const Eigen::MatrixXd gain = passive.elimination->Gain();
-  const Eigen::MatrixXd root = passive.elimination->ConditionalRoot();
+  steps(out_of_view_rows) = out_of_view.elimination->BackSubstitute(steps(active_rows));
+  const Eigen::MatrixXd gain = out_of_view.elimination->Gain();
+  const Eigen::MatrixXd root = out_of_view.elimination->ConditionalRoot();
   CovarianceToAnchored(state_->landmarks, equations, &covariance);
   const Eigen::MatrixXd of_active = covariance(solved_rows, solved_rows);
   const Eigen::MatrixXd spread = gain * of_active;
   Eigen::MatrixXd joint(past.size(), past.size());
-  joint(passive_rows, passive_rows) = root.transpose() * root + spread * gain.transpose();
-  for (const size_t i : passive.blocks) {
+  joint(out_of_view_rows, out_of_view_rows) =
+      root.transpose() * root + spread * gain.transpose();
+  for (const size_t i : out_of_view.blocks) {
     if (!IsLandmark(past.blocks[i])) continue;
     const int row = past.offsets[i];
     const int size = BlockSize(past, i);
     Landmark& landmark = state_->landmarks[static_cast<size_t>(past.blocks[i].index)];
-    SetFromAnchored(history_.at[i] + steps.segment(row, size), &landmark);
+    SetFromAnchored(prior_.at[i] + steps.segment(row, size), &landmark);
     SetCovarianceFromAnchored(joint.block(row, row, size, size), &landmark);
   }
-  if (!dormant_too) return;
+  if (!inactive_too) return;
   joint(active_rows, active_rows) = of_active;
-  joint(passive_rows, active_rows) = spread;
-  joint(active_rows, passive_rows) = spread.transpose();
-  dormant_.Update(history_, steps, joint, &state_->landmarks);
+  joint(out_of_view_rows, active_rows) = spread;
+  joint(active_rows, out_of_view_rows) = spread.transpose();
+  inactive_.Update(prior_, steps, joint, &state_->landmarks);
 }
 
 PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   ++num_solves_;
   const std::set<int> in_view = LandmarksInWindow();
-  const bool woken = WakePlanes(in_view);
-  const Passive passive = EliminatePassive(in_view);
+  const bool activated = ActivateLandmarks(in_view);
+  const OutOfView out_of_view = EliminateOutOfView(in_view);
   EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  AddHistory(passive, &problem);
+  AddMarginalPrior(out_of_view, &problem);
   if (start_ == 0) AddStart(&problem);
   AddMotionPriors(&problem, start_, state_->trajectory.num_control_points() - 3);
   std::vector<const Observation*> in_window;
@@ -215,7 +217,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
 
   const int newest = state_->trajectory.Locate(now_ns).first;
   PoseGaussian newest_poses = NewestPoses(equations, newest);
-  if (options_.window.keep_statements) KeepStatement(equations, newest, now_ns);
+  if (options_.window.keep_estimates) KeepEstimate(equations, newest, now_ns);
 
   // What the planes' uncertainty is to somebody who stands at the newest pose.
   Eigen::MatrixXd covariance =
@@ -229,15 +231,15 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
                   &state_->landmarks[static_cast<size_t>(block.index)]);
   }
-  MovePassive(passive,
-              problem,
-              equations,
-              std::move(covariance),
-              !dormant_.empty() && (woken || num_solves_ % kDormantPeriod == 0));
+  MoveOutOfView(out_of_view,
+                problem,
+                equations,
+                std::move(covariance),
+                !inactive_.empty() && (activated || num_solves_ % kInactivePeriod == 0));
   const int64_t oldest_ns =
       std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
   Marginalise(state_->trajectory.Locate(oldest_ns).first);
-  if (num_solves_ % kRestAfter == 0) RestPlanes();
+  if (num_solves_ % kInactiveAfter == 0) DeactivateLandmarks();
   return newest_poses;
 }
 
@@ -280,7 +282,7 @@ std::vector<int> Window::RowsInPoses(const NormalEquations& equations, int newes
   return rows;
 }
 
-void Window::KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns) {
+void Window::KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns) {
   const Eigen::MatrixXd covariance =
       InverseOn(equations, RowsOf(equations, [](const BlockId&) { return true; }));
   const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
@@ -290,20 +292,20 @@ void Window::KeepStatement(const NormalEquations& equations, int newest, int64_t
   const int size = 6 * (state_->trajectory.num_control_points() - newest);
   Eigen::MatrixXd of_poses = Eigen::MatrixXd::Zero(size, size);
   of_poses(rows, rows) = covariance(newest_rows, newest_rows);
-  WindowStatement statement;
-  statement.newest_pose = {now_ns, state_->trajectory.WorldFromBody(now_ns)};
-  statement.pose_covariance =
+  WindowEstimate estimate;
+  estimate.newest_pose = {now_ns, state_->trajectory.WorldFromBody(now_ns)};
+  estimate.pose_covariance =
       PoseUncertainty(newest, std::move(of_poses)).At(state_->trajectory, now_ns);
   for (const BlockId& block : equations.blocks) {
-    if (IsLandmark(block)) statement.landmark_ids.push_back(block.index);
+    if (IsLandmark(block)) estimate.landmark_ids.push_back(block.index);
   }
   const std::vector<int> landmark_rows = RowsOf(equations, IsLandmark);
-  statement.landmark_covariance = covariance(landmark_rows, landmark_rows);
-  if (!statements_.empty()) {
-    statements_.back().landmark_ids.clear();
-    statements_.back().landmark_covariance.resize(0, 0);
+  estimate.landmark_covariance = covariance(landmark_rows, landmark_rows);
+  if (!estimates_.empty()) {
+    estimates_.back().landmark_ids.clear();
+    estimates_.back().landmark_covariance.resize(0, 0);
   }
-  statements_.push_back(std::move(statement));
+  estimates_.push_back(std::move(estimate));
 }
 
 void Window::Marginalise(int new_start) {
@@ -329,13 +331,13 @@ void Window::Marginalise(int new_start) {
   groups_.ForgetBefore(new_start);
 
   // The history's gradient where its blocks stand now.
-  NormalEquations& past = history_.equations;
+  NormalEquations& past = prior_.equations;
   Eigen::VectorXd moved(past.size());
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     moved.segment(past.offsets[i], BlockSize(past, i)) = Moved(leaving, i);
   }
   past.gradient += past.hessian * moved;
-  dormant_.Rebase(history_, moved);
+  inactive_.Rebase(prior_, moved);
 
   std::map<BlockId, int> sizes;
   for (const BlockId& block : past.blocks) sizes[block] = leaving.TangentSize(block);
@@ -345,7 +347,7 @@ void Window::Marginalise(int new_start) {
   AddTo(added, added.blocks, &all);
   // What dormant planes depend on stays, as an anchor.
   const auto leaves = [&](const BlockId& block) {
-    return !IsLandmark(block) && block.index < new_start && !dormant_.DependsOn(block);
+    return !IsLandmark(block) && block.index < new_start && !inactive_.DependsOn(block);
   };
   std::vector<int> order = RowsOf(all, leaves);
   const auto num_leaving = static_cast<Eigen::Index>(order.size());
@@ -357,18 +359,18 @@ void Window::Marginalise(int new_start) {
   if (!rest) throw Error(kNotDetermined);
   past.blocks.clear();
   past.offsets.assign(1, 0);
-  history_.at.clear();
+  prior_.at.clear();
   for (size_t i = 0; i < all.blocks.size(); ++i) {
     const BlockId& block = all.blocks[i];
     if (leaves(block)) continue;
     past.blocks.push_back(block);
     past.offsets.push_back(past.offsets.back() + BlockSize(all, i));
     if (IsLandmark(block)) {
-      history_.at.push_back(
+      prior_.at.push_back(
           AnchoredParameters(state_->landmarks[static_cast<size_t>(block.index)]));
       continue;
     }
-    history_.at.emplace_back(
+    prior_.at.emplace_back(
         Eigen::Map<const Eigen::VectorXd>(leaving.Data(block), leaving.AmbientSize(block)));
   }
   past.hessian = rest->hessian();
@@ -378,19 +380,19 @@ void Window::Marginalise(int new_start) {
 }
 
 void Window::MergeLandmarks(int into, int from) {
-  std::set<int> waking;
+  std::set<int> activated_ids;
   for (const int id : {into, from}) {
-    if (dormant_.Contains(id)) waking.insert(id);
+    if (inactive_.Contains(id)) activated_ids.insert(id);
   }
-  dormant_.GiveBack(waking, state_->landmarks, &history_);
-  for (const int id : waking) last_in_view_[id] = num_solves_;
-  if (FindBlock(history_.equations, LandmarkBlock(from)) == history_.equations.blocks.size()) {
+  inactive_.Activate(activated_ids, state_->landmarks, &prior_);
+  for (const int id : activated_ids) last_in_view_[id] = num_solves_;
+  if (FindBlock(prior_.equations, LandmarkBlock(from)) == prior_.equations.blocks.size()) {
     return;
   }
   const Landmark& landmark = state_->landmarks[static_cast<size_t>(into)];
   const Reanchoring moved =
-      MergePlanes(landmark, state_->landmarks[static_cast<size_t>(from)], &history_);
-  dormant_.Merge(into, from, moved.shift, moved.by_into, landmark.heading_fixed);
+      MergePlanes(landmark, state_->landmarks[static_cast<size_t>(from)], &prior_);
+  inactive_.Merge(into, from, moved.shift, moved.by_into, landmark.heading_fixed);
 }
 
 }  // namespace plumbline

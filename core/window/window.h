@@ -21,7 +21,7 @@
 namespace plumbline {
 
 // What the window knows after a solution, in the model frame.
-struct WindowStatement {
+struct WindowEstimate {
   StampedPose newest_pose;
   Matrix6d pose_covariance;             // world-frame rotation (rad) and position (m)
   std::vector<int> landmark_ids;        // in view, ascending
@@ -33,8 +33,8 @@ struct WindowStatement {
 // planes of the window. What leaves it is marginalised into a history of the planes met so far
 // and the oldest control points that remain.
 //
-// Planes out of view for kRestAfter solves are dormant (DormantPlanes): they wait outside of
-// the history until they are seen again. Their parameters and covariances in the map, for
+// Planes out of view for kRestAfter solves are dormant (InactiveLandmarks): they wait outside
+// of the history until they are seen again. Their parameters and covariances in the map, for
 // association and loop closure, are renewed every kDormantPeriod solves, a second with the
 // default knots, and in each solve that a dormant plane comes into view, as when a loop
 // closes; while none does, they hardly change. What is in view is estimated as if no plane
@@ -54,37 +54,37 @@ class Window {
 
   // What it has stated so far; empty unless the options ask for it. The planes are those of
   // the last statement only.
-  const std::vector<WindowStatement>& statements() const { return statements_; }
+  const std::vector<WindowEstimate>& estimates() const { return estimates_; }
 
   // Makes landmark `from` part of landmark `into` in the history.
   void MergeLandmarks(int into, int from);
 
  private:
-  static constexpr int kRestAfter = 16;
-  static constexpr int kDormantPeriod = 8;
+  static constexpr int kInactiveAfter = 16;
+  static constexpr int kInactivePeriod = 8;
 
   // The history's blocks that take no part in the window's iterations, eliminated: planes out
   // of view and anchors. They follow what the other blocks do. Positions in
-  // history_.equations.blocks.
-  struct Passive {
+  // prior_.equations.blocks.
+  struct OutOfView {
     std::vector<size_t> blocks;
     std::vector<size_t> active_blocks;  // the others
     std::optional<Elimination> elimination;
   };
 
   // Brings back what is in view from the dormant planes; true when there was any.
-  bool WakePlanes(const std::set<int>& in_view);
-  void RestPlanes();
-  Passive EliminatePassive(const std::set<int>& in_view) const;
+  bool ActivateLandmarks(const std::set<int>& in_view);
+  void DeactivateLandmarks();
+  OutOfView EliminateOutOfView(const std::set<int>& in_view) const;
   // What the history says of the active blocks, as a square-root prior.
-  void AddHistory(const Passive& passive, EstimationProblem* problem) const;
+  void AddMarginalPrior(const OutOfView& out_of_view, EstimationProblem* problem) const;
   // Estimates and covariances of the passive planes, and of the dormant ones where that is
   // due, from the solution of the others, whose covariance is in the rows of `equations`.
-  void MovePassive(const Passive& passive,
-                   const EstimationProblem& problem,
-                   const NormalEquations& equations,
-                   Eigen::MatrixXd covariance,
-                   bool dormant_too);
+  void MoveOutOfView(const OutOfView& out_of_view,
+                     const EstimationProblem& problem,
+                     const NormalEquations& equations,
+                     Eigen::MatrixXd covariance,
+                     bool inactive_too);
   void AddStart(EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
@@ -94,7 +94,7 @@ class Window {
   // Rows of the control points from `newest` on in a matrix with six for each; a planar
   // rotation is a yaw.
   std::vector<int> RowsInPoses(const NormalEquations& equations, int newest) const;
-  void KeepStatement(const NormalEquations& equations, int newest, int64_t now_ns);
+  void KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns);
   void Marginalise(int new_start);
 
   const Rig& rig_;
@@ -104,13 +104,13 @@ class Window {
   int start_ = 0;  // first control point of the window
   // On control points from start_, on anchors before it, and on the planes that are not
   // dormant.
-  History history_;
-  DormantPlanes dormant_;
+  MarginalPrior prior_;
+  InactiveLandmarks inactive_;
   int num_solves_ = 0;
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
   ObservationGroupCache groups_{LinearisedGroup::kCoarse, 1};
-  std::vector<WindowStatement> statements_;
+  std::vector<WindowEstimate> estimates_;
 };
 
 }  // namespace plumbline

@@ -27,17 +27,17 @@ using Matrix9d = Eigen::Matrix<double, 9, 9>;
 // Sums of value(i) tau^j, j below num_powers; value(i) is that of kLanes points, from i on.
 template <size_t num_powers, typename Value>
 std::array<double, num_powers> SumByPower(const double* tau, size_t end, const Value& value) {
-  std::array<Lanes, num_powers> lanes{};
-  for (size_t i = 0; i < end; i += kLanes) {
-    const Lanes tau_i = LoadLanes(tau + i);
-    Lanes term = value(i);
-    for (Lanes& sum : lanes) {
+  std::array<Simd, num_powers> simd{};
+  for (size_t i = 0; i < end; i += kSimdWidth) {
+    const Simd tau_i = LoadSimd(tau + i);
+    Simd term = value(i);
+    for (Simd& sum : simd) {
       sum += term;
       term *= tau_i;
     }
   }
   std::array<double, num_powers> sums;
-  for (size_t j = 0; j < num_powers; ++j) sums[j] = SumOf(lanes[j]);
+  for (size_t j = 0; j < num_powers; ++j) sums[j] = SumOf(simd[j]);
   return sums;
 }
 
@@ -174,7 +174,7 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     offset[i] = points.offset[i];
   }
   size_t end = num_points;
-  for (; end % kLanes != 0; ++end) {  // companions without weight
+  for (; end % kSimdWidth != 0; ++end) {  // companions without weight
     along[end] = across[end] = tau[end] = weight[end] = offset[end] = 0.0;
   }
   double most_across = 0.0;
@@ -189,10 +189,10 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     const auto sums = SumByPower<3>(tau.data(), end, value);
     for (int j = 0; j < 3; ++j) with_offset_(row, j) += sums[static_cast<size_t>(j)];
   };
-  const auto a = [&](size_t i) { return LoadLanes(&along[i]); };
-  const auto b = [&](size_t i) { return LoadLanes(&across[i]); };
-  const auto w2 = [&](size_t i) { return LoadLanes(&weight[i]); };
-  const auto o = [&](size_t i) { return LoadLanes(&offset[i]); };
+  const auto a = [&](size_t i) { return LoadSimd(&along[i]); };
+  const auto b = [&](size_t i) { return LoadSimd(&across[i]); };
+  const auto w2 = [&](size_t i) { return LoadSimd(&weight[i]); };
+  const auto o = [&](size_t i) { return LoadSimd(&offset[i]); };
   // One group of sums after the other: the processor's registers hold a group, not all of the
   // forty.
   add(kOne, w2);

@@ -9,37 +9,35 @@ namespace plumbline {
 // build is for those with AVX2. For loops of which the compiler does not make vector
 // instructions by itself.
 #ifdef PLUMBLINE_X86_64_V3
-constexpr int kLanes = 4;
+constexpr int kSimdWidth = 4;
 #else
-constexpr int kLanes = 2;
+constexpr int kSimdWidth = 2;
 #endif
-using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+using Simd = double __attribute__((vector_size(kSimdWidth * sizeof(double))));
 
-inline Lanes LoadLanes(const double* from) {
-  Lanes lanes;
-  std::memcpy(&lanes, from, sizeof(lanes));
-  return lanes;
+inline Simd LoadSimd(const double* from) {
+  Simd simd;
+  std::memcpy(&simd, from, sizeof(simd));
+  return simd;
 }
 
-inline void StoreLanes(const Lanes& lanes, double* to) {
-  std::memcpy(to, &lanes, sizeof(lanes));
-}
+inline void StoreSimd(const Simd& simd, double* to) { std::memcpy(to, &simd, sizeof(simd)); }
 
 // visit(0), visit(1), ...
 template <typename Visit>
-Lanes MakeLanes(const Visit& visit) {
-  Lanes lanes;
-  for (int k = 0; k < kLanes; ++k) lanes[k] = visit(k);
-  return lanes;
+Simd MakeSimd(const Visit& visit) {
+  Simd simd;
+  for (int k = 0; k < kSimdWidth; ++k) simd[k] = visit(k);
+  return simd;
 }
 
-inline double SumOf(const Lanes& lanes) {
+inline double SumOf(const Simd& simd) {
   double sum = 0.0;
-  for (int k = 0; k < kLanes; ++k) sum += lanes[k];
+  for (int k = 0; k < kSimdWidth; ++k) sum += simd[k];
   return sum;
 }
 
 // NaN where b is.
-inline Lanes Smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
+inline Simd Smaller(const Simd& a, const Simd& b) { return a < b ? a : b; }
 
 }  // namespace plumbline

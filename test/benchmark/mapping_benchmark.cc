@@ -151,7 +151,7 @@ void TimeBatchIteration(benchmark::State& state, const MappedWalk& walk, FactorK
     Stopwatch watch;
     {
       const Stopwatch::Running running(&watch);
-      problem->SolveArrow(1, {});
+      problem->SolveArrowhead(1, {});
     }
     state.SetIterationTime(watch.seconds());
   }

@@ -11,11 +11,11 @@ namespace plumbline {
 namespace {
 
 // Arguments: number of beams, range noise in mm. Each iteration takes another noisy scan line.
-void SegmentScene(benchmark::State& state, const Flatland& world) {
+void SegmentScene(benchmark::State& state, const PlanarWorld& world) {
   const int num_beams = static_cast<int>(state.range(0));
   Scanner scanner;
   scanner.range_noise_m = 1e-3 * static_cast<double>(state.range(1));
-  const FlatlandScan scan = TakeFlatlandScan(world, {0, 0}, 0.2, num_beams, 1.5 * M_PI);
+  const PlanarWorldScan scan = TakePlanarWorldScan(world, {0, 0}, 0.2, num_beams, 1.5 * M_PI);
   std::mt19937_64 random(42);
   std::vector<ScanLine> scan_lines;
   for (int i = 0; i < 64; ++i) {
@@ -30,16 +30,16 @@ void SegmentScene(benchmark::State& state, const Flatland& world) {
 }
 
 void Room(benchmark::State& state) {
-  SegmentScene(state, Flatland().AddWalls({{-3, -2}, {5, -2}, {5, 3}, {-3, 3}, {-3, -2}}));
+  SegmentScene(state, PlanarWorld().AddWalls({{-3, -2}, {5, -2}, {5, 3}, {-3, 3}, {-3, -2}}));
 }
 
 void Corridor(benchmark::State& state) {
-  SegmentScene(state,
-               Flatland().AddWalls({{-15, -1}, {14, -1}, {14, 1.2}, {-15, 1.2}, {-15, -1}}));
+  SegmentScene(
+      state, PlanarWorld().AddWalls({{-15, -1}, {14, -1}, {14, 1.2}, {-15, 1.2}, {-15, -1}}));
 }
 
 void ColumnsInARoom(benchmark::State& state) {
-  Flatland world = Flatland().AddWalls({{-6, -5}, {6, -5}, {6, 5}, {-6, 5}, {-6, -5}});
+  PlanarWorld world = PlanarWorld().AddWalls({{-6, -5}, {6, -5}, {6, 5}, {-6, 5}, {-6, -5}});
   for (int i = 0; i < 8; ++i) {
     world.columns.push_back({{3.0 * std::cos(0.7 * i), 3.0 * std::sin(0.7 * i)}, 0.2});
   }

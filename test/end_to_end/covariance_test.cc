@@ -142,7 +142,7 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
               1e-6 * equations.hessian.norm());
     MoveAway(mapped);
     EXPECT_GT(problem_->Linearise().cost, 1.1 * equations.cost);
-    const EstimationProblem::Solution solution = problem_->SolveArrow(50, {1e-14, 0.0});
+    const EstimationProblem::Solution solution = problem_->SolveArrowhead(50, {1e-14, 0.0});
     EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-7);
     EXPECT_NEAR(solution.equations.cost, equations.cost, 1e-9 * equations.cost);
     const BlockLayout layout = problem_->Layout();
@@ -162,7 +162,7 @@ TEST_F(CovarianceTest, EndsWhereAnotherStepWouldFindLittle) {
       if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.05;
     }
     int num = 0;
-    problem_->SolveArrow(50, tolerance, [&](const ArrowFactor&) { ++num; });
+    problem_->SolveArrowhead(50, tolerance, [&](const ArrowheadCholesky&) { ++num; });
     return num;
   };
   EXPECT_GE(num_steps({}), 2);
@@ -178,10 +178,10 @@ TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
   const double least = problem_->Linearise().cost;
   MoveAway(mapped);
   const double moved_away = problem_->Linearise().cost;
-  problem_->SolveArrow(1, {});
+  problem_->SolveArrowhead(1, {});
   const std::vector<double> first_step = Values();
   MoveAway(mapped);
-  problem_->TakeArrowStep();
+  problem_->TakeArrowheadStep();
   // Groups that were near enough have kept their linearisations.
   EXPECT_LT(LargestDifference(Values(), first_step), 1e-4);
   EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (moved_away - least));
@@ -192,7 +192,7 @@ TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
     if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.2;
   }
   const double raised = problem_->Linearise().cost;
-  problem_->TakeArrowStep();
+  problem_->TakeArrowheadStep();
   EXPECT_LT(problem_->Linearise().cost - least, 0.01 * (raised - least));
 }
 
@@ -289,7 +289,7 @@ TEST_F(CovarianceTest, IsForTheMotionFound) {
     const MotionNoise found = {ratio * assumed.horizontal_m_s2,
                                ratio * assumed.vertical_m_s2,
                                ratio * assumed.angular_rad_s2};
-    ArrowEquations corrected = problem_->LineariseArrow(problem_->Layout());
+    ArrowheadEquations corrected = problem_->LineariseArrowhead(problem_->Layout());
     CorrectForMotion(assumed, found, *problem_, &corrected);
     const double stated = MapCovariance::Of(*problem_, std::move(corrected))
                               .PoseAt(result_->state.trajectory, time_ns)(5, 5);
@@ -308,7 +308,9 @@ TEST_F(CovarianceTest, AFewCombinationsTellTheNoiseOfTheMotion) {
   MapScenario(TiltedRig(), 6.0);
   const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
   const MotionNoise found = ReestimateMotionNoise(
-      assumed, *problem_, ArrowFactor(problem_->LineariseArrow(problem_->Layout()).hessian));
+      assumed,
+      *problem_,
+      ArrowheadCholesky(problem_->LineariseArrowhead(problem_->Layout()).hessian));
   const Eigen::MatrixXd covariance = InverseOf(problem_->Linearise());
   double squares = 0.0, determined = 0.0;  // of the height
   problem_->ForEachMotionPrior(false,

@@ -116,7 +116,7 @@ TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
   Scenario scenario = Base();
   Run(scenario);
   EXPECT_FALSE(std::filesystem::exists(Path("result/window_trajectory.tum")));
-  scenario.config = "window: {keep_statements: true}\n";
+  scenario.config = "window: {keep_estimates: true}\n";
   Run(scenario);
   const auto batch = ReadTrajectory(Path("result/trajectory.tum"));
   const auto window = ReadTrajectory(Path("result/window_trajectory.tum"));
@@ -141,8 +141,8 @@ TEST_F(MappingEstimateTest, WindowsPlanesKeepToTheirOwnBeams) {
   scenario.more = "noise: {scale: 0}\n";
   const SimulatedRecording recording = Simulate(scenario);
   WriteRecording(recording);
-  const auto sum_of_squares = [&](const std::string& recut) {
-    Map("window: {keep_statements: true, recut_segments: " + recut + "}\n");
+  const auto sum_of_squares = [&](const std::string& resegmented) {
+    Map("window: {keep_estimates: true, resegment: " + resegmented + "}\n");
     std::filesystem::rename(Path("result/window_planes.json"), Path("result/planes.json"));
     double sum = 0.0;
     for (const PlaneMatch& match : EvaluateResult(recording).planes.list) {

@@ -15,7 +15,7 @@
 namespace plumbline {
 
 // A plane world of straight walls and round columns, as one scan plane cuts it.
-struct Flatland {
+struct PlanarWorld {
   struct Wall {
     Eigen::Vector2d start, end;
   };
@@ -26,7 +26,7 @@ struct Flatland {
   std::vector<Wall> walls;
   std::vector<Column> columns;
 
-  Flatland& AddWalls(const std::vector<Eigen::Vector2d>& polyline) {
+  PlanarWorld& AddWalls(const std::vector<Eigen::Vector2d>& polyline) {
     for (size_t i = 0; i + 1 < polyline.size(); ++i) {
       walls.push_back({polyline[i], polyline[i + 1]});
     }
@@ -70,19 +70,19 @@ struct Flatland {
 
 // A scan line with the exact ranges, taken while the scanner moves. The pose at the middle
 // time of the scan line is position and heading; `motion` is a constant twist about it.
-struct FlatlandScan {
+struct PlanarWorldScan {
   ScanLine scan_line;
   std::vector<int> wall_of_beam;  // -1: a column or nothing
 };
 
-inline FlatlandScan TakeFlatlandScan(const Flatland& world,
-                                     const Eigen::Vector2d& position,
-                                     double heading,
-                                     int num_beams,
-                                     double field_of_view,
-                                     double sweep_s = 0.0,
-                                     const ScannerMotion& motion = {}) {
-  FlatlandScan scan;
+inline PlanarWorldScan TakePlanarWorldScan(const PlanarWorld& world,
+                                           const Eigen::Vector2d& position,
+                                           double heading,
+                                           int num_beams,
+                                           double field_of_view,
+                                           double sweep_s = 0.0,
+                                           const ScannerMotion& motion = {}) {
+  PlanarWorldScan scan;
   ScanLine& line = scan.scan_line;
   line.angle_min = -0.5 * field_of_view;
   line.angle_increment = num_beams > 1 ? field_of_view / (num_beams - 1) : 0.0;

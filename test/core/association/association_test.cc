@@ -88,7 +88,7 @@ class AssociationTest : public testing::Test {
   }
 
   int Find(const Matrix6d& pose_covariance = Matrix6d::Zero()) const {
-    std::vector<LandmarkCandidate> candidates;
+    std::vector<LandmarkView> candidates;
     for (const Landmark& landmark : landmarks_) {
       candidates.emplace_back(landmark);
     }
@@ -122,7 +122,7 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
       {0.0, 12.0, 0.0}, landmarks_[3].extent.u_axis(), landmarks_[3].extent.v_axis());
   landmarks_[3].extent.AddSegment({-1.0, 12.0, 0.0}, {1.0, 12.0, 0.0});
   for (Landmark& landmark : landmarks_) landmark.num_segments = 1;
-  const std::vector<LandmarkCandidate> all = CandidatesWithinGap(landmarks_, 0, {});
+  const std::vector<LandmarkView> all = ViewsWithinGap(landmarks_, 0, {});
   ASSERT_EQ(all.size(), 4u);
   Rig rig;
   rig.scanners.push_back(scanner_);
@@ -131,19 +131,17 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   of_next_scan.last_point = {50.0F, 0.0F};
   const std::deque<Observation> observations = {observation_, of_next_scan};
   Matrix6d pose_covariance = Matrix6d::Zero();
-  const auto ids_of = [](const std::vector<LandmarkCandidate>& candidates) {
+  const auto ids_of = [](const std::vector<LandmarkView>& candidates) {
     std::vector<int> ids;
-    for (const LandmarkCandidate& candidate : candidates)
-      ids.push_back(candidate.landmark->id);
+    for (const LandmarkView& candidate : candidates) ids.push_back(candidate.landmark->id);
     return ids;
   };
   const auto found = [&](size_t first) {
     const Reach reach = ReachOfScan(
         rig, observations, first, Eigen::Vector3d::Zero(), pose_covariance, options_);
-    const std::vector<int> ids = ids_of(CandidatesWithin(reach, all));
+    const std::vector<int> ids = ids_of(ViewsWithin(reach, all));
     const LoopClosureOptions closure;
-    EXPECT_EQ(ids_of(CandidatesWithin(reach, LandmarksWithinGap{landmarks_, 0, closure})),
-              ids);
+    EXPECT_EQ(ids_of(ViewsWithin(reach, LandmarksWithinGap{landmarks_, 0, closure})), ids);
     return ids;
   };
   EXPECT_EQ(found(0), (std::vector<int>{ahead, beside}));
@@ -171,7 +169,7 @@ TEST(ScanSlab, TouchesWhatBeamsPassWithinItsMargin) {
     Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, p_world);
     wall.extent.AddSegment(p_world - 0.25 * Eigen::Vector3d::UnitX(),
                            p_world + 0.25 * Eigen::Vector3d::UnitX());
-    return slab.Touches(LandmarkCandidate(wall));
+    return slab.Touches(LandmarkView(wall));
   };
   for (const double seconds : {0.0, 0.005, 0.01, 0.017, 0.02}) {
     const Rigid3d pose = pose_at(seconds);
@@ -215,7 +213,7 @@ TEST_F(AssociationTest, DirectionCountsToo) {
   const LineDeviation deviation = DeviationFromPlane(
       observation_,
       ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
-      LandmarkCandidate(wall));
+      LandmarkView(wall));
   const double sigma_direction = std::sqrt(deviation.covariance(1, 1));
   EXPECT_NEAR(sigma_direction, SigmaOffset() * std::sqrt(12.0) / 2.0, 0.2 * sigma_direction);
   AddWall(0.0, 4.1 * sigma_direction, -1.0, 1.0);

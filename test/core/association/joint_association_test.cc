@@ -23,22 +23,22 @@ class JointAssociationTest : public testing::Test {
   // Observation `index` deviates by the given offset and slope from landmark `id`; a heading
   // error of 1 rad would make that lever_m and 1 rad.
   void Add(int index, int id, double lever_m, double offset_m, double slope_rad) {
-    Pairing pairing;
-    pairing.observation_index = index;
-    pairing.landmark_id = id;
-    pairing.value = {offset_m, slope_rad};
-    pairing.noise = Eigen::Vector2d(1e-4, 1e-4).asDiagonal();  // 1 cm, 0.6 degrees
+    JointHypothesis hypothesis;
+    hypothesis.observation_index = index;
+    hypothesis.landmark_id = id;
+    hypothesis.value = {offset_m, slope_rad};
+    hypothesis.noise = Eigen::Vector2d(1e-4, 1e-4).asDiagonal();  // 1 cm, 0.6 degrees
     Eigen::Matrix<double, 2, 6> by_pose = Eigen::Matrix<double, 2, 6>::Zero();
     by_pose(0, 2) = lever_m;
     by_pose(1, 2) = 1.0;
-    pairing.by_motion = by_pose * PoseByMotion(0.5);
-    pairings_.push_back(pairing);
+    hypothesis.by_motion = by_pose * PoseByMotion(0.5);
+    hypotheses_.push_back(hypothesis);
   }
 
   std::vector<int> Landmarks() {
     std::vector<int> ids;
-    for (const size_t i : ChooseJointly(pairings_, covariance_, options_).pairings) {
-      ids.push_back(pairings_[i].landmark_id);
+    for (const size_t i : ChooseJointly(hypotheses_, covariance_, options_).hypotheses) {
+      ids.push_back(hypotheses_[i].landmark_id);
     }
     std::sort(ids.begin(), ids.end());
     return ids;
@@ -46,7 +46,7 @@ class JointAssociationTest : public testing::Test {
 
   MotionCovariance covariance_;
   AssociationOptions options_;
-  std::vector<Pairing> pairings_;
+  std::vector<JointHypothesis> hypotheses_;
 };
 
 TEST(PoseCovarianceTest, IsThatOfTheMotionBetween) {
@@ -89,7 +89,7 @@ TEST_F(JointAssociationTest, AWrongFirstObservationDoesNotDecide) {
 
 TEST_F(JointAssociationTest, NothingFromNothing) {
   const JointChoice choice = ChooseJointly({}, covariance_, options_);
-  EXPECT_TRUE(choice.pairings.empty());
+  EXPECT_TRUE(choice.hypotheses.empty());
   EXPECT_EQ(choice.cost, 0.0);
 }
 

@@ -82,7 +82,7 @@ TEST(JudgeTypeTest, UprightScannerDoesNotTellAWallsDirection) {
 }
 
 // The paper's rig walks through a room and offers what its scanners see.
-class CandidatePlanesTest : public testing::Test {
+class TentativePlanesTest : public testing::Test {
  protected:
   void Walk(const PlaneScene& scene,
             const std::vector<int>& scanners,
@@ -131,20 +131,20 @@ class CandidatePlanesTest : public testing::Test {
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
-  CandidatePlanes candidates_{false, options_};
+  TentativePlanes candidates_{false, options_};
   double noise_share_ = 1.0;  // of the scanners' range noise
   std::mt19937_64 random_{3};
   int scan_ = 0;
   int num_offered_ = 0;
 };
 
-TEST_F(CandidatePlanesTest, BecomePlanesOfTheRoom) {
+TEST_F(TentativePlanesTest, BecomePlanesOfTheRoom) {
   const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
   Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
-  std::vector<PlaneCandidate> ready = candidates_.TakeReady(options_.planes.min_scans);
+  std::vector<TentativePlane> ready = candidates_.TakeReady(options_.planes.min_scans);
   EXPECT_GE(ready.size(), 6u);
   std::set<const ScenePlane*> found;
-  for (const PlaneCandidate& candidate : ready) {
+  for (const TentativePlane& candidate : ready) {
     const ScenePlane* truth = TruthOf(room, candidate.landmark);
     ASSERT_NE(truth, nullptr) << candidate.landmark.Normal().transpose() << " "
                               << candidate.landmark.Distance();
@@ -156,23 +156,23 @@ TEST_F(CandidatePlanesTest, BecomePlanesOfTheRoom) {
   EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty()) << "taken is gone";
 }
 
-TEST_F(CandidatePlanesTest, FewScansAreNotEnough) {
+TEST_F(TentativePlanesTest, FewScansAreNotEnough) {
   const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
   Walk(room, {0, 1, 2}, options_.planes.min_scans - 1, 0.5, 0.3);
   EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty());
   EXPECT_FALSE(candidates_.TakeReady(options_.planes.min_scans - 1).empty());
 }
 
-TEST_F(CandidatePlanesTest, StaleOnesAreDropped) {
+TEST_F(TentativePlanesTest, StaleOnesAreDropped) {
   const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
   Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
   const int64_t last_ns = kStart + scan_ * kPeriod;
-  candidates_.DropStale(last_ns + NanosecondsFromSeconds(options_.planes.max_candidate_age_s));
+  candidates_.DropStale(last_ns + NanosecondsFromSeconds(options_.planes.max_tentative_age_s));
   EXPECT_TRUE(candidates_.TakeReady(1).empty());
 }
 
 // One tilted scanner alone, standing still: a horizontal trace on a wall looks like a floor's.
-TEST_F(CandidatePlanesTest, StandingStillOneScannerDoesNotMakeAFloor) {
+TEST_F(TentativePlanesTest, StandingStillOneScannerDoesNotMakeAFloor) {
   // The left scanner's traces are horizontal on walls across its tilt, at heading 45 degrees.
   const PlaneScene wall = {{WallNormal(225.0), -2.0}};
   Walk(wall, {1}, 40, 0.0, 0.0);
@@ -181,13 +181,13 @@ TEST_F(CandidatePlanesTest, StandingStillOneScannerDoesNotMakeAFloor) {
 }
 
 // Motion tells: what fits a horizontal plane while the rig moves on is one.
-TEST_F(CandidatePlanesTest, MotionTellsFloorFromWall) {
+TEST_F(TentativePlanesTest, MotionTellsFloorFromWall) {
   const PlaneScene floor = {{Eigen::Vector3d::UnitZ(), 0.0}};
   Walk(floor, {2}, 40, 0.5, 0.0);
   const auto ready = candidates_.TakeReady(options_.planes.min_scans);
   // Pieces far from each other may be candidates of their own.
   ASSERT_FALSE(ready.empty());
-  for (const PlaneCandidate& candidate : ready) {
+  for (const TentativePlane& candidate : ready) {
     EXPECT_EQ(candidate.landmark.model, PlaneModel::kHorizontal);
     EXPECT_NEAR(candidate.landmark.Distance(), 0.0, 0.02);
   }
@@ -195,7 +195,7 @@ TEST_F(CandidatePlanesTest, MotionTellsFloorFromWall) {
 
 // Of segments that may lie on a wall or on a door's lintel, a single one that took in beams of
 // another surface, and slopes for it, makes no wall.
-TEST_F(CandidatePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
+TEST_F(TentativePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
   noise_share_ = 0.0;
   const int min_scans = options_.planes.min_scans;
   const PlaneScene level = {{WallNormal(225.0), -2.0}};
@@ -204,16 +204,16 @@ TEST_F(CandidatePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
   Walk(level, {1}, min_scans - 1, 0.0, 0.0);
   EXPECT_TRUE(candidates_.TakeReady(min_scans).empty());
   Walk(sloping, {1}, min_scans - 1, 0.0, 0.0);
-  const std::vector<PlaneCandidate> walls = candidates_.TakeReady(min_scans);
+  const std::vector<TentativePlane> walls = candidates_.TakeReady(min_scans);
   ASSERT_EQ(walls.size(), 1u);
   EXPECT_EQ(walls.front().landmark.model, PlaneModel::kVertical);
   EXPECT_EQ(static_cast<int>(walls.front().scans.size()), 2 * min_scans - 1);
 }
 
-TEST_F(CandidatePlanesTest, MovingTowardsAWallMakesNoFloor) {
+TEST_F(TentativePlanesTest, MovingTowardsAWallMakesNoFloor) {
   const PlaneScene wall = {{WallNormal(225.0), -3.0}};
   Walk(wall, {1}, 40, 0.8, 0.0);
-  for (const PlaneCandidate& candidate : candidates_.TakeReady(options_.planes.min_scans)) {
+  for (const TentativePlane& candidate : candidates_.TakeReady(options_.planes.min_scans)) {
     EXPECT_NE(candidate.landmark.model, PlaneModel::kHorizontal)
         << candidate.landmark.Distance();
   }

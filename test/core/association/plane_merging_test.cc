@@ -14,9 +14,9 @@ using Pairs = std::vector<std::pair<int, int>>;
 constexpr double kSigmaDistance = 0.002;  // m
 constexpr double kSigmaAngle = 0.001;     // rad
 
-class DuplicatesTest : public testing::Test {
+class PlaneMergingTest : public testing::Test {
  protected:
-  DuplicatesTest() { options_.association.surface_flatness_m = 1e-4; }
+  PlaneMergingTest() { options_.association.surface_flatness_m = 1e-4; }
 
   // A piece of the wall y = 2 from first_x to last_x, moved and turned about its middle.
   Landmark& AddWall(double first_x, double last_x, double shift = 0.0, double turn = 0.0) {
@@ -48,20 +48,22 @@ class DuplicatesTest : public testing::Test {
     return state_.landmarks.back();
   }
 
-  Pairs Find(int since_scan = 0) { return FindDuplicates(rig_, state_, options_, since_scan); }
+  Pairs Find(int since_scan = 0) {
+    return FindMergeablePlanes(rig_, state_, options_, since_scan);
+  }
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
   MapState state_{Trajectory(0, 125'000'000, Rigid3d()), {}, {}, 0, {}};
 };
 
-TEST_F(DuplicatesTest, NeighbouringPiecesOfOneWallAreOne) {
+TEST_F(PlaneMergingTest, NeighbouringPiecesOfOneWallAreOne) {
   AddWall(0.0, 2.0);
   AddWall(2.5, 4.5);
   EXPECT_EQ(Find(), (Pairs{{0, 1}}));
 }
 
-TEST_F(DuplicatesTest, SignificantDifferenceKeepsThemApart) {
+TEST_F(PlaneMergingTest, SignificantDifferenceKeepsThemApart) {
   AddWall(0.0, 2.0);
   // Seen from one piece, the other one's angle counts over 2.2 m as well.
   const double sigma =
@@ -76,7 +78,7 @@ TEST_F(DuplicatesTest, SignificantDifferenceKeepsThemApart) {
   EXPECT_EQ(Find(), Pairs());
 }
 
-TEST_F(DuplicatesTest, PiecesFarFromEachOtherStayTwo) {
+TEST_F(PlaneMergingTest, PiecesFarFromEachOtherStayTwo) {
   AddWall(0.0, 2.0);
   AddWall(5.0, 7.0);
   EXPECT_EQ(Find(), Pairs());
@@ -84,13 +86,13 @@ TEST_F(DuplicatesTest, PiecesFarFromEachOtherStayTwo) {
   EXPECT_EQ(Find(), (Pairs{{0, 1}}));
 }
 
-TEST_F(DuplicatesTest, TwoSidesOfAThinWallStayTwo) {
+TEST_F(PlaneMergingTest, TwoSidesOfAThinWallStayTwo) {
   AddWall(0.0, 2.0);
   AddWall(0.0, 2.0, 0.0, M_PI);
   EXPECT_EQ(Find(), Pairs());
 }
 
-TEST_F(DuplicatesTest, TypesDoNotMix) {
+TEST_F(PlaneMergingTest, TypesDoNotMix) {
   AddWall(0.0, 2.0);
   Landmark floor = MakeHorizontalLandmark(1.0, {1.0, 2.0, 0.2});
   floor.covariance(0, 0) = kSigmaDistance * kSigmaDistance;
@@ -106,20 +108,20 @@ TEST_F(DuplicatesTest, TypesDoNotMix) {
   EXPECT_EQ(Find(), Pairs());
 }
 
-TEST_F(DuplicatesTest, DoubtfulPlanesWait) {
+TEST_F(PlaneMergingTest, DoubtfulPlanesWait) {
   AddWall(0.0, 2.0);
   AddWall(0.5, 2.5).covariance *= std::pow(1.2 * 0.03 / kSigmaDistance, 2);
   EXPECT_EQ(Find(), Pairs()) << "known worse than a single range";
 }
 
-TEST_F(DuplicatesTest, OnlyWhatHasBeenSeenLatelyIsCompared) {
+TEST_F(PlaneMergingTest, OnlyWhatHasBeenSeenLatelyIsCompared) {
   AddWall(0.0, 2.0);
   AddWall(0.5, 2.5);  // last seen in scan 19
   EXPECT_EQ(Find(19), (Pairs{{0, 1}}));
   EXPECT_EQ(Find(20), Pairs());
 }
 
-TEST_F(DuplicatesTest, GapRuleHoldsWithoutLoopClosure) {
+TEST_F(PlaneMergingTest, GapRuleHoldsWithoutLoopClosure) {
   AddWall(0.0, 2.0).last_scan = 9;
   AddWall(0.5, 2.5).first_scan = 200;
   state_.landmarks[1].last_scan = 220;
@@ -131,7 +133,7 @@ TEST_F(DuplicatesTest, GapRuleHoldsWithoutLoopClosure) {
   EXPECT_EQ(Find(), (Pairs{{0, 1}}));
 }
 
-TEST_F(DuplicatesTest, MergedLandmarkPassesEverythingOn) {
+TEST_F(PlaneMergingTest, MergedLandmarkPassesEverythingOn) {
   AddWall(0.0, 2.0);
   AddWall(1.5, 4.5);
   AddWall(8.0, 9.0);

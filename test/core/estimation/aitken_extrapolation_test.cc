@@ -15,27 +15,28 @@ TEST(StepLength, GoesTheWholeWay) {
     const Eigen::Vector3d last_step = kShare * way;
     const Eigen::Vector3d rest = way - last_lengthening * last_step;
     const Eigen::Vector3d step = kShare * rest;
-    const double lengthening = LengtheningOf(step, last_step, last_lengthening, kWeights);
+    const double lengthening = AitkenRelaxation(step, last_step, last_lengthening, kWeights);
     EXPECT_LT((lengthening * step - rest).norm(), 1e-12 * way.norm()) << last_lengthening;
   }
 }
 
 TEST(StepLength, LeavesOtherStepsAsTheyAre) {
   const Eigen::Vector3d last_step(1.0, 0.1, 0.0);
-  EXPECT_EQ(LengtheningOf(0.4 * last_step, last_step, 1.0, kWeights), 1.0);  // they converge
-  EXPECT_EQ(LengtheningOf(-0.9 * last_step, last_step, 1.0, kWeights),
+  EXPECT_EQ(AitkenRelaxation(0.4 * last_step, last_step, 1.0, kWeights),
+            1.0);  // they converge
+  EXPECT_EQ(AitkenRelaxation(-0.9 * last_step, last_step, 1.0, kWeights),
             1.0);  // it went too far
-  EXPECT_EQ(LengtheningOf(Eigen::Vector3d(1.0, -0.1, 0.0), last_step, 1.0, kWeights), 1.0);
-  EXPECT_EQ(LengtheningOf(Eigen::Vector3d(0.0, 0.0, 0.0), last_step, 1.0, kWeights), 1.0);
-  EXPECT_EQ(LengtheningOf(last_step, Eigen::Vector3d::Zero(), 1.0, kWeights), 1.0);
+  EXPECT_EQ(AitkenRelaxation(Eigen::Vector3d(1.0, -0.1, 0.0), last_step, 1.0, kWeights), 1.0);
+  EXPECT_EQ(AitkenRelaxation(Eigen::Vector3d(0.0, 0.0, 0.0), last_step, 1.0, kWeights), 1.0);
+  EXPECT_EQ(AitkenRelaxation(last_step, Eigen::Vector3d::Zero(), 1.0, kWeights), 1.0);
 }
 
 // Steps that do not become shorter tell no end.
 TEST(StepLength, IsBounded) {
   const Eigen::Vector3d last_step(1.0, 0.1, 0.0);
-  EXPECT_EQ(LengtheningOf(last_step, last_step, 1.0, kWeights), 20.0);
-  EXPECT_EQ(LengtheningOf(1.5 * last_step, last_step, 1.0, kWeights), 20.0);
-  EXPECT_EQ(LengtheningOf(0.6 * last_step, last_step, 0.3, kWeights), 1.0);
+  EXPECT_EQ(AitkenRelaxation(last_step, last_step, 1.0, kWeights), 20.0);
+  EXPECT_EQ(AitkenRelaxation(1.5 * last_step, last_step, 1.0, kWeights), 20.0);
+  EXPECT_EQ(AitkenRelaxation(0.6 * last_step, last_step, 0.3, kWeights), 1.0);
 }
 
 }  // namespace

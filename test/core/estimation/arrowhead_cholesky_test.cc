@@ -15,9 +15,9 @@ namespace {
 
 // A random positive definite matrix of the arrow's shape, in both forms: a sum of outer
 // products of rows that touch neighbours in the band and a few variables of the border.
-struct RandomArrow {
-  RandomArrow(int num_band, int bandwidth, int num_border, uint64_t seed)
-      : arrow(num_band, std::max(1, bandwidth), num_border),
+struct RandomArrowhead {
+  RandomArrowhead(int num_band, int bandwidth, int num_border, uint64_t seed)
+      : arrowhead(num_band, std::max(1, bandwidth), num_border),
         dense(Eigen::MatrixXd::Zero(num_band + num_border, num_band + num_border)) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
@@ -40,17 +40,17 @@ struct RandomArrow {
       Eigen::VectorXd row(static_cast<Eigen::Index>(columns.size()));
       for (double& value : row) value = normal(random);
       const Eigen::MatrixXd product = row * row.transpose();
-      arrow.AddBlock(columns, product);
+      arrowhead.AddBlock(columns, product);
       dense(columns, columns) += product;
     }
   }
 
-  ArrowMatrix arrow;
+  ArrowheadMatrix arrowhead;
   Eigen::MatrixXd dense;
 };
 
 TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
-  // The last ones are cut into pieces, and their separators again.
+  // The last ones are cut into subdomains, and their separators again.
   for (const auto& [num_band, bandwidth, num_border] : {std::array<int, 3>{40, 7, 6},
                                                         {3, 7, 4},
                                                         {12, 0, 3},
@@ -60,9 +60,9 @@ TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
                                                         {101, 2, 20},
                                                         {400, 3, 60},
                                                         {720, 3, 90}}) {
-    const RandomArrow random(num_band, bandwidth, num_border, 8);
+    const RandomArrowhead random(num_band, bandwidth, num_border, 8);
     const Eigen::MatrixXd& dense = random.dense;
-    ArrowFactor factor(random.arrow);
+    ArrowheadCholesky factor(random.arrowhead);
     const Eigen::MatrixXd expected = dense.inverse();
     const double tolerance = 1e-9 * expected.norm();
     Eigen::MatrixXd right_side(dense.rows(), 2);
@@ -70,7 +70,7 @@ TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
         Eigen::VectorXd::LinSpaced(dense.rows(), 3.0, 1.0);
     const Eigen::MatrixXd solution = expected * right_side;
     EXPECT_LT((factor.Solve(right_side) - solution).norm(), 1e-9 * solution.norm());
-    const ArrowInverse inverse = factor.TakeInverse();
+    const ArrowheadInverse inverse = factor.TakeInverse();
     EXPECT_LT((inverse.border() - expected.bottomRightCorner(num_border, num_border)).norm(),
               tolerance);
     const int size = std::min(num_band, bandwidth + 1);
@@ -85,20 +85,20 @@ TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
 
 TEST(ArrowFactorTest, SingularMatrixIsAnError) {
   const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(2, 2);
-  ArrowMatrix band(3, 1, 1);
+  ArrowheadMatrix band(3, 1, 1);
   for (int i = 0; i < 4; ++i) band.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
   band.AddBlock({0, 1}, ones - Eigen::MatrixXd::Identity(2, 2));
-  EXPECT_THROW(ArrowFactor{band}, Error);
-  ArrowMatrix border(1, 1, 2);
+  EXPECT_THROW(ArrowheadCholesky{band}, Error);
+  ArrowheadMatrix border(1, 1, 2);
   border.AddBlock({0}, Eigen::MatrixXd::Identity(1, 1));
   border.AddBlock({1, 2}, ones);
-  EXPECT_THROW(ArrowFactor{border}, Error);
+  EXPECT_THROW(ArrowheadCholesky{border}, Error);
 }
 
 TEST(ArrowFactorTest, ClearsVariablesThatStandAlone) {
-  ArrowMatrix matrix(3, 2, 2);
+  ArrowheadMatrix matrix(3, 2, 2);
   for (int i = 0; i < 5; ++i) matrix.AddBlock({i}, 0.5 * Eigen::MatrixXd::Identity(1, 1));
-  ArrowInverse inverse = ArrowFactor(matrix).TakeInverse();
+  ArrowheadInverse inverse = ArrowheadCholesky(matrix).TakeInverse();
   inverse.Clear(2);
   inverse.Clear(3);
   const Eigen::Vector3d band(2.0, 2.0, 0.0);
@@ -109,8 +109,8 @@ TEST(ArrowFactorTest, ClearsVariablesThatStandAlone) {
 }
 
 TEST(ArrowMatrixDeathTest, RefusesEntriesOutsideTheBand) {
-  ArrowMatrix arrow(10, 2, 1);
-  EXPECT_DEATH(arrow.AddBlock({1, 4}, Eigen::MatrixXd::Ones(2, 2)), "outside the band");
+  ArrowheadMatrix arrowhead(10, 2, 1);
+  EXPECT_DEATH(arrowhead.AddBlock({1, 4}, Eigen::MatrixXd::Ones(2, 2)), "outside the band");
 }
 
 }  // namespace

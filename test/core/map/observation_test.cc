@@ -59,7 +59,7 @@ class ObservationTest : public testing::Test {
     return DeviationFromPlane(
         observation,
         ObservationPoses(trajectory, scanner_.body_from_scanner, observation),
-        LandmarkCandidate(landmark));
+        LandmarkView(landmark));
   }
 
   Scanner scanner_ = MakeScanner();
@@ -154,7 +154,7 @@ TEST_F(ObservationTest, TakesTheMotionIntoAccount) {
   const LineDeviation deviation =
       DeviationFromPlane(observation,
                          ObservationPoses(trajectory, scanner_.body_from_scanner, observation),
-                         LandmarkCandidate(wall));
+                         LandmarkView(wall));
   // The quadratic through the nodes follows the motion far below the noise.
   EXPECT_LT(std::abs(deviation.value[0]), 1e-5);
   EXPECT_LT(std::abs(deviation.value[1]), 1e-5);

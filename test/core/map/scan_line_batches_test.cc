@@ -48,17 +48,17 @@ TEST_F(LineBlocksTest, EveryLineComesOnceWithWhatTheMapHoldsOfIt) {
   const std::vector<int> of_observations = {0, 0, 3, 7, 8, 8, 8, 20};
   const std::vector<int> of_runs = {3, 9, 9};
   state_.observations = OnLines(of_observations);
-  state_.short_runs = OnLines(of_runs);
+  state_.sub_minimum_segments = OnLines(of_runs);
   RecordingReader recording(Record(kNumLines), rig_);
   ScanLine skipped;
   recording.Next(&skipped);  // a pass begins at the beginning
   LineBlockReader reader(&recording, state_);
-  LineBlock block;
+  ScanLineBatch block;
   int index = 0;
   std::vector<int> observations;
   std::vector<int> runs;
   while (reader.Next(&block)) {
-    for (const LineBlock::Line& line : block.lines) {
+    for (const ScanLineBatch::Line& line : block.lines) {
       EXPECT_EQ(line.scan_line.ranges[0], 1.0f + static_cast<float>(index));
       EXPECT_EQ(line.first_observation, observations.size());
       while (observations.size() < line.last_observation) observations.push_back(index);
@@ -78,7 +78,7 @@ TEST_F(LineBlocksTest, ObservationsOutOfOrderAreNotPassedOver) {
   state_.observations = OnLines({3, 1});
   RecordingReader recording(Record(5), rig_);
   LineBlockReader reader(&recording, state_);
-  LineBlock block;
+  ScanLineBatch block;
   EXPECT_DEATH(while (reader.Next(&block)){}, "observations out of order");
 }
 

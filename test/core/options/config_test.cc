@@ -54,16 +54,16 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.association.significance, 3e-6);
   EXPECT_EQ(read.association.surface_flatness_m, 0.0125);
   EXPECT_EQ(read.planes.min_scans, 7);
-  EXPECT_EQ(read.planes.max_candidate_age_s, 2.5);
+  EXPECT_EQ(read.planes.max_tentative_age_s, 2.5);
   EXPECT_EQ(read.window.num_scans, 33);
   EXPECT_EQ(read.window.knot_intervals_per_step, 3);
-  EXPECT_FALSE(read.window.recut_segments);
-  EXPECT_TRUE(read.window.keep_statements);
+  EXPECT_FALSE(read.window.resegment);
+  EXPECT_TRUE(read.window.keep_estimates);
   EXPECT_FALSE(read.loop_closure.enabled);
   EXPECT_EQ(read.loop_closure.max_gap_scans, 77);
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
-  EXPECT_FALSE(read.batch.recut_segments);
+  EXPECT_FALSE(read.batch.resegment);
   EXPECT_TRUE(read.batch.estimate_motion_noise);
   EXPECT_EQ(read.max_gap_s, 0.6);
 }
@@ -96,6 +96,21 @@ TEST_F(ConfigTest, UnknownKeysAreErrorsWithTheirLine) {
               AllOf(HasSubstr(File() + ":2: "), HasSubstr("windows")));
   EXPECT_THAT(ReadError("window:\n  num_scans: 10\n  num_scans: 11\n"),
               HasSubstr(File() + ":"));
+}
+
+TEST_F(ConfigTest, RenamedKeysAreErrorsThatNameTheNewOne) {
+  struct Renamed {
+    std::string text;
+    std::string new_key;
+  };
+  for (const Renamed& renamed :
+       {Renamed{"planes:\n  max_candidate_age_s: 1.0\n", "max_tentative_age_s"},
+        Renamed{"window:\n  recut_segments: true\n", "resegment"},
+        Renamed{"window:\n  keep_statements: true\n", "keep_estimates"},
+        Renamed{"batch:\n  recut_segments: true\n", "resegment"}}) {
+    EXPECT_THAT(ReadError(renamed.text),
+                AllOf(HasSubstr(File() + ":2: "), HasSubstr("'" + renamed.new_key + "'")));
+  }
 }
 
 TEST_F(ConfigTest, ValuesOutOfRangeAreErrorsWithTheirLine) {

@@ -39,7 +39,7 @@ struct TrueLine {
   Vector2d normal;
 };
 
-TrueLine LineOfWall(const Flatland& world,
+TrueLine LineOfWall(const PlanarWorld& world,
                     int wall,
                     const Vector2d& position,
                     double heading) {
@@ -65,12 +65,12 @@ struct WhitenedError {
   double direction;
 };
 
-Flatland RectangularRoom() {
-  return Flatland().AddWalls({{-3, -2}, {5, -2}, {5, 3}, {-3, 3}, {-3, -2}});
+PlanarWorld RectangularRoom() {
+  return PlanarWorld().AddWalls({{-3, -2}, {5, -2}, {5, 3}, {-3, 3}, {-3, -2}});
 }
 
 // First and last beam of each run of at least five beams on one wall.
-std::vector<std::pair<int, int>> TrueRuns(const FlatlandScan& scan) {
+std::vector<std::pair<int, int>> TrueRuns(const PlanarWorldScan& scan) {
   std::vector<std::pair<int, int>> runs;
   const std::vector<int>& walls = scan.wall_of_beam;
   for (int i = 0; i < scan.scan_line.num_beams(); ++i) {
@@ -82,16 +82,16 @@ std::vector<std::pair<int, int>> TrueRuns(const FlatlandScan& scan) {
       runs.emplace_back(i, i);
     }
   }
-  std::vector<std::pair<int, int>> long_runs;
+  std::vector<std::pair<int, int>> long_segments;
   for (const auto& run : runs) {
-    if (run.second - run.first + 1 >= 5) long_runs.push_back(run);
+    if (run.second - run.first + 1 >= 5) long_segments.push_back(run);
   }
-  return long_runs;
+  return long_segments;
 }
 
 // Number of 500 noisy draws in which the segments are not one for each wall seen, or an end
 // lies more than `slack` beams beyond the wall's or inside of it by more than `max_left_out`.
-int CountWrongDraws(const FlatlandScan& scan, double sigma, int slack, int max_left_out) {
+int CountWrongDraws(const PlanarWorldScan& scan, double sigma, int slack, int max_left_out) {
   const std::vector<std::pair<int, int>> runs = TrueRuns(scan);
   std::mt19937_64 random(42);
   int num_wrong = 0;
@@ -135,67 +135,68 @@ int DoubtfulBeams(const Setting& setting, double bend, double range) {
 }
 
 TEST_P(NoiseTest, RectangularRoom) {
-  const FlatlandScan scan =
-      TakeFlatlandScan(RectangularRoom(), {0, 0}, 0.2, GetParam().num_beams, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(RectangularRoom(), {0, 0}, 0.2, GetParam().num_beams, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, DoubtfulBeams(GetParam(), 1.57, 3.0)),
             kMaxWrongDraws);
 }
 
 TEST_P(NoiseTest, Corner) {
-  const Flatland world = Flatland().AddWalls({{-1.5, 2}, {3, 2}, {3, -2.5}});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 0.5, GetParam().num_beams, kFieldOfView);
+  const PlanarWorld world = PlanarWorld().AddWalls({{-1.5, 2}, {3, 2}, {3, -2.5}});
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 0.5, GetParam().num_beams, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, DoubtfulBeams(GetParam(), 1.57, 3.0)),
             kMaxWrongDraws);
 }
 
 TEST_P(NoiseTest, ObtuseCornerOf135Degrees) {
-  const Flatland world = Flatland().AddWalls({{-3, 2}, {1, 2}, {4, -1}});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 1.2, GetParam().num_beams, kFieldOfView);
+  const PlanarWorld world = PlanarWorld().AddWalls({{-3, 2}, {1, 2}, {4, -1}});
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 1.2, GetParam().num_beams, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, DoubtfulBeams(GetParam(), 0.78, 2.2)),
             kMaxWrongDraws);
 }
 
 TEST_P(NoiseTest, GentleCornerOf170Degrees) {
   const double bend = 10.0 * M_PI / 180.0;
-  const Flatland world = Flatland().AddWalls(
+  const PlanarWorld world = PlanarWorld().AddWalls(
       {{-4, 2}, {0.5, 2}, {0.5 + 4 * std::cos(bend), 2 - 4 * std::sin(bend)}});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 1.57, GetParam().num_beams, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 1.57, GetParam().num_beams, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, DoubtfulBeams(GetParam(), bend, 2.0)),
             kMaxWrongDraws);
 }
 
 TEST_P(NoiseTest, DepthJumpAtConvexCornerLosesNoBeam) {
-  const Flatland world =
-      Flatland().AddWalls({{-3, 2}, {1, 2}, {1, 6}}).AddWalls({{-3, 7}, {6, 7}});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 1.3, GetParam().num_beams, kFieldOfView);
+  const PlanarWorld world =
+      PlanarWorld().AddWalls({{-3, 2}, {1, 2}, {1, 6}}).AddWalls({{-3, 7}, {6, 7}});
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 1.3, GetParam().num_beams, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 0, 0), kMaxWrongDraws);
 }
 
 TEST_P(NoiseTest, CorridorSeenAtGrazingIncidence) {
-  const Flatland world = Flatland().AddWalls({{-15, -1}, {14, -1}, {14, 1.2}, {-15, 1.2}});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 0.0, GetParam().num_beams, kFieldOfView);
+  const PlanarWorld world =
+      PlanarWorld().AddWalls({{-15, -1}, {14, -1}, {14, 1.2}, {-15, 1.2}});
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 0.0, GetParam().num_beams, kFieldOfView);
   ASSERT_GE(TrueRuns(scan).size(), 2u);  // the far end has four of 90 beams
   EXPECT_LE(CountWrongDraws(scan, GetParam().sigma, 3, 6), kMaxWrongDraws);
 }
 
 // A flat pillar in front of a wall: a run of beams nearer by `offset`.
-Flatland WallWithPillar(double half_width, double offset) {
-  return Flatland().AddWalls({{-3, 2},
-                              {-half_width, 2},
-                              {-half_width, 2 - offset},
-                              {half_width, 2 - offset},
-                              {half_width, 2},
-                              {3, 2}});
+PlanarWorld WallWithPillar(double half_width, double offset) {
+  return PlanarWorld().AddWalls({{-3, 2},
+                                 {-half_width, 2},
+                                 {-half_width, 2 - offset},
+                                 {half_width, 2 - offset},
+                                 {half_width, 2},
+                                 {3, 2}});
 }
 
 TEST(SegmentationTest, PillarFiveSigmaBeforeTheWall) {
-  const FlatlandScan scan =
-      TakeFlatlandScan(WallWithPillar(0.4, 0.05), {0, 0}, 1.57, 270, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(WallWithPillar(0.4, 0.05), {0, 0}, 1.57, 270, kFieldOfView);
   EXPECT_LE(CountWrongDraws(scan, 0.01, 1, 2), kMaxWrongDraws);
 }
 
@@ -206,8 +207,8 @@ TEST(SegmentationTest, PillarFiveSigmaBeforeTheWall) {
 // for which 21 are asked: a failure would be 3.5 sigma away.
 TEST(SegmentationTest, LongRunsTwoSigmaOffTheWall) {
   constexpr double kOffset = 0.06;
-  const FlatlandScan scan =
-      TakeFlatlandScan(WallWithPillar(0.85, kOffset), {0, 0}, 1.57, 1080, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(WallWithPillar(0.85, kOffset), {0, 0}, 1.57, 1080, kFieldOfView);
   const std::vector<std::pair<int, int>> runs = TrueRuns(scan);
   ASSERT_EQ(runs.size(), 3u);
   ASSERT_NEAR(runs[1].second - runs[1].first + 1, 170, 25);
@@ -237,10 +238,10 @@ TEST(SegmentationTest, LongRunsTwoSigmaOffTheWall) {
 // The mean errors of all lines, over draws of noise, are zero; their variances are the stated
 // ones. Bounds: four standard errors of a mean (1 / sqrt(n)) and of a variance (sqrt(2 / n)).
 TEST_P(NoiseTest, LinesOfARoomAreUnbiasedAndConsistent) {
-  const Flatland world = RectangularRoom();
+  const PlanarWorld world = RectangularRoom();
   const double heading = 0.2;
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, heading, GetParam().num_beams, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, heading, GetParam().num_beams, kFieldOfView);
   const size_t num_walls = TrueRuns(scan).size();  // the last has four of 90 beams
   ASSERT_GE(num_walls, 3u);
   constexpr int kDraws = 2500;
@@ -280,10 +281,10 @@ TEST_P(NoiseTest, LinesOfARoomAreUnbiasedAndConsistent) {
 }
 
 TEST_P(NoiseTest, SegmentsOfARoundColumnAreShort) {
-  Flatland world;
+  PlanarWorld world;
   world.columns.push_back({{2, 0}, 0.3});
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, {0, 0}, 0.0, GetParam().num_beams, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, {0, 0}, 0.0, GetParam().num_beams, kFieldOfView);
   std::mt19937_64 random(42);
   for (int draw = 0; draw < 100; ++draw) {
     for (const Segment& segment :
@@ -317,8 +318,8 @@ TEST(SegmentationTest, RandomClutterHasNoLongSegments) {
 }
 
 TEST(SegmentationTest, ExactRangesGiveExactLines) {
-  const Flatland world = RectangularRoom();
-  const FlatlandScan scan = TakeFlatlandScan(world, {0.3, -0.2}, 0.2, 270, kFieldOfView);
+  const PlanarWorld world = RectangularRoom();
+  const PlanarWorldScan scan = TakePlanarWorldScan(world, {0.3, -0.2}, 0.2, 270, kFieldOfView);
   const auto segments = SegmentScanLine(scan.scan_line, MakeScanner(0.03), {}, {});
   ASSERT_EQ(segments.size(), 4u);
   for (int wall = 0; wall < 4; ++wall) {
@@ -367,13 +368,13 @@ TEST(SegmentationTest, StatisticsOfAWallByHand) {
 }
 
 TEST(SegmentationTest, MotionIsTakenOut) {
-  const Flatland world = RectangularRoom();
+  const PlanarWorld world = RectangularRoom();
   ScannerMotion motion;
   motion.yaw_rate_rad_s = 0.5 * M_PI;
   motion.velocity_m_s = {1.2, -0.4};
   const Vector2d position(0.3, -0.2);
-  const FlatlandScan scan =
-      TakeFlatlandScan(world, position, 0.2, 270, kFieldOfView, 0.075, motion);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(world, position, 0.2, 270, kFieldOfView, 0.075, motion);
   const auto segments = SegmentScanLine(scan.scan_line, MakeScanner(0.01), motion, {});
   ASSERT_EQ(segments.size(), 4u);
   for (int wall = 0; wall < 4; ++wall) {
@@ -390,8 +391,8 @@ TEST(SegmentationTest, MotionIsTakenOut) {
 }
 
 ScanLine WallAhead(int num_beams) {
-  return TakeFlatlandScan(
-             Flatland().AddWalls({{2, -30}, {2, 30}}), {0, 0}, 0.0, num_beams, 2.0)
+  return TakePlanarWorldScan(
+             PlanarWorld().AddWalls({{2, -30}, {2, 30}}), {0, 0}, 0.0, num_beams, 2.0)
       .scan_line;
 }
 
@@ -446,8 +447,8 @@ TEST(SegmentationTest, OpeningAndOccluderPartAWall) {
 TEST(SegmentationTest, MaximumRangeDoesNotBias) {
   Scanner scanner = MakeScanner(0.03);
   scanner.max_range_m = 3.0;
-  const FlatlandScan scan = TakeFlatlandScan(
-      Flatland().AddWalls({{2, -0.5}, {2, 30}}), {0, 0}, 0.0, 1080, kFieldOfView);
+  const PlanarWorldScan scan = TakePlanarWorldScan(
+      PlanarWorld().AddWalls({{2, -0.5}, {2, 30}}), {0, 0}, 0.0, 1080, kFieldOfView);
   const TrueLine truth{{2, 0}, {-1, 0}};
   std::mt19937_64 random(7);
   double offset = 0.0;
@@ -468,7 +469,7 @@ TEST(SegmentationTest, MaximumRangeDoesNotBias) {
 }
 
 // Around the scanner, corners at random distances: walls of a few beams up to a hundred.
-Flatland RandomPolygon(std::mt19937_64* random) {
+PlanarWorld RandomPolygon(std::mt19937_64* random) {
   std::uniform_real_distribution<double> distance(1.0, 4.0);
   const int num_corners = std::uniform_int_distribution<int>(3, 60)(*random);
   std::vector<Vector2d> corners;
@@ -477,7 +478,7 @@ Flatland RandomPolygon(std::mt19937_64* random) {
     corners.push_back(distance(*random) * Vector2d(std::cos(angle), std::sin(angle)));
   }
   corners.push_back(corners.front());
-  return Flatland().AddWalls(corners);
+  return PlanarWorld().AddWalls(corners);
 }
 
 // Errors about as large as what the segmentation takes for an outlier, no returns, and ranges
@@ -549,7 +550,7 @@ TEST_P(ConsistencyTest, SegmentsOfRandomScenesDoNotContradictThemselves) {
     Scanner scanner;
     if (scene % 3 == 1) scanner.max_range_m = 2.5;
     if (scene % 3 == 2) scanner.min_range_m = 2.0;
-    const FlatlandScan scan = TakeFlatlandScan(
+    const PlanarWorldScan scan = TakePlanarWorldScan(
         RandomPolygon(&random), {0, 0}, 0.0, GetParam(), kFieldOfView, 0.075, motion);
     for (int draw = 0; draw < 20; ++draw) {
       ScanLine noisy = AddRangeNoise(scan.scan_line, scanner.range_noise_m, &random);
@@ -565,8 +566,8 @@ TEST_P(ConsistencyTest, SegmentsOfRandomScenesDoNotContradictThemselves) {
 
 // A noise level stated too low must not make all lines vanish.
 TEST(SegmentationTest, UnderstatedNoiseKeepsTheWalls) {
-  const FlatlandScan scan =
-      TakeFlatlandScan(RectangularRoom(), {0, 0}, 0.2, 1080, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(RectangularRoom(), {0, 0}, 0.2, 1080, kFieldOfView);
   std::mt19937_64 random(42);
   const auto segments = SegmentScanLine(
       AddRangeNoise(scan.scan_line, 0.025, &random), MakeScanner(0.02), {}, {});
@@ -597,8 +598,8 @@ TEST(SegmentationTest, ScansWithoutLinesGiveNoSegments) {
 }
 
 TEST(SegmentationTest, SameInputGivesSameSegments) {
-  const FlatlandScan scan =
-      TakeFlatlandScan(RectangularRoom(), {0, 0}, 0.2, 1080, kFieldOfView);
+  const PlanarWorldScan scan =
+      TakePlanarWorldScan(RectangularRoom(), {0, 0}, 0.2, 1080, kFieldOfView);
   std::mt19937_64 random(42);
   const ScanLine noisy = AddRangeNoise(scan.scan_line, 0.03, &random);
   const auto once = SegmentScanLine(noisy, MakeScanner(0.03), {}, {});

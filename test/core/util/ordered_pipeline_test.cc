@@ -20,7 +20,7 @@ std::vector<int> Squares(int num_threads, int count) {
   std::vector<int> taken;
   tbb::task_arena(num_threads).execute([&] {
     int next = 0;
-    ForEachInOrder<Item>(
+    RunOrderedPipeline<Item>(
         [&](Item* item) {
           item->number = next;
           return next++ < count;
@@ -36,7 +36,7 @@ std::vector<int> Squares(int num_threads, int count) {
   return taken;
 }
 
-TEST(ForEachInOrder, TakesAllInTheOrderInWhichTheyWereRead) {
+TEST(RunOrderedPipeline, TakesAllInTheOrderInWhichTheyWereRead) {
   std::vector<int> expected;
   for (int i = 0; i < 200; ++i) expected.push_back(i * i);
   for (const int num_threads : {1, 2, 5}) {
@@ -45,12 +45,12 @@ TEST(ForEachInOrder, TakesAllInTheOrderInWhichTheyWereRead) {
   for (const int num_threads : {1, 2}) EXPECT_TRUE(Squares(num_threads, 0).empty());
 }
 
-TEST(ForEachInOrder, AnErrorIsThrownOn) {
+TEST(RunOrderedPipeline, AnErrorIsThrownOn) {
   for (const int num_threads : {1, 2}) {
     int next = 0;
     int num_taken = 0;
     const auto run = [&] {
-      ForEachInOrder<Item>(
+      RunOrderedPipeline<Item>(
           [&](Item* item) {
             item->number = next++;
             return true;

@@ -15,9 +15,9 @@ constexpr double kDegree = M_PI / 180.0;
 
 // The scanner at the origin looks along a wall, y = 1 m, and at a face that begins at its
 // edge, x = 3 m. Both are seen in the scan plane and above it.
-class FirstPlanesTest : public ::testing::Test {
+class BeamAssociationTest : public ::testing::Test {
  protected:
-  FirstPlanesTest() {
+  BeamAssociationTest() {
     line_.angle_min = 10.0 * kDegree;
     line_.angle_increment = 0.1 * kDegree;
     scanner_.range_noise_m = 0.03;
@@ -46,11 +46,11 @@ class FirstPlanesTest : public ::testing::Test {
   };
   std::vector<Run> Runs(const Landmark& wall, Landmark face) const {
     face.id = 1;
-    const PlaneSet planes({LandmarkCandidate(wall), LandmarkCandidate(face)});
+    const PlaneSet planes({LandmarkView(wall), LandmarkView(face)});
     const std::vector<PlaneOpenings> openings(2);
-    const FirstPlanes first_planes(line_, scanner_, placement_, planes, openings);
+    const BeamAssociation first_planes(line_, scanner_, placement_, planes, openings);
     std::vector<Run> runs;
-    for (const FirstPlanes::Run& run : first_planes.RunsWithin(1, line_.num_beams() - 2)) {
+    for (const BeamAssociation::Run& run : first_planes.RunsWithin(1, line_.num_beams() - 2)) {
       runs.push_back({run.plane->landmark == &face, run.first_beam, run.last_beam});
     }
     return runs;
@@ -65,7 +65,7 @@ class FirstPlanesTest : public ::testing::Test {
 // The wall runs on behind the face's line. Beams that just miss the face end on the wall, too
 // close behind for their ranges to tell; where it meets the face's plane tells. Where it has
 // not been seen there, the edge is known to centimetres only.
-TEST_F(FirstPlanesTest, RoundAnEdgeBeamsAreToldByWhereThePlanesMeet) {
+TEST_F(BeamAssociationTest, RoundAnEdgeBeamsAreToldByWhereThePlanesMeet) {
   const auto y_on_face = [&](int beam) { return 3.0 * std::tan(line_.BeamAngle(beam)); };
   const Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 0.99, -0.1}, {3.0, 1.4, -0.1});
   See([](double angle) { return std::max(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
@@ -88,7 +88,7 @@ TEST_F(FirstPlanesTest, RoundAnEdgeBeamsAreToldByWhereThePlanesMeet) {
 }
 
 // Where the wall ends at the face, all beams of both count.
-TEST_F(FirstPlanesTest, InACornerAllBeamsCount) {
+TEST_F(BeamAssociationTest, InACornerAllBeamsCount) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 1.0, -0.1}, {3.0, 1.0, -0.1});
   const Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 0.0, -0.1}, {3.0, 1.0, -0.1});
   See([](double angle) { return std::min(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
@@ -101,7 +101,7 @@ TEST_F(FirstPlanesTest, InACornerAllBeamsCount) {
 
 // A beam that meets the wall at half a degree tells as much of it as thousands of others. The
 // next one passes by: where the wall goes on, its trace tells.
-TEST_F(FirstPlanesTest, ABeamAlmostAlongAWallCounts) {
+TEST_F(BeamAssociationTest, ABeamAlmostAlongAWallCounts) {
   line_.angle_min = -0.5 * kDegree;
   line_.angle_increment = kDegree;
   line_.ranges = {9.0f, static_cast<float>(0.02 / std::sin(0.5 * kDegree)), 9.0f};

@@ -19,9 +19,9 @@ constexpr double kHeight = 1.5;
 
 // A scanner at rest, 1.5 m above the floor, turns in the plane x = 0: beam i meets the floor
 // at y = 1.5 m tan(i degrees), and the wall y = 4 m beyond that.
-class HiddenBeamsTest : public ::testing::Test {
+class OcclusionTest : public ::testing::Test {
  protected:
-  HiddenBeamsTest() : trajectory_(kStart, 125'000'000, Rigid3d()) {
+  OcclusionTest() : trajectory_(kStart, 125'000'000, Rigid3d()) {
     trajectory_.ExtendTo(kStart + 100'000'000);
     Eigen::Matrix3d rotation;
     rotation.col(0) = -Eigen::Vector3d::UnitZ();
@@ -37,9 +37,7 @@ class HiddenBeamsTest : public ::testing::Test {
         NodesOfSpan(kStart, line_.BeamTime(99)), scanner_.body_from_scanner, &*sampler_);
   }
 
-  static LandmarkCandidate Candidate(const Landmark& landmark) {
-    return LandmarkCandidate(landmark);
-  }
+  static LandmarkView Candidate(const Landmark& landmark) { return LandmarkView(landmark); }
   // A wall through the point, seen 0.5 m to both sides of it.
   static Landmark Wall(const Eigen::Vector3d& normal, const Eigen::Vector3d& p) {
     Landmark wall = MakeVerticalLandmark(normal.normalized(), p);
@@ -49,7 +47,7 @@ class HiddenBeamsTest : public ::testing::Test {
     wall.extent.AddSegment(up - 0.5 * along, up + 0.5 * along);
     return wall;
   }
-  HiddenBeams Beams(const LandmarkCandidate& plane, int first, int last) const {
+  Occlusion Beams(const LandmarkView& plane, int first, int last) const {
     return {line_, scanner_, *poses_, plane, first, last};
   }
 
@@ -62,18 +60,18 @@ class HiddenBeamsTest : public ::testing::Test {
 
 // The corner's edge stands at (0.1, 2.0): behind both faces the segment runs from y = 1.9 to
 // 2.1 m, beams 51.7 to 54.5.
-TEST_F(HiddenBeamsTest, FloorBehindACornerIsHidden) {
+TEST_F(OcclusionTest, FloorBehindACornerIsHidden) {
   const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
   const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 1.9, 0.0});
   const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 2.1, 0.0});
-  const LandmarkCandidate plane = Candidate(floor);
-  const std::vector<LandmarkCandidate> walls = {Candidate(near), Candidate(far)};
+  const LandmarkView plane = Candidate(floor);
+  const std::vector<LandmarkView> walls = {Candidate(near), Candidate(far)};
   EXPECT_EQ(Beams(plane, 20, 65).BehindCorners(walls), std::vector<int>({51, 52, 53, 54, 55}));
   EXPECT_EQ(Beams(plane, 53, 54).BehindCorners(walls), std::vector<int>()) << "within it";
   EXPECT_TRUE(Beams(plane, 20, 65).BehindCorners({Candidate(near)}).empty());
 }
 
-TEST_F(HiddenBeamsTest, FloorInFrontOfARecessIsNot) {
+TEST_F(OcclusionTest, FloorInFrontOfARecessIsNot) {
   const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
   const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 2.1, 0.0});
   const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 1.9, 0.0});
@@ -83,7 +81,7 @@ TEST_F(HiddenBeamsTest, FloorInFrontOfARecessIsNot) {
 }
 
 // From one room through its door into the next, which has a door of its own farther on.
-TEST_F(HiddenBeamsTest, FloorBetweenDistantWallsIsNotHidden) {
+TEST_F(OcclusionTest, FloorBetweenDistantWallsIsNotHidden) {
   const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
   const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 0.6, 0.0});
   const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 3.0, 0.0});
@@ -93,11 +91,11 @@ TEST_F(HiddenBeamsTest, FloorBetweenDistantWallsIsNotHidden) {
 }
 
 // Down to 0.25 m behind the wall, y = 1.9 to 2.25 m, or 2.1 to 1.75 m.
-TEST_F(HiddenBeamsTest, FloorCloseBehindAWallIsHidden) {
+TEST_F(OcclusionTest, FloorCloseBehindAWallIsHidden) {
   const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
   const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 1.9, 0.0});
   const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 2.1, 0.0});
-  const LandmarkCandidate plane = Candidate(floor);
+  const LandmarkView plane = Candidate(floor);
   EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(near)}),
             std::vector<int>({52, 53, 54, 55, 56}));
   EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(far)}),
@@ -108,17 +106,17 @@ TEST_F(HiddenBeamsTest, FloorCloseBehindAWallIsHidden) {
 }
 
 // As through a door, or past the wall's end.
-TEST_F(HiddenBeamsTest, FloorBesideWhatIsSeenOfAWallIsNotHidden) {
+TEST_F(OcclusionTest, FloorBesideWhatIsSeenOfAWallIsNotHidden) {
   const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
   const Eigen::Vector3d along = Eigen::Vector3d(1.0, 1.0, 0.0).normalized();
   const Landmark aside = Wall({1.0, -1.0, 0.0}, Eigen::Vector3d(0.0, 1.9, 0.0) + 1.3 * along);
   EXPECT_TRUE(Beams(Candidate(floor), 20, 65).BehindWalls({Candidate(aside)}).empty());
 }
 
-TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
+TEST_F(OcclusionTest, BeamsInAKnownOpeningAreFound) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 4.0, 1.0});
-  const LandmarkCandidate plane = Candidate(wall);
-  OpeningMap openings;
+  const LandmarkView plane = Candidate(wall);
+  OccupancyGrids openings;
   EXPECT_TRUE(Beams(plane, 72, 88).InOpenings(openings.OpeningsOf(wall)).empty());
   const Eigen::Vector3d in_opening(0.0, 4.0, kHeight - 4.0 / std::tan(80.0 * kDegree));
   for (int i = 0; i < 2; ++i) openings.CountPassage(wall, in_opening);
@@ -131,23 +129,23 @@ TEST_F(HiddenBeamsTest, BeamsInAKnownOpeningAreFound) {
 
 // Where along the wall a beam at 1 or 2 degrees lies, 1.36 m below the origin or 0.07 m above
 // it, is for the pose to say, to decimetres.
-TEST_F(HiddenBeamsTest, GrazingBeamsNearAnOpeningMayLieInIt) {
+TEST_F(OcclusionTest, GrazingBeamsNearAnOpeningMayLieInIt) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
   const auto hidden_with_opening_at = [&](double height) {
-    OpeningMap openings;
+    OccupancyGrids openings;
     for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, height});
     return Beams(Candidate(wall), 1, 10).InOpenings(openings.OpeningsOf(wall));
   };
   EXPECT_EQ(hidden_with_opening_at(-0.8), std::vector<int>{1});
   EXPECT_EQ(hidden_with_opening_at(0.1), std::vector<int>{2});
-  const OpeningMap none;
+  const OccupancyGrids none;
   EXPECT_TRUE(Beams(Candidate(wall), 1, 10).InOpenings(none.OpeningsOf(wall)).empty());
 }
 
-TEST_F(HiddenBeamsTest, BeamsAlmostAlongAPlaneWithOpeningsMayLieInAny) {
+TEST_F(OcclusionTest, BeamsAlmostAlongAPlaneWithOpeningsMayLieInAny) {
   line_.angle_increment = 0.1 * kDegree;
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 0.05, 0.0});
-  OpeningMap openings;
+  OccupancyGrids openings;
   for (int i = 0; i < 2; ++i) openings.CountPassage(wall, {0.0, 0.05, 0.1});
   EXPECT_EQ(Beams(Candidate(wall), 2, 3).InOpenings(openings.OpeningsOf(wall)),
             std::vector<int>{2});
@@ -155,7 +153,7 @@ TEST_F(HiddenBeamsTest, BeamsAlmostAlongAPlaneWithOpeningsMayLieInAny) {
 
 // Every beam for itself, with the rig in motion: 2 m/s along the wall and up, 3 rad/s about
 // it.
-TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
+TEST_F(OcclusionTest, OpeningsAreFoundOnTheMove) {
   for (int i = 0; i < trajectory_.num_control_points(); ++i) {
     const double time_s = 0.125 * i;
     const double half_turn = 0.5 * 3.0 * time_s;
@@ -171,7 +169,7 @@ TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
       NodesOfSpan(kStart, line_.BeamTime(899)), scanner_.body_from_scanner, &*sampler_);
   Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 4.0, 0.0});
   wall.extent.AddSegment({-5.0, 4.0, -5.0}, {5.0, 4.0, 5.0});
-  const LandmarkCandidate plane = Candidate(wall);
+  const LandmarkView plane = Candidate(wall);
   const PlaneTrace trace = poses_->motion.TraceOf(plane.normal, plane.distance);
   const auto meeting_point = [&](int beam) {
     const Eigen::Vector2d direction = line_.BeamDirection(beam);
@@ -179,7 +177,7 @@ TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
     return poses_->motion.ToWorld(at.z() / at.head<2>().dot(direction) * direction,
                                   line_.BeamTime(beam));
   };
-  OpeningMap counted;
+  OccupancyGrids counted;
   for (const int beam : {320, 500, 503, 700, 850}) {
     for (int i = 0; i < 2; ++i) counted.CountPassage(wall, meeting_point(beam));
   }
@@ -195,7 +193,7 @@ TEST_F(HiddenBeamsTest, OpeningsAreFoundOnTheMove) {
 
 // A door of 0.9 m in a wall 1 m away: of beams a quarter of a degree apart, eight cover 4 cm
 // of it.
-TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
+TEST_F(OcclusionTest, AnOpeningIsKnownFromEdgeToEdge) {
   constexpr double kLow = 1.3, kHigh = 2.2;
   line_.angle_increment = 0.25 * kDegree;
   line_.ranges.assign(600, 0.0f);
@@ -214,7 +212,7 @@ TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
   wall.extent.AddSegment({-0.5, 1.0, 0.0}, {0.5, 1.0, 2.8});
   const ScanPlacement placement = PlacementOf(poses_->world_from_scanner);
   const Trace trace(placement, Candidate(wall));
-  OpeningMap counted;
+  OccupancyGrids counted;
   const SegmentEnd end{line_, scanner_, placement, trace, wall, last_below, 1, 200};
   for (int i = 0; i < 2; ++i) {
     CountPassages(end, &counted);
@@ -230,7 +228,7 @@ TEST_F(HiddenBeamsTest, AnOpeningIsKnownFromEdgeToEdge) {
 
 // A wall at y = 1 m stops the beams from 34 degrees on: those that would have met the floor
 // farther behind it say nothing of the floor there, which may be the next room's.
-TEST_F(HiddenBeamsTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
+TEST_F(OcclusionTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
   for (int beam = 0; beam < 90; ++beam) {
     const double angle = line_.BeamAngle(beam);
     const double to_floor = kHeight / std::cos(angle);
@@ -241,7 +239,7 @@ TEST_F(HiddenBeamsTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
   floor.extent.AddSegment({-1.0, 0.0, 0.0}, {0.0, 1.0, 0.0});
   const ScanPlacement placement = PlacementOf(poses_->world_from_scanner);
   const Trace trace(placement, Candidate(floor));
-  OpeningMap counted;
+  OccupancyGrids counted;
   for (int i = 0; i < 2; ++i) {
     CountPassages({line_, scanner_, placement, trace, floor, 33, 1, 15}, &counted);
   }
@@ -254,7 +252,7 @@ TEST_F(HiddenBeamsTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
 
 // Two beams that seem to go through a wall that hundreds lie on make no opening, wherever on
 // it.
-TEST_F(HiddenBeamsTest, BeamsOnAPlaneSpeakAgainstAnOpening) {
+TEST_F(OcclusionTest, BeamsOnAPlaneSpeakAgainstAnOpening) {
   line_.angle_increment = 0.25 * kDegree;
   line_.ranges.assign(600, 0.0f);
   for (int beam = 200; beam < 520; ++beam) {
@@ -263,7 +261,7 @@ TEST_F(HiddenBeamsTest, BeamsOnAPlaneSpeakAgainstAnOpening) {
   }
   Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.01, 1.0, 0.0});
   wall.extent.AddSegment({-0.5, 1.0, 0.0}, {0.5, 1.0, 2.8});
-  OpeningMap counted;
+  OccupancyGrids counted;
   for (double height = 0.9; height < 2.15; height += 0.1) {
     for (int i = 0; i < 2; ++i) counted.CountPassage(wall, {0.0, 1.0, height});
   }

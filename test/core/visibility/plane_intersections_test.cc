@@ -12,9 +12,9 @@ namespace {
 
 // Seen from the origin, beams at whole degrees: a segment on the wall y = 2 from x = 0.93 (65
 // degrees) to the left, and a wall across it at x = 1, which it meets at 63.4 degrees.
-class PlaneMeetingsTest : public ::testing::Test {
+class PlaneIntersectionsTest : public ::testing::Test {
  protected:
-  PlaneMeetingsTest() {
+  PlaneIntersectionsTest() {
     line_.angle_increment = M_PI / 180.0;
     line_.ranges.assign(180, 1.0f);
   }
@@ -36,38 +36,36 @@ class PlaneMeetingsTest : public ::testing::Test {
   static Landmark Across(double from_y, double to_y) {
     return Wall(1, {-1.0, 0.0, 0.0}, {1.0, from_y, 0.0}, {1.0, to_y, 0.0});
   }
-  static LandmarkCandidate Candidate(const Landmark& landmark) {
-    return LandmarkCandidate(landmark);
-  }
-  std::vector<PlaneMeeting> Find(const Landmark& ahead,
-                                 const Landmark& across,
-                                 const Rigid3d& world_from_scanner = Rigid3d()) const {
-    const LandmarkCandidate own = Candidate(ahead);
+  static LandmarkView Candidate(const Landmark& landmark) { return LandmarkView(landmark); }
+  std::vector<PlaneIntersection> Find(const Landmark& ahead,
+                                      const Landmark& across,
+                                      const Rigid3d& world_from_scanner = Rigid3d()) const {
+    const LandmarkView own = Candidate(ahead);
     const ScanPlacement placement = PlacementOf(world_from_scanner);
     const Trace trace(placement, own);
-    return FindMeetings({line_, placement, own, trace},
-                        {0.93, 2.0, 0.0},
-                        PlaneSet({own, Candidate(across)}),
-                        {65, -1, -1, 92, -1});
+    return FindIntersections({line_, placement, own, trace},
+                             {0.93, 2.0, 0.0},
+                             PlaneSet({own, Candidate(across)}),
+                             {65, -1, -1, 92, -1});
   }
 
   ScanLine line_;
 };
 
-TEST_F(PlaneMeetingsTest, WallInFrontOfTheOtherMeetsIt) {
+TEST_F(PlaneIntersectionsTest, WallInFrontOfTheOtherMeetsIt) {
   const Landmark across = Across(0.5, 1.9);
-  const auto meetings = Find(Ahead(3.0), across);
-  ASSERT_EQ(meetings.size(), 1u);
-  EXPECT_EQ(meetings[0].last, 1) << "beam 64";
-  EXPECT_EQ(meetings[0].plane->landmark, &across);
+  const auto intersections = Find(Ahead(3.0), across);
+  ASSERT_EQ(intersections.size(), 1u);
+  EXPECT_EQ(intersections[0].last, 1) << "beam 64";
+  EXPECT_EQ(intersections[0].plane->landmark, &across);
 }
 
-TEST_F(PlaneMeetingsTest, WallOnTheOtherSideOfAThinOneDoesNot) {
+TEST_F(PlaneIntersectionsTest, WallOnTheOtherSideOfAThinOneDoesNot) {
   EXPECT_TRUE(Find(Ahead(3.0), Across(2.1, 3.0)).empty());
 }
 
 // Just above the floor, which the wall's trace leads to.
-TEST_F(PlaneMeetingsTest, NorDoesItOnASlopingTrace) {
+TEST_F(PlaneIntersectionsTest, NorDoesItOnASlopingTrace) {
   Landmark ahead = Ahead(3.0);
   Landmark across = Across(2.1, 3.0);
   ahead.extent.AddSegment({-3.0, 2.0, -1.21}, {3.0, 2.0, -1.21});
@@ -78,13 +76,13 @@ TEST_F(PlaneMeetingsTest, NorDoesItOnASlopingTrace) {
   EXPECT_TRUE(Find(ahead, across, sloping).empty());
 }
 
-TEST_F(PlaneMeetingsTest, FaceRoundACornerDoes) {
+TEST_F(PlaneIntersectionsTest, FaceRoundACornerDoes) {
   EXPECT_EQ(Find(Ahead(1.0), Across(2.0, 3.0)).size(), 1u) << "touches it";
   EXPECT_EQ(Find(Ahead(1.0), Across(2.1, 3.0)).size(), 1u) << "was seen from 0.1 m on";
 }
 
 // The face round the corner, seen at other times, is turned away from the scanner.
-TEST_F(PlaneMeetingsTest, AFaceTurnedAwayIsTheWallsEdgeWhereThatEnds) {
+TEST_F(PlaneIntersectionsTest, AFaceTurnedAwayIsTheWallsEdgeWhereThatEnds) {
   const Landmark away = Wall(1, {1.0, 0.0, 0.0}, {1.0, 2.0, 0.0}, {1.0, 3.0, 0.0});
   const auto edge = Find(Ahead(1.0), away);
   ASSERT_EQ(edge.size(), 1u);
@@ -99,7 +97,7 @@ TEST_F(PlaneMeetingsTest, AFaceTurnedAwayIsTheWallsEdgeWhereThatEnds) {
   EXPECT_FALSE(facing[0].is_edge);
 }
 
-TEST_F(PlaneMeetingsTest, WhatWasNotSeenThereDoesNot) {
+TEST_F(PlaneIntersectionsTest, WhatWasNotSeenThereDoesNot) {
   EXPECT_TRUE(Find(Ahead(3.0), Across(-3.0, 1.0)).empty());
 }
 

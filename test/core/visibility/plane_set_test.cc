@@ -39,7 +39,7 @@ class PlaneSetTest : public ::testing::TestWithParam<size_t> {
 
   std::mt19937_64 random_{5};
   std::deque<Landmark> landmarks_;
-  std::vector<LandmarkCandidate> planes_;
+  std::vector<LandmarkView> planes_;
 };
 
 TEST_P(PlaneSetTest, FindsThoseWithinADistanceInOrder) {
@@ -48,12 +48,12 @@ TEST_P(PlaneSetTest, FindsThoseWithinADistanceInOrder) {
   for (int i = 0; i < 100; ++i) {
     const Eigen::Vector3d p = Point(4.0);
     std::vector<const Landmark*> expected;
-    for (const LandmarkCandidate& plane : planes_) {
+    for (const LandmarkView& plane : planes_) {
       if (std::abs(plane.SignedDistance(p)) <= 1.0) expected.push_back(plane.landmark);
     }
     std::vector<const Landmark*> found;
     set.ForEachWithin(
-        p, 1.0, [&](const LandmarkCandidate& plane) { found.push_back(plane.landmark); });
+        p, 1.0, [&](const LandmarkView& plane) { found.push_back(plane.landmark); });
     EXPECT_EQ(found, expected);
   }
 }
@@ -71,17 +71,16 @@ TEST_P(PlaneSetTest, FindsThoseThatABeamMeetsBetweenTwoRangesInOrder) {
     const double angle = Uniform(-M_PI, M_PI);
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     std::vector<std::pair<const Landmark*, double>> expected;
-    for (const LandmarkCandidate& plane : planes_) {
+    for (const LandmarkView& plane : planes_) {
       if (plane.SignedDistance(placement.col(2)) <= 0.0) continue;  // seen from behind
       const double range = Trace(placement, plane).RangeAlong(direction);
       if (range > min && range < kMax) expected.emplace_back(plane.landmark, range);
     }
     std::vector<std::pair<const Landmark*, double>> found;
     PlaneRanges(set, placement)
-        .ForEachBetween(
-            direction, min, kMax, [&](const LandmarkCandidate& plane, double range) {
-              found.emplace_back(plane.landmark, range);
-            });
+        .ForEachBetween(direction, min, kMax, [&](const LandmarkView& plane, double range) {
+          found.emplace_back(plane.landmark, range);
+        });
     ASSERT_EQ(found.size(), expected.size());
     for (size_t k = 0; k < found.size(); ++k) {
       EXPECT_EQ(found[k].first, expected[k].first);

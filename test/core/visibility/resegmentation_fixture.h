@@ -20,7 +20,7 @@ inline constexpr int kSide = 1;
 
 // A scanner at rest in the origin sees a wall in front, x = 2 up to y = 1, and one at its
 // left, y = 1. They meet at 26.57 degrees.
-class SegmentEndsTest : public TemporaryDirectoryTest {
+class ResegmentationTest : public TemporaryDirectoryTest {
  protected:
   void SetUp() override {
     TemporaryDirectoryTest::SetUp();
@@ -83,22 +83,22 @@ class SegmentEndsTest : public TemporaryDirectoryTest {
     }
     writer.Close();
     RecordingReader recording(path, rig_);
-    OpeningMap counted;
-    const int num_recut = RecutSegments(rig_,
-                                        MapperOptions(),
-                                        &recording,
-                                        openings_.OpeningsOf(state_->landmarks),
-                                        last ? nullptr : &counted,
-                                        state_.get());
+    OccupancyGrids counted;
+    const int num_resegmented = ResegmentRecording(rig_,
+                                                   MapperOptions(),
+                                                   &recording,
+                                                   openings_.OpeningsOf(state_->landmarks),
+                                                   last ? nullptr : &counted,
+                                                   state_.get());
     if (!last) openings_ = std::move(counted);
-    return num_recut;
+    return num_resegmented;
   }
 
   const Observation& observation(size_t i) const { return state_->observations[i]; }
 
   Rig rig_;
   ScanLine line_;
-  OpeningMap openings_;
+  OccupancyGrids openings_;
   std::unique_ptr<MapState> state_;
 };
 

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-TEST_F(SegmentEndsTest, BeamsBeyondTheCornerGo) {
+TEST_F(ResegmentationTest, BeamsBeyondTheCornerGo) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast + 2);
   EXPECT_EQ(Recut(), 1);
@@ -26,7 +26,7 @@ TEST_F(SegmentEndsTest, BeamsBeyondTheCornerGo) {
 }
 
 // As where a lost estimate spins: the plane was given to the segment from elsewhere.
-TEST_F(SegmentEndsTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
+TEST_F(ResegmentationTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
   AddObservation(kFront, 40, kLast);
   Landmark& front = state_->landmarks[kFront];
   front.extent = PatchExtent({500.0, 0.0, 0.0}, front.extent.u_axis(), front.extent.v_axis());
@@ -35,7 +35,7 @@ TEST_F(SegmentEndsTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
   EXPECT_EQ(observation(0).landmark_id, -1);
 }
 
-TEST_F(SegmentEndsTest, BeamsUpToTheCornerCome) {
+TEST_F(ResegmentationTest, BeamsUpToTheCornerCome) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 5);
   EXPECT_EQ(Recut(), 1);
@@ -44,7 +44,7 @@ TEST_F(SegmentEndsTest, BeamsUpToTheCornerCome) {
 
 // The scanner rises by 8 m/s during a scan line of 0.36 s: where its first segment is seen,
 // the wall that bounds its second one is out of all beams' way.
-TEST_F(SegmentEndsTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
+TEST_F(ResegmentationTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
   line_.time_increment_s = 0.002;
   state_->trajectory.ExtendTo(kStart + 400'000'000);
   for (int i = 0; i < state_->trajectory.num_control_points(); ++i) {
@@ -58,7 +58,7 @@ TEST_F(SegmentEndsTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
   EXPECT_EQ(observation(1).last_beam, kLast);
 }
 
-TEST_F(SegmentEndsTest, NeighboursMeetAtTheCorner) {
+TEST_F(ResegmentationTest, NeighboursMeetAtTheCorner) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 2);
   AddObservation(kSide, kLast - 1, 170);
@@ -68,7 +68,7 @@ TEST_F(SegmentEndsTest, NeighboursMeetAtTheCorner) {
   EXPECT_EQ(observation(1).last_beam, 170);
 }
 
-TEST_F(SegmentEndsTest, AnotherSegmentsBeamsStayItsOwn) {
+TEST_F(ResegmentationTest, AnotherSegmentsBeamsStayItsOwn) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 6);
   AddObservation(kFront, kLast - 4, kLast);
@@ -78,7 +78,7 @@ TEST_F(SegmentEndsTest, AnotherSegmentsBeamsStayItsOwn) {
   EXPECT_EQ(observation(1).first_beam, kLast - 4);
 }
 
-TEST_F(SegmentEndsTest, OnlyBeamsOnThePlaneCome) {
+TEST_F(ResegmentationTest, OnlyBeamsOnThePlaneCome) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 5);
   line_.ranges[kLast - 2] -= 0.5f;
@@ -86,7 +86,7 @@ TEST_F(SegmentEndsTest, OnlyBeamsOnThePlaneCome) {
   EXPECT_EQ(observation(0).last_beam, kLast - 3);
 }
 
-TEST_F(SegmentEndsTest, EndsThatNoPlaneBoundsStay) {
+TEST_F(ResegmentationTest, EndsThatNoPlaneBoundsStay) {
   AddObservation(kFront, 40, kLast + 1);
   EXPECT_EQ(Recut(), 0);
   EXPECT_EQ(observation(0).last_beam, kLast + 1);
@@ -94,7 +94,7 @@ TEST_F(SegmentEndsTest, EndsThatNoPlaneBoundsStay) {
 
 // Four standard deviations off, which segmentation takes: at a free end it may lie on
 // something close behind the edge. Where a plane bounds the segment, it can not.
-TEST_F(SegmentEndsTest, AFreeEndsLastBeamIsOnItsPlane) {
+TEST_F(ResegmentationTest, AFreeEndsLastBeamIsOnItsPlane) {
   for (const float off : {0.12f, -0.12f, 0.06f}) {
     const int num_gone = std::abs(off) > 0.1f ? 1 : 0;
     state_->observations.clear();
@@ -111,9 +111,9 @@ TEST_F(SegmentEndsTest, AFreeEndsLastBeamIsOnItsPlane) {
   EXPECT_EQ(observation(0).last_beam, kLast) << "bounded";
 }
 
-TEST_F(SegmentEndsTest, BeforeAnOpeningTheEndIsFree) {
+TEST_F(ResegmentationTest, BeforeAnOpeningTheEndIsFree) {
   AddSideWall(2.0);
-  OpeningMap openings;
+  OccupancyGrids openings;
   const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
   for (int i = 0; i < 2; ++i) openings.CountPassage(state_->landmarks[kFront], at_last);
   const auto last_left = [&]() {
@@ -130,12 +130,12 @@ TEST_F(SegmentEndsTest, BeforeAnOpeningTheEndIsFree) {
 }
 
 // It would tell that the wall goes on where others found an opening.
-TEST_F(SegmentEndsTest, WhatIsOffItsPlaneIsNoHit) {
+TEST_F(ResegmentationTest, WhatIsOffItsPlaneIsNoHit) {
   for (const bool is_off : {true, false}) {
     state_->observations.clear();
     line_.ranges[kLast] = Range(kLast) + (is_off ? 0.12f : 0.0f);
     AddObservation(kFront, 40, kLast);
-    openings_ = OpeningMap();
+    openings_ = OccupancyGrids();
     Recut();
     const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
     const Landmark& wall = state_->landmarks[kFront];
@@ -146,13 +146,13 @@ TEST_F(SegmentEndsTest, WhatIsOffItsPlaneIsNoHit) {
   }
 }
 
-TEST_F(SegmentEndsTest, APatchThatDoesNotReachThePlaneBoundsNothing) {
+TEST_F(ResegmentationTest, APatchThatDoesNotReachThePlaneBoundsNothing) {
   AddSideWall(1.0);
   AddObservation(kFront, 40, kLast + 1);
   EXPECT_EQ(Recut(), 0);
 }
 
-TEST_F(SegmentEndsTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
+TEST_F(ResegmentationTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
   AddSideWall(2.0);
   for (int beam = kLast; beam <= 150; ++beam) {
     line_.ranges[static_cast<size_t>(beam)] =
@@ -166,7 +166,7 @@ TEST_F(SegmentEndsTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
 // Past a wall's edge beams go on to a floor, which is close behind at first. The face round
 // the corner, which the scanner does not see, tells where the wall ends, however far its plane
 // is.
-TEST_F(SegmentEndsTest, BeamsPastAnEdgeGo) {
+TEST_F(ResegmentationTest, BeamsPastAnEdgeGo) {
   AddWall({0.0, 1.0, 0.0}, {2.0, 1.0, 0.0}, {4.0, 1.0, 0.0});
   for (int beam = kLast + 1; beam <= kLast + 4; ++beam) {
     line_.ranges[static_cast<size_t>(beam)] =
@@ -183,7 +183,7 @@ TEST_F(SegmentEndsTest, BeamsPastAnEdgeGo) {
 }
 
 // Two passages near a corner of two walls are noise where thirty beams end on the wall there.
-TEST_F(SegmentEndsTest, BeamsAtACornerAreHits) {
+TEST_F(ResegmentationTest, BeamsAtACornerAreHits) {
   AddSideWall(2.0);
   state_->trajectory.ExtendTo(kStart + 1'000'000'000);
   for (int line = 0; line < 30; ++line) {
@@ -194,13 +194,13 @@ TEST_F(SegmentEndsTest, BeamsAtACornerAreHits) {
   const Landmark& wall = state_->landmarks[kFront];
   Recut();
   for (const bool with_hits : {true, false}) {
-    if (!with_hits) openings_ = OpeningMap();
+    if (!with_hits) openings_ = OccupancyGrids();
     for (int i = 0; i < 2; ++i) openings_.CountPassage(wall, at_last);
     EXPECT_EQ(openings_.OpeningsOf(wall).IsAt(at_last), !with_hits);
   }
 }
 
-TEST_F(SegmentEndsTest, WhatIsLeftOffItsPlaneLosesIt) {
+TEST_F(ResegmentationTest, WhatIsLeftOffItsPlaneLosesIt) {
   AddSideWall(2.0);
   for (int beam = kLast - 4; beam <= kLast; ++beam) {
     line_.ranges[static_cast<size_t>(beam)] += 0.2f;
@@ -213,7 +213,7 @@ TEST_F(SegmentEndsTest, WhatIsLeftOffItsPlaneLosesIt) {
 
 // The wall ends at a door; its jamb takes the first beams behind the edge. From elsewhere,
 // beams go through there.
-TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
+TEST_F(ResegmentationTest, BeamsInAnOpeningGoOnceItIsKnown) {
   constexpr int kEdge = 100;  // last beam on the wall
   for (size_t beam = kEdge + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 20.0f;
   AddObservation(kFront, 40, kEdge);
@@ -233,7 +233,7 @@ TEST_F(SegmentEndsTest, BeamsInAnOpeningGoOnceItIsKnown) {
 
 // The near jamb, which the scanner does not see, ends the segment; what tells of the door are
 // beams that go through before the wall goes on.
-TEST_F(SegmentEndsTest, JambsDoNotHideTheirOpening) {
+TEST_F(ResegmentationTest, JambsDoNotHideTheirOpening) {
   constexpr int kEdge = 100;
   const auto at = [](double beam) {
     return Eigen::Vector3d(2.0, 2.0 * std::tan((beam - 90) * kDegree), 0.0);
@@ -257,7 +257,7 @@ TEST_F(SegmentEndsTest, JambsDoNotHideTheirOpening) {
   }
 }
 
-TEST_F(SegmentEndsTest, WithoutPassagesAnOpenEndStays) {
+TEST_F(ResegmentationTest, WithoutPassagesAnOpenEndStays) {
   AddObservation(kFront, 40, kLast);
   for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 1.0f;
   for (int i = 0; i < 2; ++i) Recut();
@@ -266,7 +266,7 @@ TEST_F(SegmentEndsTest, WithoutPassagesAnOpenEndStays) {
 
 // The cause of a bias of 0.001 degrees a corner: weights and lever arms of the segment's own
 // noisy line.
-TEST_F(SegmentEndsTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
+TEST_F(ResegmentationTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
   AddSideWall(2.0);
   AddObservation(kFront, 60, kLast - 1);
   Recut();
@@ -284,41 +284,41 @@ TEST_F(SegmentEndsTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
   EXPECT_GT((noisy.offset() - clean.offset()).norm(), 0.1);
 }
 
-class RecutScanTest : public SegmentEndsTest {
+class ResegmentScanTest : public ResegmentationTest {
  protected:
-  void RecutTracked() {
+  void ResegmentTracked() {
     Scan scan;
     scan.scan_lines = {line_};
     scan.scan_line_indices = {0};
-    RecutScan(rig_, MapperOptions(), scan, 0, Matrix6d::Zero(), state_.get());
+    ResegmentScan(rig_, MapperOptions(), scan, 0, Matrix6d::Zero(), state_.get());
   }
 };
 
-TEST_F(RecutScanTest, MovesEndsToTheCorner) {
+TEST_F(ResegmentScanTest, MovesEndsToTheCorner) {
   AddSideWall(2.0);
   for (const int last : {kLast - 5, kLast + 2}) {
     state_->observations.clear();
     AddObservation(kFront, 40, last);
-    RecutTracked();
+    ResegmentTracked();
     EXPECT_EQ(observation(0).last_beam, kLast);
     EXPECT_EQ(observation(0).landmark_id, kFront);
   }
-  EXPECT_TRUE(state_->short_runs.empty());
+  EXPECT_TRUE(state_->sub_minimum_segments.empty());
 }
 
-TEST_F(RecutScanTest, WhatHasNoPlaneStaysAsItIs) {
+TEST_F(ResegmentScanTest, WhatHasNoPlaneStaysAsItIs) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast + 2);
   state_->observations[0].landmark_id = -1;
-  RecutTracked();
+  ResegmentTracked();
   EXPECT_EQ(observation(0).last_beam, kLast + 2);
   EXPECT_EQ(observation(0).revision, 0);
 }
 
-TEST_F(RecutScanTest, TakesSegmentsToTheirPlanes) {
+TEST_F(ResegmentScanTest, TakesSegmentsToTheirPlanes) {
   AddSideWall(2.0);
   AddObservation(kFront, 60, kLast);
-  RecutTracked();
+  ResegmentTracked();
   const SegmentMeasurement clean = observation(0).measurement.Unpack();
   state_->observations.clear();
   for (size_t beam = 0; beam < line_.ranges.size(); ++beam) {
@@ -326,7 +326,7 @@ TEST_F(RecutScanTest, TakesSegmentsToTheirPlanes) {
   }
   AddObservation(kFront, 60, kLast);
   EXPECT_GT((observation(0).measurement.Unpack().root() - clean.root()).norm(), 1e-2);
-  RecutTracked();
+  ResegmentTracked();
   const SegmentMeasurement noisy = observation(0).measurement.Unpack();
   ASSERT_EQ(noisy.rows.rows(), clean.rows.rows());
   EXPECT_LT((noisy.root() - clean.root()).norm(), 1e-9 * clean.root().norm());
@@ -335,7 +335,7 @@ TEST_F(RecutScanTest, TakesSegmentsToTheirPlanes) {
 
 // The front wall, turned into a floor 2 m below the scanner. A wall stands on it beyond
 // y = -1 m; of its corner the other face has not been seen.
-TEST_F(RecutScanTest, BeamsCloseBehindAWallGo) {
+TEST_F(ResegmentScanTest, BeamsCloseBehindAWallGo) {
   Eigen::Matrix3d rotation;
   rotation.col(0) = -Eigen::Vector3d::UnitZ();
   rotation.col(1) = Eigen::Vector3d::UnitY();
@@ -348,7 +348,7 @@ TEST_F(RecutScanTest, BeamsCloseBehindAWallGo) {
   state_->landmarks.push_back(floor);
   AddWall({0.6, 0.8, 0.0}, {-0.4, -0.7, -2.0}, {0.4, -1.3, -2.0});
   AddObservation(0, 40, kLast);
-  RecutTracked();
+  ResegmentTracked();
   EXPECT_EQ(observation(0).first_beam, 40);
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_TRUE(observation(0).excluded_beams == std::vector<int>({57, 58, 59, 60, 61, 62, 63}));
@@ -357,12 +357,12 @@ TEST_F(RecutScanTest, BeamsCloseBehindAWallGo) {
 
 // Two planes may meet beyond the scan line. What lies there in memory would go on with the
 // wall.
-TEST_F(SegmentEndsTest, ExtendingEndsWithTheScanLine) {
+TEST_F(ResegmentationTest, ExtendingEndsWithTheScanLine) {
   ScanLine line = line_;
   line.ranges.resize(101);
   const SegmentCutter cutter(rig_, MapperOptions(), state_->trajectory, nullptr, nullptr);
   const ScanPlacement placement = PlacementOf(Rigid3d());
-  const Trace trace(placement, LandmarkCandidate(state_->landmarks[kFront]));
+  const Trace trace(placement, LandmarkView(state_->landmarks[kFront]));
   EXPECT_EQ(cutter.Extend(line, trace, {90, 1, 101, 80, -1}, 110), 100);
   EXPECT_EQ(cutter.Extend(line_, trace, {90, 1, 181, 80, -1}, 110), 110);
 }

@@ -8,7 +8,7 @@
 namespace plumbline {
 namespace {
 
-class ShortRunTest : public SegmentEndsTest {
+class SubMinimumSegmentTest : public ResegmentationTest {
  protected:
   // Other beams meet nothing.
   void SeeOnly(int first_beam, int last_beam) {
@@ -25,13 +25,13 @@ class ShortRunTest : public SegmentEndsTest {
   }
 };
 
-TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
+TEST_F(SubMinimumSegmentTest, BelongsToThePlaneMetThere) {
   for (const int num_beams : {1, 3}) {
     state_->observations.clear();
     See(num_beams);
     Recut();
-    ASSERT_EQ(state_->short_runs.size(), 1u) << num_beams;
-    const Observation& run = state_->short_runs[0];
+    ASSERT_EQ(state_->sub_minimum_segments.size(), 1u) << num_beams;
+    const Observation& run = state_->sub_minimum_segments[0];
     EXPECT_EQ(run.landmark_id, kSide);
     EXPECT_EQ(run.first_beam, kLast + 1);
     EXPECT_EQ(run.last_beam, kLast + num_beams);
@@ -44,28 +44,28 @@ TEST_F(ShortRunTest, BelongsToThePlaneMetThere) {
 }
 
 // Twelve centimetres of range farther, which no beam alone can tell.
-TEST_F(ShortRunTest, BelongsToThePlaneThatHidesTheOther) {
+TEST_F(SubMinimumSegmentTest, BelongsToThePlaneThatHidesTheOther) {
   See(3);
   AddWall({0.0, -1.0, 0.0}, {-2.0, 1.05, 0.0}, {2.0, 1.05, 0.0});
   Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].landmark_id, kSide);
-  EXPECT_EQ(state_->short_runs[0].num_points, 3);
+  ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
+  EXPECT_EQ(state_->sub_minimum_segments[0].landmark_id, kSide);
+  EXPECT_EQ(state_->sub_minimum_segments[0].num_points, 3);
 }
 
 // Across the corner, as the noise of a few beams may have it.
-TEST_F(ShortRunTest, IsMadeOfASegmentOnNoPlane) {
+TEST_F(SubMinimumSegmentTest, IsMadeOfASegmentOnNoPlane) {
   SeeOnly(kLast - 6, kLast + 3);
   AddSideWall(2.0);
   AddObservation(kFront, kLast - 6, kLast + 3);
   state_->observations[0].landmark_id = -1;
   line_.ranges[kLast - 3] += 0.12f;
   Recut();
-  ASSERT_EQ(state_->short_runs.size(), 3u);
+  ASSERT_EQ(state_->sub_minimum_segments.size(), 3u);
   const std::vector<std::pair<int, int>> beams = {
       {kLast - 6, kLast - 4}, {kLast - 2, kLast}, {kLast + 1, kLast + 3}};
   for (size_t i = 0; i < 3; ++i) {
-    const Observation& run = state_->short_runs[i];
+    const Observation& run = state_->sub_minimum_segments[i];
     EXPECT_EQ(run.landmark_id, i < 2 ? kFront : kSide);
     EXPECT_EQ(run.first_beam, beams[i].first);
     EXPECT_EQ(run.last_beam, beams[i].second);
@@ -74,14 +74,14 @@ TEST_F(ShortRunTest, IsMadeOfASegmentOnNoPlane) {
 
 // Segmentation has left these out between two segments on one wall, each of which ends for its
 // own noise.
-TEST_F(ShortRunTest, IsMadeOfBeamsThatNoSegmentHas) {
+TEST_F(SubMinimumSegmentTest, IsMadeOfBeamsThatNoSegmentHas) {
   SeeOnly(40, kLast);
   AddObservation(kFront, 40, 60);
   AddObservation(kFront, 90, kLast);
   line_.ranges[75] += 0.12f;
   Recut();
   std::vector<std::pair<int, int>> beams;
-  for (const Observation& run : state_->short_runs) {
+  for (const Observation& run : state_->sub_minimum_segments) {
     EXPECT_EQ(run.landmark_id, kFront);
     beams.emplace_back(run.first_beam, run.last_beam);
   }
@@ -89,39 +89,39 @@ TEST_F(ShortRunTest, IsMadeOfBeamsThatNoSegmentHas) {
 }
 
 // It may lie on something behind the edge.
-TEST_F(ShortRunTest, EndsBeforeTheFreeEdgeOfItsPlane) {
+TEST_F(SubMinimumSegmentTest, EndsBeforeTheFreeEdgeOfItsPlane) {
   SeeOnly(kLast - 6, kLast);
   AddObservation(kFront, kLast - 6, kLast);
   state_->observations[0].landmark_id = -1;
   Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].first_beam, kLast - 6);
-  EXPECT_EQ(state_->short_runs[0].last_beam, kLast - 1) << "2.5 cm from the edge";
+  ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
+  EXPECT_EQ(state_->sub_minimum_segments[0].first_beam, kLast - 6);
+  EXPECT_EQ(state_->sub_minimum_segments[0].last_beam, kLast - 1) << "2.5 cm from the edge";
 }
 
-TEST_F(ShortRunTest, IsNotMadeOfWhatLiesElsewhere) {
+TEST_F(SubMinimumSegmentTest, IsNotMadeOfWhatLiesElsewhere) {
   See(1);
   line_.ranges[kLast + 1] += 0.5f;
   Recut();
-  EXPECT_TRUE(state_->short_runs.empty());
+  EXPECT_TRUE(state_->sub_minimum_segments.empty());
 }
 
-TEST_F(ShortRunTest, EndsOnItsPlane) {
+TEST_F(SubMinimumSegmentTest, EndsOnItsPlane) {
   See(3);
   line_.ranges[kLast + 3] += 0.12f;
   Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_EQ(state_->short_runs[0].first_beam, kLast + 1);
-  EXPECT_EQ(state_->short_runs[0].last_beam, kLast + 2);
+  ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
+  EXPECT_EQ(state_->sub_minimum_segments[0].first_beam, kLast + 1);
+  EXPECT_EQ(state_->sub_minimum_segments[0].last_beam, kLast + 2);
 }
 
-TEST_F(ShortRunTest, IsMadeAnewEachTime) {
+TEST_F(SubMinimumSegmentTest, IsMadeAnewEachTime) {
   See(3);
   Recut();
-  const int revision = state_->short_runs.at(0).revision;
+  const int revision = state_->sub_minimum_segments.at(0).revision;
   Recut();
-  ASSERT_EQ(state_->short_runs.size(), 1u);
-  EXPECT_GT(state_->short_runs[0].revision, revision);
+  ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
+  EXPECT_GT(state_->sub_minimum_segments[0].revision, revision);
 }
 
 }  // namespace

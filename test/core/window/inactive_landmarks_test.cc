@@ -14,11 +14,11 @@ namespace plumbline {
 namespace {
 
 // A history of all blocks beside one whose planes rest; both are the same Gaussian.
-class DormantPlanesTest : public testing::Test {
+class InactiveLandmarksTest : public testing::Test {
  protected:
   static constexpr int kNumPlanes = 7;
 
-  DormantPlanesTest() {
+  InactiveLandmarksTest() {
     for (int id = 0; id < kNumPlanes; ++id) {
       Landmark landmark = id == 3
                               ? MakeHorizontalLandmark(1.0, {0.0, 0.0, 1.0})
@@ -66,7 +66,7 @@ class DormantPlanesTest : public testing::Test {
     const Eigen::MatrixXd jacobian = Random(2 * part.size(), part.size());
     part.hessian = jacobian.transpose() * jacobian;
     part.gradient = 0.1 * jacobian.transpose() * Random(2 * part.size(), 1);
-    for (History* history : {&all_, &some_}) AddTo(part, part.blocks, &history->equations);
+    for (MarginalPrior* prior : {&all_, &some_}) AddTo(part, part.blocks, &prior->equations);
   }
 
   void MoveInAll(const BlockId& block, const Eigen::VectorXd& step) {
@@ -88,7 +88,7 @@ class DormantPlanesTest : public testing::Test {
       if (IsLandmark(block)) some_.at[i] += step;
     }
     some_.equations.gradient += some_.equations.hessian * moved;
-    dormant_.Rebase(some_, moved);
+    inactive_.Rebase(some_, moved);
   }
 
   // The planes' estimates and covariances by both.
@@ -97,7 +97,7 @@ class DormantPlanesTest : public testing::Test {
     const Eigen::VectorXd minimum = -expected * all_.equations.gradient;
     const Eigen::MatrixXd covariance = some_.equations.hessian.inverse();
     const Eigen::VectorXd steps = -covariance * some_.equations.gradient;
-    dormant_.Update(some_, steps, covariance, &landmarks_);
+    inactive_.Update(some_, steps, covariance, &landmarks_);
     for (size_t i = 0; i < all_.equations.blocks.size(); ++i) {
       const BlockId& block = all_.equations.blocks[i];
       if (!IsLandmark(block)) continue;
@@ -105,7 +105,7 @@ class DormantPlanesTest : public testing::Test {
       const int row = all_.equations.offsets[i];
       const Eigen::VectorXd value = all_.at[i] + minimum.segment(row, size);
       const Eigen::MatrixXd spread = expected.block(row, row, size, size);
-      if (dormant_.Contains(block.index)) {
+      if (inactive_.Contains(block.index)) {
         const Landmark& landmark = landmarks_[static_cast<size_t>(block.index)];
         EXPECT_LT((Value(block) - value).norm(), 1e-9) << block.index;
         EXPECT_LT(
@@ -125,78 +125,78 @@ class DormantPlanesTest : public testing::Test {
   std::mt19937_64 random_{5};
   std::normal_distribution<double> normal_;
   std::deque<Landmark> landmarks_;
-  History all_;
-  History some_;
-  DormantPlanes dormant_;
+  MarginalPrior all_;
+  MarginalPrior some_;
+  InactiveLandmarks inactive_;
 };
 
-TEST_F(DormantPlanesTest, HistoryAndConditionalAreTheWholeHistory) {
-  dormant_.TakeIn({1, 3, 4}, 0, &some_);
-  EXPECT_TRUE(dormant_.Contains(3));
-  EXPECT_FALSE(dormant_.Contains(2));
-  EXPECT_TRUE(dormant_.DependsOn(RotationBlock(0)));
-  EXPECT_FALSE(dormant_.DependsOn(LandmarkBlock(3)));
+TEST_F(InactiveLandmarksTest, HistoryAndConditionalAreTheWholeHistory) {
+  inactive_.Deactivate({1, 3, 4}, 0, &some_);
+  EXPECT_TRUE(inactive_.Contains(3));
+  EXPECT_FALSE(inactive_.Contains(2));
+  EXPECT_TRUE(inactive_.DependsOn(RotationBlock(0)));
+  EXPECT_FALSE(inactive_.DependsOn(LandmarkBlock(3)));
   ExpectSameEstimate();
   AddInformation({PositionBlock(1), LandmarkBlock(0), LandmarkBlock(2)});
   Rebase();
   ExpectSameEstimate();
 }
 
-TEST_F(DormantPlanesTest, PlanesComeAndGo) {
-  dormant_.TakeIn({1, 3, 4}, 0, &some_);
+TEST_F(InactiveLandmarksTest, PlanesComeAndGo) {
+  inactive_.Deactivate({1, 3, 4}, 0, &some_);
   AddInformation({PositionBlock(1), PositionBlock(2), LandmarkBlock(0), LandmarkBlock(2)});
   Rebase();
-  dormant_.TakeIn({0, 5}, 0, &some_);
+  inactive_.Deactivate({0, 5}, 0, &some_);
   ExpectSameEstimate();
   AddInformation({PositionBlock(2), LandmarkBlock(2)});
   Rebase();
   // Their loop closes: what is learnt of them reaches the others that rest.
-  dormant_.GiveBack({0, 3, 4}, landmarks_, &some_);
+  inactive_.Activate({0, 3, 4}, landmarks_, &some_);
   for (const int id : {0, 3, 4}) {
     const BlockId block = LandmarkBlock(id);
     MoveInAll(block, Value(block) - all_.at[FindBlock(all_.equations, block)]);
   }
-  EXPECT_FALSE(dormant_.Contains(0));
-  EXPECT_TRUE(dormant_.Contains(1));
+  EXPECT_FALSE(inactive_.Contains(0));
+  EXPECT_TRUE(inactive_.Contains(1));
   ExpectSameEstimate();
   AddInformation({PositionBlock(2), LandmarkBlock(0), LandmarkBlock(4)});
   ExpectSameEstimate();
-  dormant_.TakeIn({0, 2, 4}, 0, &some_);
+  inactive_.Deactivate({0, 2, 4}, 0, &some_);
   ExpectSameEstimate();
 }
 
 // Control points that the window has left are of no use but to the dormant planes; the next
 // time that planes are taken in they go.
-TEST_F(DormantPlanesTest, AnchorsGoWithTheNextPlanes) {
-  dormant_.TakeIn({1, 3}, 0, &some_);
+TEST_F(InactiveLandmarksTest, AnchorsGoWithTheNextPlanes) {
+  inactive_.Deactivate({1, 3}, 0, &some_);
   AddInformation({RotationBlock(2), PositionBlock(2), LandmarkBlock(0), LandmarkBlock(2)});
-  dormant_.TakeIn({0}, 2, &some_);
-  EXPECT_FALSE(dormant_.DependsOn(PositionBlock(1)));
+  inactive_.Deactivate({0}, 2, &some_);
+  EXPECT_FALSE(inactive_.DependsOn(PositionBlock(1)));
   EXPECT_EQ(FindBlock(some_.equations, PositionBlock(1)), some_.equations.blocks.size());
   EXPECT_LT(FindBlock(some_.equations, PositionBlock(2)), some_.equations.blocks.size());
   ExpectSameEstimate();
-  dormant_.GiveBack({0, 1, 3}, landmarks_, &some_);
-  EXPECT_TRUE(dormant_.empty());
+  inactive_.Activate({0, 1, 3}, landmarks_, &some_);
+  EXPECT_TRUE(inactive_.empty());
   ExpectSameEstimate();
 }
 
 // As if planes 2 and 5 had been measured to be the same one.
-TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
+TEST_F(InactiveLandmarksTest, MergedPlanesShareTheirParameters) {
   for (const bool both_given : {true, false}) {
-    History all = all_;
-    History some = some_;
-    DormantPlanes dormant = dormant_;
-    dormant.TakeIn({1, 3}, 0, &some);
-    if (!both_given) dormant.TakeIn({5}, 0, &some);
-    if (!both_given) dormant.GiveBack({5}, landmarks_, &some);
+    MarginalPrior all = all_;
+    MarginalPrior some = some_;
+    InactiveLandmarks inactive = inactive_;
+    inactive.Deactivate({1, 3}, 0, &some);
+    if (!both_given) inactive.Deactivate({5}, 0, &some);
+    if (!both_given) inactive.Activate({5}, landmarks_, &some);
     const Eigen::VectorXd shift = all.at[FindBlock(all.equations, LandmarkBlock(2))] -
                                   all.at[FindBlock(all.equations, LandmarkBlock(5))];
     const Eigen::Matrix2d by_into = (Eigen::Matrix2d() << 1.0, 0.0, 1.7, 1.0).finished();
-    const auto merge = [&](History* history) {
-      NormalEquations& equations = history->equations;
+    const auto merge = [&](MarginalPrior* prior) {
+      NormalEquations& equations = prior->equations;
       const size_t from = FindBlock(equations, LandmarkBlock(5));
       const Eigen::VectorXd own_shift =
-          history->at[FindBlock(equations, LandmarkBlock(2))] - history->at[from];
+          prior->at[FindBlock(equations, LandmarkBlock(2))] - prior->at[from];
       equations.gradient +=
           equations.hessian.middleCols(equations.offsets[from], 2) * own_shift;
       equations.hessian.middleCols(equations.offsets[from], 2) *= by_into;
@@ -211,16 +211,16 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
       NormalEquations merged = ZeroSystem(sizes);
       AddTo(equations, names, &merged);
       equations = merged;
-      history->at.erase(history->at.begin() + static_cast<std::ptrdiff_t>(from));
+      prior->at.erase(prior->at.begin() + static_cast<std::ptrdiff_t>(from));
     };
     merge(&all);
     merge(&some);
-    dormant.Merge(2, 5, shift, by_into, false);
+    inactive.Merge(2, 5, shift, by_into, false);
     const Eigen::MatrixXd expected = all.equations.hessian.inverse();
     const Eigen::VectorXd minimum = -expected * all.equations.gradient;
     const Eigen::MatrixXd covariance = some.equations.hessian.inverse();
     std::deque<Landmark> landmarks = landmarks_;
-    dormant.Update(some, -covariance * some.equations.gradient, covariance, &landmarks);
+    inactive.Update(some, -covariance * some.equations.gradient, covariance, &landmarks);
     const size_t at = FindBlock(all.equations, LandmarkBlock(1));
     const int row = all.equations.offsets[at];
     EXPECT_LT((AnchoredParameters(landmarks[1]) - all.at[at] - minimum.segment(row, 2)).norm(),
@@ -233,7 +233,7 @@ TEST_F(DormantPlanesTest, MergedPlanesShareTheirParameters) {
 }
 
 // The gauge's wall takes in another plane: its heading still has no say and stays held.
-TEST_F(DormantPlanesTest, HeldDirectionsStayHeld) {
+TEST_F(InactiveLandmarksTest, HeldDirectionsStayHeld) {
   const auto held = [&] {
     return some_.equations.offsets[FindBlock(some_.equations, LandmarkBlock(2))];
   };
@@ -243,9 +243,9 @@ TEST_F(DormantPlanesTest, HeldDirectionsStayHeld) {
     some_.equations.gradient[held()] = 0.0;
   };
   hold();
-  dormant_.TakeIn({1, 3}, 0, &some_);
-  dormant_.Merge(2, 5, Eigen::Vector2d(0.01, 0.02), Eigen::Matrix2d::Identity(), true);
-  dormant_.GiveBack({1, 3}, landmarks_, &some_);
+  inactive_.Deactivate({1, 3}, 0, &some_);
+  inactive_.Merge(2, 5, Eigen::Vector2d(0.01, 0.02), Eigen::Matrix2d::Identity(), true);
+  inactive_.Activate({1, 3}, landmarks_, &some_);
   EXPECT_EQ(some_.equations.hessian.row(held()).norm(), 0.0);
   EXPECT_EQ(some_.equations.hessian.col(held()).norm(), 0.0);
   EXPECT_EQ(some_.equations.gradient[held()], 0.0);

@@ -24,7 +24,7 @@ Eigen::Vector2d Parameters(const Landmark& landmark) {
   return {landmark.parameters[0], landmark.parameters[1]};
 }
 
-class HistoryTest : public testing::Test {
+class MarginalPriorTest : public testing::Test {
  protected:
   Eigen::MatrixXd Random(Eigen::Index rows, Eigen::Index columns) {
     Eigen::MatrixXd values(rows, columns);
@@ -33,38 +33,38 @@ class HistoryTest : public testing::Test {
   }
 
   // A position and the landmarks, about the values they have.
-  History MakeHistory() {
+  MarginalPrior MakePrior() {
     std::map<BlockId, int> sizes = {{PositionBlock(0), 3}};
     for (const Landmark& landmark : landmarks_) {
       sizes[LandmarkBlock(landmark.id)] = landmark.num_parameters();
     }
-    History history;
-    history.equations = ZeroSystem(sizes);
-    history.at.push_back(Eigen::Vector3d::Zero());
+    MarginalPrior prior;
+    prior.equations = ZeroSystem(sizes);
+    prior.at.push_back(Eigen::Vector3d::Zero());
     for (const Landmark& landmark : landmarks_) {
-      history.at.push_back(AnchoredParameters(landmark));
+      prior.at.push_back(AnchoredParameters(landmark));
     }
-    const Eigen::Index size = history.equations.size();
+    const Eigen::Index size = prior.equations.size();
     const Eigen::MatrixXd jacobian = Random(2 * size, size);
-    history.equations.hessian = jacobian.transpose() * jacobian;
-    history.equations.gradient = jacobian.transpose() * Random(2 * size, 1);
-    return history;
+    prior.equations.hessian = jacobian.transpose() * jacobian;
+    prior.equations.gradient = jacobian.transpose() * Random(2 * size, 1);
+    return prior;
   }
 
   // The history's cost of a position and of the landmarks as they are, up to a constant.
-  static double Cost(const History& history,
+  static double Cost(const MarginalPrior& prior,
                      const Eigen::Vector3d& position,
                      const std::deque<Landmark>& landmarks) {
-    Eigen::VectorXd moved(history.equations.size());
-    for (size_t i = 0; i < history.at.size(); ++i) {
-      const BlockId& block = history.equations.blocks[i];
+    Eigen::VectorXd moved(prior.equations.size());
+    for (size_t i = 0; i < prior.at.size(); ++i) {
+      const BlockId& block = prior.equations.blocks[i];
       const Eigen::VectorXd now =
           IsLandmark(block) ? AnchoredParameters(landmarks[static_cast<size_t>(block.index)])
                             : Eigen::VectorXd(position);
-      moved.segment(history.equations.offsets[i], now.size()) = now - history.at[i];
+      moved.segment(prior.equations.offsets[i], now.size()) = now - prior.at[i];
     }
-    return history.equations.gradient.dot(moved) +
-           0.5 * moved.dot(history.equations.hessian * moved);
+    return prior.equations.gradient.dot(moved) +
+           0.5 * moved.dot(prior.equations.hessian * moved);
   }
 
   std::mt19937_64 random_{3};
@@ -72,7 +72,7 @@ class HistoryTest : public testing::Test {
   std::deque<Landmark> landmarks_;
 };
 
-TEST_F(HistoryTest, AnchoredParametersAndBack) {
+TEST_F(MarginalPriorTest, AnchoredParametersAndBack) {
   for (Landmark landmark :
        {MakeWall(0, 0.7, 3.0), MakeHorizontalLandmark(-1.0, {1.0, 2.0, 3.0})}) {
     const std::array<double, 4> parameters = landmark.parameters;
@@ -84,7 +84,7 @@ TEST_F(HistoryTest, AnchoredParametersAndBack) {
   EXPECT_NEAR(AnchoredParameters(MakeWall(0, 0.7, 3.0))[1], 0.0, 1e-12);  // anchored on it
 }
 
-TEST_F(HistoryTest, ParametersByAnchoredIsTheirDerivative) {
+TEST_F(MarginalPriorTest, ParametersByAnchoredIsTheirDerivative) {
   const Landmark wall = MakeWall(0, 2.1, -4.0);
   constexpr double kStep = 1e-6;
   for (int k = 0; k < 2; ++k) {
@@ -99,11 +99,11 @@ TEST_F(HistoryTest, ParametersByAnchoredIsTheirDerivative) {
 }
 
 // Equations in both coordinates have the same solution, and covariances follow.
-TEST_F(HistoryTest, EquationsAndCovariancesChangeTogether) {
+TEST_F(MarginalPriorTest, EquationsAndCovariancesChangeTogether) {
   landmarks_ = {MakeWall(0, 0.7, 3.0),
                 MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0}),
                 MakeWall(2, -2.0, 5.0)};
-  NormalEquations equations = MakeHistory().equations;
+  NormalEquations equations = MakePrior().equations;
   Eigen::MatrixXd covariance = equations.hessian.inverse();
   const Eigen::VectorXd step = -covariance * equations.gradient;
   EquationsToAnchored(landmarks_, &equations);
@@ -121,35 +121,35 @@ TEST_F(HistoryTest, EquationsAndCovariancesChangeTogether) {
 
 // Two copies of a wall, one of them turned by 7 degrees: as one plane they cost what they did
 // as two equal ones, wherever it lies near the value that the history has for it.
-TEST_F(HistoryTest, MergedPlanesCostWhatTwoEqualOnesDo) {
+TEST_F(MarginalPriorTest, MergedPlanesCostWhatTwoEqualOnesDo) {
   for (const bool both_known : {true, false}) {
     landmarks_ = {MakeWall(0, 0.70, 0.0), MakeWall(1, 0.82, 3.0)};
-    History history = MakeHistory();
+    MarginalPrior prior = MakePrior();
     if (!both_known) {  // nothing of the first one yet
       landmarks_.pop_front();
-      history = MakeHistory();
+      prior = MakePrior();
       landmarks_.push_front(MakeWall(0, 0.70, 0.0));
     }
-    const History before = history;
+    const MarginalPrior before = prior;
     Landmark plane = landmarks_[both_known ? 0 : 1];
-    const auto cost = [&](const History& of, const Eigen::Vector2d& turn_and_offset) {
+    const auto cost = [&](const MarginalPrior& of, const Eigen::Vector2d& turn_and_offset) {
       Landmark moved = plane;
       SetFromAnchored(AnchoredParameters(plane) + turn_and_offset, &moved);
       std::deque<Landmark> both = landmarks_;
       for (Landmark& landmark : both) landmark.parameters = moved.parameters;
       return Cost(of, {0.1, -0.2, 0.3}, both);
     };
-    const Reanchoring change = MergePlanes(landmarks_[0], landmarks_[1], &history);
-    EXPECT_EQ(history.equations.blocks.back(), LandmarkBlock(0));
+    const Reanchoring change = MergePlanes(landmarks_[0], landmarks_[1], &prior);
+    EXPECT_EQ(prior.equations.blocks.back(), LandmarkBlock(0));
     EXPECT_EQ(change.shift.isZero(), !both_known);
     const double constant =
-        cost(history, Eigen::Vector2d::Zero()) - cost(before, Eigen::Vector2d::Zero());
+        cost(prior, Eigen::Vector2d::Zero()) - cost(before, Eigen::Vector2d::Zero());
     constexpr double kStep = 1e-4;
     for (const Eigen::Vector2d& step : {Eigen::Vector2d(kStep, 0.0),
                                         Eigen::Vector2d(0.0, kStep),
                                         Eigen::Vector2d(-kStep, kStep)}) {
       const double change_before = cost(before, step) - cost(before, Eigen::Vector2d::Zero());
-      EXPECT_NEAR(cost(history, step) - constant - cost(before, Eigen::Vector2d::Zero()),
+      EXPECT_NEAR(cost(prior, step) - constant - cost(before, Eigen::Vector2d::Zero()),
                   change_before,
                   1e-3 * std::abs(change_before));
     }
@@ -157,16 +157,16 @@ TEST_F(HistoryTest, MergedPlanesCostWhatTwoEqualOnesDo) {
 }
 
 // The gauge's wall does not turn: what has turned and become it has no say in its heading.
-TEST_F(HistoryTest, HeldHeadingHasNoEquations) {
+TEST_F(MarginalPriorTest, HeldHeadingHasNoEquations) {
   landmarks_ = {MakeWall(0, 0.0, 0.0), MakeWall(1, 0.05, 2.0)};
   landmarks_[0].heading_fixed = true;
-  History history = MakeHistory();
-  MergePlanes(landmarks_[0], landmarks_[1], &history);
-  const int row = history.equations.offsets[1];
-  EXPECT_EQ(history.equations.hessian.row(row).norm(), 0.0);
-  EXPECT_EQ(history.equations.hessian.col(row).norm(), 0.0);
-  EXPECT_EQ(history.equations.gradient[row], 0.0);
-  EXPECT_GT(history.equations.hessian(row + 1, row + 1), 0.0);
+  MarginalPrior prior = MakePrior();
+  MergePlanes(landmarks_[0], landmarks_[1], &prior);
+  const int row = prior.equations.offsets[1];
+  EXPECT_EQ(prior.equations.hessian.row(row).norm(), 0.0);
+  EXPECT_EQ(prior.equations.hessian.col(row).norm(), 0.0);
+  EXPECT_EQ(prior.equations.gradient[row], 0.0);
+  EXPECT_GT(prior.equations.hessian(row + 1, row + 1), 0.0);
 }
 
 }  // namespace

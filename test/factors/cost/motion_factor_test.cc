@@ -62,7 +62,7 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
 }
 
 TEST(MotionFactor, VelocitiesByHand) {
-  TestBlocks positions, rotations, resting;
+  TestBlocks positions, rotations, deactivated;
   positions.AddEuclidean(Eigen::Vector3d(1.0, 1.0, 1.0));
   positions.AddEuclidean(Eigen::Vector3d(1.5, 1.0, 0.0));
   const auto position_factor = CreatePositionVelocityFactor(2.0, kInterval);
@@ -79,10 +79,10 @@ TEST(MotionFactor, VelocitiesByHand) {
             1e-12);
   rotations.ExpectGradientsCorrect(*rotation_factor);
 
-  resting.AddRotation(first);
-  resting.AddRotation(first);
-  EXPECT_LT(resting.Residuals(*rotation_factor).norm(), 1e-14);
-  resting.ExpectGradientsCorrect(*rotation_factor);
+  deactivated.AddRotation(first);
+  deactivated.AddRotation(first);
+  EXPECT_LT(deactivated.Residuals(*rotation_factor).norm(), 1e-14);
+  deactivated.ExpectGradientsCorrect(*rotation_factor);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <deque>
 #include <vector>
 
+#include "factors/cost/segment_factor.h"
 #include "factors/segment/linearised_group.h"
 #include "factors/segment/segment_measurement.h"
 #include "factors/spline/spline.h"

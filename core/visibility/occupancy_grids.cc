@@ -1,4 +1,4 @@
-#include "core/visibility/opening_grid.h"
+#include "core/visibility/occupancy_grids.h"
 
 #include "core/map/patch_extent.h"
 
@@ -41,10 +41,10 @@ CellGrid::Cell Beside(const CellGrid::Cell& cell, int aside, bool narrow_along_u
 
 }  // namespace
 
-void OpeningMap::Count(const Landmark& landmark,
-                       const Eigen::Vector3d& p_world,
-                       int num_beams,
-                       CellGrid Counts::*grid) {
+void OccupancyGrids::Count(const Landmark& landmark,
+                           const Eigen::Vector3d& p_world,
+                           int num_beams,
+                           CellGrid Counts::*grid) {
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector2d uv = extent.Project(p_world);
   if (!extent.Contains(uv, kMargin)) return;
@@ -57,21 +57,21 @@ void OpeningMap::Count(const Landmark& landmark,
   }
 }
 
-void OpeningMap::CountHit(const Landmark& landmark,
-                          const Eigen::Vector3d& p_world,
-                          int num_beams) {
-  Count(landmark, p_world, num_beams, &Counts::hits);
-}
-void OpeningMap::CountPassage(const Landmark& landmark,
+void OccupancyGrids::CountHit(const Landmark& landmark,
                               const Eigen::Vector3d& p_world,
                               int num_beams) {
+  Count(landmark, p_world, num_beams, &Counts::hits);
+}
+void OccupancyGrids::CountPassage(const Landmark& landmark,
+                                  const Eigen::Vector3d& p_world,
+                                  int num_beams) {
   Count(landmark, p_world, num_beams, &Counts::passages);
 }
-void OpeningMap::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
+void OccupancyGrids::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
   Count(landmark, p_world, 1, &Counts::blocks);
 }
 
-void OpeningMap::Add(OpeningMap other) {
+void OccupancyGrids::Add(OccupancyGrids other) {
   if (counts_.empty()) {
     counts_ = std::move(other.counts_);
     return;
@@ -133,7 +133,9 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
   return false;
 }
 
-void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings) {
+void OccupancyGrids::MarkOpen(const Counts& counts,
+                              bool narrow_along_u,
+                              PlaneOpenings* openings) {
   counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
     if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
       openings->Mark(cell, narrow_along_u, PlaneOpenings::kOpen);
@@ -161,9 +163,9 @@ void OpeningMap::MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenin
   });
 }
 
-void OpeningMap::MarkSolid(const Counts& counts,
-                           bool narrow_along_u,
-                           PlaneOpenings* openings) {
+void OccupancyGrids::MarkSolid(const Counts& counts,
+                               bool narrow_along_u,
+                               PlaneOpenings* openings) {
   const CellGrid& states = openings->states_[Index(narrow_along_u)];
   counts.hits.Any([&](const CellGrid::Cell& cell, int hits) {
     if (hits < kMinCount || !openings->IsNearby(cell, narrow_along_u)) return false;
@@ -176,7 +178,7 @@ void OpeningMap::MarkSolid(const Counts& counts,
   });
 }
 
-PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
+PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
   PlaneOpenings openings;
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) return openings;
@@ -193,7 +195,7 @@ PlaneOpenings OpeningMap::OpeningsOf(const Landmark& landmark) const {
   return openings;
 }
 
-std::vector<PlaneOpenings> OpeningMap::OpeningsOf(
+std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(
     const std::deque<Landmark>& landmarks) const {
   std::vector<PlaneOpenings> of_all;
   of_all.reserve(landmarks.size());

@@ -32,7 +32,7 @@ class PlaneOpenings {
   bool MayBeAlong(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const;
 
  private:
-  friend class OpeningMap;
+  friend class OccupancyGrids;
   // What has become of the beams that met the plane in a cell, as a grid's count.
   enum State {
     kUnknown = 0,
@@ -64,7 +64,7 @@ class PlaneOpenings {
 // Counted twice, on cells that are narrow along u and on cells that are narrow along v:
 // openings have upright and level edges, and few beams pass close to one of them. A cell that
 // lies across an edge is mixed: there the other kind's tells on which side a place is.
-class OpeningMap {
+class OccupancyGrids {
  public:
   // num_beams: that one stands for.
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world, int num_beams = 1);
@@ -73,7 +73,7 @@ class OpeningMap {
                     int num_beams = 1);
   void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
   // What another has counted of the same landmarks.
-  void Add(OpeningMap other);
+  void Add(OccupancyGrids other);
   // Where more than a tenth of the beams (half of them, of a plane without height) went
   // through here or at the next cell, or more were stopped here than not; not where most
   // stayed and those that meet the plane in the other kind's cell all do. What is solid lets

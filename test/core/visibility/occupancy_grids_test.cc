@@ -1,4 +1,4 @@
-#include "core/visibility/opening_grid.h"
+#include "core/visibility/occupancy_grids.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@ namespace plumbline {
 namespace {
 
 // A wall along x; u runs along it, v upwards.
-class OpeningMapTest : public ::testing::Test {
+class OccupancyGridsTest : public ::testing::Test {
  protected:
-  OpeningMapTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {
+  OccupancyGridsTest() : wall_(MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 2.0, 0.0})) {
     wall_.extent.AddSegment(At(-3.0), At(3.0));
     wall_.extent.AddSegment(At(-3.0, 1.0), At(3.0, 1.0));
   }
@@ -20,17 +20,17 @@ class OpeningMapTest : public ::testing::Test {
   static Eigen::Vector3d At(double x, double z = 0.01) { return {x, 2.0, z}; }
 
   Landmark wall_;
-  OpeningMap openings_;
+  OccupancyGrids openings_;
 };
 
-TEST_F(OpeningMapTest, WhereNothingWasCountedIsNoOpening) {
+TEST_F(OccupancyGridsTest, WhereNothingWasCountedIsNoOpening) {
   EXPECT_FALSE(HasOpenings());
   EXPECT_FALSE(IsOpening(At(1.0)));
   openings_.CountHit(wall_, At(1.0));
   EXPECT_FALSE(HasOpenings());
 }
 
-TEST_F(OpeningMapTest, InThePlanesAxesTheAnswerIsTheSame) {
+TEST_F(OccupancyGridsTest, InThePlanesAxesTheAnswerIsTheSame) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(1.01));
   const PlaneOpenings openings = openings_.OpeningsOf(wall_);
   // A level scan plane that lies askew: x towards the wall, y along it backwards.
@@ -46,7 +46,7 @@ TEST_F(OpeningMapTest, InThePlanesAxesTheAnswerIsTheSame) {
   }
 }
 
-TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
+TEST_F(OccupancyGridsTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   openings_.CountPassage(wall_, At(1.01));
   EXPECT_FALSE(IsOpening(At(1.01))) << "once is not enough";
   openings_.CountPassage(wall_, At(1.01));
@@ -57,14 +57,14 @@ TEST_F(OpeningMapTest, BeamsThatGoThroughMakeOneHereAndAtTheNextCell) {
   EXPECT_FALSE(IsOpening(At(1.01, 0.6)));
 }
 
-TEST_F(OpeningMapTest, WhatAnotherHasCountedAddsUp) {
+TEST_F(OccupancyGridsTest, WhatAnotherHasCountedAddsUp) {
   const auto openings_of = [&](int passages, int hits) {
-    OpeningMap map;
+    OccupancyGrids map;
     for (int i = 0; i < passages; ++i) map.CountPassage(wall_, At(1.01));
     for (int i = 0; i < hits; ++i) map.CountHit(wall_, At(1.01));
     return map;
   };
-  OpeningMap sum;
+  OccupancyGrids sum;
   sum.Add(openings_of(1, 0));
   EXPECT_FALSE(sum.OpeningsOf(wall_).IsAt(At(1.01)));
   sum.Add(openings_of(1, 0));
@@ -74,7 +74,7 @@ TEST_F(OpeningMapTest, WhatAnotherHasCountedAddsUp) {
 }
 
 // A door's edge does not end where beams no longer tell of it.
-TEST_F(OpeningMapTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
+TEST_F(OccupancyGridsTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
   for (int i = 0; i < 5; ++i) openings_.CountPassage(wall_, At(1.01, 0.1));
   EXPECT_TRUE(IsOpening(At(1.01, 0.3)));
   EXPECT_FALSE(IsOpening(At(1.01, 0.6))) << "not for two cells";
@@ -86,7 +86,7 @@ TEST_F(OpeningMapTest, GoesOnAlongItsEdgeUnlessBeamsTellOtherwise) {
 
 // A cell of 0.25 m that lies across an upright edge sees both what it lets through and what it
 // does not: the narrow ones of the other kind tell where the edge is.
-TEST_F(OpeningMapTest, AnUprightEdgeIsKnownToItsNarrowCells) {
+TEST_F(OccupancyGridsTest, AnUprightEdgeIsKnownToItsNarrowCells) {
   for (double z = 0.0; z < 0.75; z += 0.01) {
     for (double x = 0.01; x < 0.25; x += 0.02) {
       if (x < 0.16) {
@@ -104,7 +104,7 @@ TEST_F(OpeningMapTest, AnUprightEdgeIsKnownToItsNarrowCells) {
   }
 }
 
-TEST_F(OpeningMapTest, ALevelEdgeIsKnownToItsNarrowCells) {
+TEST_F(OccupancyGridsTest, ALevelEdgeIsKnownToItsNarrowCells) {
   for (double x = 0.0; x < 0.75; x += 0.01) {
     for (double z = 0.01; z < 0.25; z += 0.02) {
       if (z > 0.1) {
@@ -123,18 +123,18 @@ TEST_F(OpeningMapTest, ALevelEdgeIsKnownToItsNarrowCells) {
 }
 
 // Beams on a jamb lie where others go through, and no beam may have gone through beside them.
-TEST_F(OpeningMapTest, WhereMostGoThroughABeamBesideThemDoesNotMakeItSolid) {
+TEST_F(OccupancyGridsTest, WhereMostGoThroughABeamBesideThemDoesNotMakeItSolid) {
   for (double z = 0.0; z < 0.25; z += 0.02) openings_.CountPassage(wall_, At(0.11, z));
   for (int i = 0; i < 3; ++i) openings_.CountHit(wall_, At(0.01, 0.11));
   EXPECT_TRUE(IsOpening(At(0.11, 0.11)));
 }
 
-TEST_F(OpeningMapTest, FarFromThePlaneNothingIsCounted) {
+TEST_F(OccupancyGridsTest, FarFromThePlaneNothingIsCounted) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(4.1));
   EXPECT_FALSE(HasOpenings());
 }
 
-TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {
+TEST_F(OccupancyGridsTest, ATenthOfTheBeamsIsEnough) {
   for (int i = 0; i < 3; ++i) openings_.CountPassage(wall_, At(1.01));
   for (int i = 0; i < 26; ++i) openings_.CountHit(wall_, At(1.01));
   EXPECT_TRUE(IsOpening(At(1.01)));
@@ -143,7 +143,7 @@ TEST_F(OpeningMapTest, ATenthOfTheBeamsIsEnough) {
   EXPECT_FALSE(HasOpenings()) << "what is no opening does not count";
 }
 
-TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
+TEST_F(OccupancyGridsTest, MoreBeamsStoppedThanNotMakeOne) {
   for (int i = 0; i < 3; ++i) openings_.CountBlock(wall_, At(1.01));
   for (int i = 0; i < 2; ++i) openings_.CountHit(wall_, At(1.01));
   EXPECT_TRUE(IsOpening(At(1.01)));
@@ -151,7 +151,7 @@ TEST_F(OpeningMapTest, MoreBeamsStoppedThanNotMakeOne) {
   EXPECT_FALSE(IsOpening(At(1.01)));
 }
 
-TEST_F(OpeningMapTest, WhatPassesNoneIsToldSoQuickly) {
+TEST_F(OccupancyGridsTest, WhatPassesNoneIsToldSoQuickly) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(1.01, 0.6));
   const PlaneOpenings openings = openings_.OpeningsOf(wall_);
   EXPECT_TRUE(openings.MayBeAlong(At(-2.0, 0.6), At(2.0, 0.6)));
