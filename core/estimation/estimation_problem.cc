@@ -1,42 +1,28 @@
 #include "core/estimation/estimation_problem.h"
 
 #include <ceres/cost_function.h>
-#include <ceres/iteration_callback.h>
+#include <ceres/manifold.h>
 #include <glog/logging.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <functional>
-#include <numeric>
 #include <utility>
 
-#include "core/estimation/block_layout.h"
-#include "core/map/map_state.h"
-#include "core/map/patch_extent.h"
-#include "core/trajectory/motion_noise.h"
-#include "core/util/error.h"
 #include "factors/cost/motion_factor.h"
 #include "factors/cost/point_factor.h"
 #include "factors/cost/position_factor.h"
+#include "factors/cost/segment_factor.h"
 #include "factors/manifold/manifolds.h"
 #include "factors/segment/segment_measurement.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kOrder = 4;
 // Whitening of the origin's gauge constraint: far below any measured precision, yet well
 // conditioned beside the residuals.
 constexpr double kOriginSigma = 1e-5;  // m
-
-ceres::Problem::Options ProblemOptions() {
-  ceres::Problem::Options options;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.disable_all_safety_checks = true;
-  return options;
-}
 
 }  // namespace
 
@@ -51,8 +37,8 @@ EstimationProblem::EstimationProblem(const Rig& rig,
       rotation_manifold_(planar ? CreateYawManifold() : CreateRotationManifold()),
       planar_position_manifold_(
           std::make_unique<ceres::SubsetManifold>(3, std::vector<int>{2})),
-      fixed_heading_manifold_(std::make_unique<ceres::SubsetManifold>(2, std::vector<int>{0})),
-      problem_(ProblemOptions()) {
+      fixed_heading_manifold_(
+          std::make_unique<ceres::SubsetManifold>(2, std::vector<int>{0})) {
   extrinsic_rotations_.resize(rig.scanners.size());
   extrinsic_translations_.resize(rig.scanners.size());
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
@@ -61,12 +47,11 @@ EstimationProblem::EstimationProblem(const Rig& rig,
         body_from_scanner.rotation;
     Eigen::Map<Eigen::Vector3d>(extrinsic_translations_[i].data()) =
         body_from_scanner.translation;
-    problem_.AddParameterBlock(extrinsic_rotations_[i].data(), 4);
-    problem_.AddParameterBlock(extrinsic_translations_[i].data(), 3);
-    problem_.SetParameterBlockConstant(extrinsic_rotations_[i].data());
-    problem_.SetParameterBlockConstant(extrinsic_translations_[i].data());
   }
 }
+
+EstimationProblem::EstimationProblem(EstimationProblem&&) = default;
+EstimationProblem::~EstimationProblem() = default;
 
 double* EstimationProblem::Data(const BlockId& block) const {
   switch (block.kind) {
@@ -110,48 +95,26 @@ int EstimationProblem::TangentSize(const BlockId& block) const {
 }
 
 const ceres::Manifold* EstimationProblem::ManifoldOf(const BlockId& block) const {
-  switch (block.kind) {
-    case BlockId::Kind::kRotation:
-      return rotation_manifold_.get();
-    case BlockId::Kind::kPosition:
-      return planar_ ? planar_position_manifold_.get() : nullptr;
-    case BlockId::Kind::kLandmark:
-      return problem_.GetManifold(Data(block));
-  }
-  LOG(FATAL) << "unknown block";
-  return nullptr;
+  return blocks_.at(block);
 }
 
 void EstimationProblem::Register(const BlockId& block) {
-  double* data = Data(block);
-  if (!blocks_.emplace(block, data).second) return;
-  problem_.AddParameterBlock(data, AmbientSize(block));
-  switch (block.kind) {
-    case BlockId::Kind::kRotation:
-      problem_.SetManifold(data, rotation_manifold_.get());
-      break;
-    case BlockId::Kind::kPosition:
-      if (planar_) problem_.SetManifold(data, planar_position_manifold_.get());
-      break;
-    case BlockId::Kind::kLandmark:
-      SetLandmarkManifold((*landmarks_)[static_cast<size_t>(block.index)]);
-      break;
-  }
+  if (IsHeld(block) || blocks_.count(block) > 0) return;
+  blocks_.emplace(block, MakeManifold(block));
 }
 
-void EstimationProblem::SetLandmarkManifold(const Landmark& landmark) {
-  if (landmark.model != PlaneModel::kVertical) return;
-  double* data = Data(LandmarkBlock(landmark.id));
-  if (landmark.heading_fixed) {
-    problem_.SetManifold(data, fixed_heading_manifold_.get());
-    return;
+const ceres::Manifold* EstimationProblem::MakeManifold(const BlockId& block) {
+  if (block.kind == BlockId::Kind::kRotation) return rotation_manifold_.get();
+  if (block.kind == BlockId::Kind::kPosition) {
+    return planar_ ? planar_position_manifold_.get() : nullptr;
   }
+  const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
+  if (landmark.model != PlaneModel::kVertical) return nullptr;
+  if (landmark.heading_fixed) return fixed_heading_manifold_.get();
   const PatchExtent& extent = landmark.extent;
-  const Eigen::Vector3d centre =
-      extent.empty() ? extent.anchor()
-                     : extent.ToWorld(0.5 * (extent.min_corner() + extent.max_corner()));
+  const Eigen::Vector3d centre = extent.empty() ? extent.anchor() : extent.Centre();
   plane_manifolds_.push_back(CreateVerticalPlaneManifold(centre.head<2>()));
-  problem_.SetManifold(data, plane_manifolds_.back().get());
+  return plane_manifolds_.back().get();
 }
 
 std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count) {
@@ -167,10 +130,20 @@ std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count)
   return blocks;
 }
 
-ceres::ResidualBlockId EstimationProblem::AddFactor(
-    std::unique_ptr<ceres::CostFunction> factor, const std::vector<double*>& blocks) {
-  factors_.push_back(problem_.AddResidualBlock(factor.release(), nullptr, blocks));
-  return factors_.back();
+void EstimationProblem::Add(std::unique_ptr<ceres::CostFunction> factor,
+                            const std::vector<double*>& blocks,
+                            FactorTerm::Kind kind) {
+  factor_terms_.push_back({std::move(factor), blocks, kind});
+}
+
+void EstimationProblem::AddFactor(std::unique_ptr<ceres::CostFunction> factor,
+                                  const std::vector<BlockId>& blocks) {
+  std::vector<double*> data;
+  for (const BlockId& block : blocks) {
+    Register(block);
+    data.push_back(Data(block));
+  }
+  Add(std::move(factor), data);
 }
 
 void EstimationProblem::AddPoints(const Observation& observation) {
@@ -185,63 +158,106 @@ void EstimationProblem::AddPoints(const Observation& observation) {
     const Trajectory::Location at = trajectory_->Locate(point.time_ns);
     const PointMeasurement measurement{
         point.position, at.u, weights.scale * point.whitening, weights.offset * point.offset};
-    std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
+    std::vector<double*> blocks = ControlPointBlocks(at.first, kSplineOrder);
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());
     blocks.push_back(Data(LandmarkBlock(landmark.id)));
-    AddFactor(CreatePointFactor(measurement, landmark.model, landmark.sign), blocks);
+    Add(CreatePointFactor(measurement, landmark.model, landmark.sign), blocks);
   }
 }
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width) {
-  ObservationGroupCache cache(LinearisedGroup::kFine, 1);
+  SegmentGroupCache cache(LinearisedGroup::kFine, 1);
   AddSegments(observations, huber_width, &cache);
 }
 
 void EstimationProblem::AddSegments(const std::vector<const Observation*>& observations,
                                     double huber_width,
-                                    ObservationGroupCache* cache) {
-  for (const ObservationGroupCache::Entry* entry :
-       cache->Update(rig_, *trajectory_, *landmarks_, observations, huber_width)) {
+                                    SegmentGroupCache* cache) {
+  segments_.push_back({observations, huber_width});
+  const SegmentGroupCache::Loss loss{huber_width, landmarks_held_};
+  for (const SegmentGroupCache::Entry* entry :
+       cache->Update(rig_, *trajectory_, *landmarks_, observations, loss)) {
     std::vector<double*> blocks = ControlPointBlocks(
         entry->first_control_point, entry->group->group().num_control_points());
     for (const int id : entry->landmark_ids) {
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
-    groups_.push_back({entry->group, blocks});
-    problem_.AddResidualBlock(
-        CreateSegmentGroupFactor(entry->group).release(), nullptr, blocks);
+    group_terms_.push_back({entry->group, std::move(blocks)});
   }
+}
+
+std::vector<FactorTerm> EstimationProblem::MakeSegmentTerms() const {
+  std::vector<FactorTerm> terms;
+  for (const Segments& segments : segments_) {
+    for (const Observation* observation : segments.observations) {
+      terms.push_back(MakeSegmentTerm(*observation, segments.huber_width));
+    }
+  }
+  return terms;
+}
+
+FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
+                                              double huber_width) const {
+  const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const SegmentWeights weights = ObservationWeights(
+      ObservationPoses(*trajectory_, rig_.scanners[scanner].body_from_scanner, observation),
+      *landmarks_,
+      observation);
+  const SegmentMeasurement measurement = observation.measurement.Unpack();
+  std::array<SplineNode, 3> nodes;
+  const int first = trajectory_->Locate(measurement.node_times_ns[0]).first;
+  for (size_t k = 0; k < nodes.size(); ++k) {
+    const Trajectory::Location at = trajectory_->Locate(measurement.node_times_ns[k]);
+    nodes[k] = {at.first - first, at.u};
+  }
+  const int num_control_points = nodes.back().first + kSplineOrder;
+  FactorTerm term;
+  term.factor = CreateSegmentFactor(
+      measurement, nodes, num_control_points, landmark.model, landmark.sign, weights);
+  for (int i = first; i < first + num_control_points; ++i) {
+    term.blocks.push_back(Data(RotationBlock(i)));
+  }
+  for (int i = first; i < first + num_control_points; ++i) {
+    term.blocks.push_back(Data(PositionBlock(i)));
+  }
+  // Ceres takes pointers to mutable blocks, also to those that it holds constant.
+  term.blocks.push_back(const_cast<double*>(extrinsic_rotations_[scanner].data()));
+  term.blocks.push_back(const_cast<double*>(extrinsic_translations_[scanner].data()));
+  term.blocks.push_back(Data(LandmarkBlock(landmark.id)));
+  term.huber_width = huber_width;
+  return term;
 }
 
 void EstimationProblem::AddMotionPrior(int first, const MotionNoise& noise) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(first, 3);
-  rotation_priors_.push_back(
-      AddFactor(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
-                {blocks[0], blocks[1], blocks[2]}));
-  position_priors_.push_back(
-      AddFactor(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
-                {blocks[3], blocks[4], blocks[5]}));
+  Add(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
+      {blocks[0], blocks[1], blocks[2]},
+      FactorTerm::Kind::kRotationAcceleration);
+  Add(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
+      {blocks[3], blocks[4], blocks[5]},
+      FactorTerm::Kind::kPositionAcceleration);
 }
 
 void EstimationProblem::AddStartVelocityPrior(const TrajectoryOptions& options) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(0, 2);
-  AddFactor(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
-                                         interval_s),
-            {blocks[0], blocks[1]});
-  AddFactor(CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s),
-            {blocks[2], blocks[3]});
+  Add(CreateRotationVelocityFactor(options.initial_turn_rate_stddev_deg_s * M_PI / 180.0,
+                                   interval_s),
+      {blocks[0], blocks[1]});
+  Add(CreatePositionVelocityFactor(options.initial_speed_stddev_m_s, interval_s),
+      {blocks[2], blocks[3]});
 }
 
 void EstimationProblem::AddOrigin(int64_t time_ns) {
   const Trajectory::Location at = trajectory_->Locate(time_ns);
-  const std::vector<double*> blocks = ControlPointBlocks(at.first, kOrder);
-  AddFactor(CreatePositionFactor(Eigen::Vector3d::Zero(), at.u, kOriginSigma),
-            {blocks[4], blocks[5], blocks[6], blocks[7]});
+  const std::vector<double*> blocks = ControlPointBlocks(at.first, kSplineOrder);
+  Add(CreatePositionFactor(Eigen::Vector3d::Zero(), at.u, kOriginSigma),
+      {blocks[4], blocks[5], blocks[6], blocks[7]});
 }
 
 void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
@@ -253,159 +269,54 @@ void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
 }
 
 void EstimationProblem::AddPrior(const Prior& prior) {
-  if (prior.empty()) return;
-  std::vector<double*> blocks;
-  for (const BlockId& block : prior.blocks) {
-    Register(block);
-    blocks.push_back(Data(block));
-  }
-  AddFactor(CreateLinearPriorFactor(prior.linear), blocks);
-}
-
-std::vector<BlockId> EstimationProblem::Blocks() const {
-  std::vector<BlockId> blocks;
-  for (const auto& [block, data] : blocks_) blocks.push_back(block);
-  return blocks;
-}
-
-namespace {
-
-// Ends a solution after a step that no group has been linearised anew for.
-class LinearStepEnds : public ceres::IterationCallback {
- public:
-  // count: of the groups' linearisations so far.
-  explicit LinearStepEnds(std::function<int()> count) : count_(std::move(count)) {}
-
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
-    const int num_linearisations = count_();
-    const bool was_linear =
-        iteration.iteration > 0 && num_linearisations == num_linearisations_;
-    num_linearisations_ = num_linearisations;
-    return was_linear ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  std::function<int()> count_;
-  int num_linearisations_ = 0;
-};
-
-}  // namespace
-
-int EstimationProblem::NumLinearisations() const {
-  int count = 0;
-  for (const GroupTerm& term : groups_) count += term.group->num_linearisations();
-  return count;
-}
-
-ceres::Solver::Summary EstimationProblem::Solve(const ceres::Solver::Options& given) {
-  ceres::Solver::Options options = given;
-  LinearStepEnds linear_step_ends([this] { return NumLinearisations(); });
-  if (!groups_.empty()) options.callbacks.push_back(&linear_step_ends);
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem_, &summary);
-  if (!summary.IsSolutionUsable()) {
-    throw Error("the estimation failed: " + summary.message);
-  }
-  return summary;
+  if (!prior.empty()) AddFactor(CreateLinearPriorFactor(prior.linear), prior.blocks);
 }
 
 BlockLayout EstimationProblem::Layout() const {
   BlockLayout layout;
-  layout.blocks = Blocks();
   layout.offsets.assign(1, 0);
-  for (const BlockId& block : layout.blocks) {
+  for (const auto& [block, manifold] : blocks_) {
     const int size = TangentSize(block);
-    const int free_size = problem_.ParameterBlockTangentSize(Data(block));
+    const int free_size = manifold == nullptr ? size : manifold->TangentSize();
     // A landmark that is held in part is held in its heading, a position in its height.
-    const bool heading_held = block.kind == BlockId::Kind::kLandmark && free_size < size;
+    const bool heading_held = IsLandmark(block) && free_size < size;
     for (int i = 0; i < size; ++i) {
       layout.is_free.push_back(heading_held ? i > 0 : i < free_size);
     }
+    layout.blocks.push_back(block);
     layout.offsets.push_back(layout.offsets.back() + size);
   }
   return layout;
 }
 
-EstimationProblem::BlockPositions EstimationProblem::PositionsIn(
-    const BlockLayout& layout) const {
-  BlockPositions positions;
-  for (size_t i = 0; i < layout.blocks.size(); ++i) positions[Data(layout.blocks[i])] = i;
-  return positions;
+EstimationProblem::Values EstimationProblem::ValuesOf(const BlockLayout& layout) const {
+  Values values(layout.blocks.size());
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    std::copy_n(Data(layout.blocks[i]), AmbientSize(layout.blocks[i]), values[i].begin());
+  }
+  return values;
 }
 
-void EstimationProblem::ForEachResidualBlock(const BlockLayout& layout,
-                                             const ResidualVisitor& visit) const {
-  std::vector<ceres::ResidualBlockId> residual_blocks;
-  problem_.GetResidualBlocks(&residual_blocks);
-  VisitResidualBlocks(residual_blocks, layout, visit);
+void EstimationProblem::SetValues(const BlockLayout& layout, const Values& values) {
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    std::copy_n(values[i].begin(), AmbientSize(layout.blocks[i]), Data(layout.blocks[i]));
+  }
 }
 
-void EstimationProblem::ForEachMotionPrior(bool of_rotations,
-                                           const BlockLayout& layout,
-                                           const ResidualVisitor& visit) const {
-  VisitResidualBlocks(of_rotations ? rotation_priors_ : position_priors_, layout, visit);
-}
-
-void EstimationProblem::VisitResidualBlocks(
-    const std::vector<ceres::ResidualBlockId>& residual_blocks,
-    const BlockLayout& layout,
-    const ResidualVisitor& visit) const {
-  using RowMajorMatrix =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const BlockPositions positions = PositionsIn(layout);
-  std::vector<double*> parameters;
-  std::vector<std::pair<size_t, size_t>> order;  // position in the layout, in the parameters
-  std::vector<double> values;
-  std::vector<double*> jacobians;  // by the parameters themselves, not by their tangents
-  std::array<double, 16> tangents;
-  std::vector<int> columns;
-  Eigen::MatrixXd jacobian;
-  Eigen::VectorXd residuals;
-  // Ceres' own evaluation of a residual block takes several times what the factors do.
-  for (const ceres::ResidualBlockId residual_block : residual_blocks) {
-    const ceres::CostFunction& factor =
-        *problem_.GetCostFunctionForResidualBlock(residual_block);
-    const int num_residuals = factor.num_residuals();
-    const std::vector<int>& sizes = factor.parameter_block_sizes();
-    problem_.GetParameterBlocksForResidualBlock(residual_block, &parameters);
-    order.clear();
-    columns.clear();
-    for (size_t i = 0; i < parameters.size(); ++i) {
-      const auto at = positions.find(parameters[i]);
-      if (at != positions.end()) order.emplace_back(at->second, i);  // else: constant
+void EstimationProblem::Move(const BlockLayout& layout, const Eigen::VectorXd& step) {
+  const double* next = step.data();
+  for (const BlockId& block : layout.blocks) {
+    double* data = Data(block);
+    const int size = AmbientSize(block);
+    std::array<double, 4> moved;
+    if (const ceres::Manifold* manifold = ManifoldOf(block)) {
+      manifold->Plus(data, next, moved.data());
+      next += manifold->TangentSize();
+    } else {
+      std::transform(data, data + size, next, moved.begin(), std::plus<>());
+      next += size;
     }
-    std::sort(order.begin(), order.end());
-    for (const auto& [at, i] : order) {
-      for (int column = layout.offsets[at]; column < layout.offsets[at + 1]; ++column) {
-        if (layout.is_free[static_cast<size_t>(column)]) columns.push_back(column);
-      }
-    }
-    residuals.resize(num_residuals);
-    values.resize(
-        static_cast<size_t>(num_residuals * std::accumulate(sizes.begin(), sizes.end(), 0)));
-    jacobians.assign(parameters.size(), nullptr);
-    double* next = values.data();
-    for (const auto& [at, i] : order) {
-      jacobians[i] = next;
-      next += num_residuals * sizes[i];
-    }
-    CHECK(factor.Evaluate(parameters.data(), residuals.data(), jacobians.data()));
-    jacobian.resize(num_residuals, static_cast<Eigen::Index>(columns.size()));
-    Eigen::Index column = 0;
-    for (const auto& [at, i] : order) {
-      const Eigen::Map<const RowMajorMatrix> by_block(jacobians[i], num_residuals, sizes[i]);
-      const ceres::Manifold* manifold = ManifoldOf(layout.blocks[at]);
-      const int size = manifold == nullptr ? sizes[i] : manifold->TangentSize();
-      if (manifold == nullptr) {
-        jacobian.middleCols(column, size) = by_block;
-      } else {
-        manifold->PlusJacobian(parameters[i], tangents.data());
-        jacobian.middleCols(column, size) = by_block.lazyProduct(
-            Eigen::Map<const RowMajorMatrix>(tangents.data(), sizes[i], size));
-      }
-      column += size;
-    }
-    visit(columns, jacobian, residuals);
+    std::copy_n(moved.begin(), size, data);
   }
 }
 

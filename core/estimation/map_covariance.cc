@@ -6,6 +6,7 @@
 
 #include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/block_layout.h"
+#include "core/estimation/linearisation.h"
 #include "core/geometry/matrix_types.h"
 #include "factors/spline/spline.h"
 
@@ -64,7 +65,7 @@ std::vector<WeakDirection> FindWeakDirections(const ArrowheadCholesky& factor,
 }  // namespace
 
 MapCovariance MapCovariance::Of(const EstimationProblem& problem) {
-  return Of(problem, problem.LineariseArrowhead(problem.Layout()));
+  return Of(problem, LineariseArrowhead(problem, problem.Layout()));
 }
 
 MapCovariance MapCovariance::Of(const EstimationProblem& problem,

@@ -9,6 +9,7 @@
 #include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/block_layout.h"
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/linearisation.h"
 #include "core/trajectory/motion_noise.h"
 
 namespace plumbline {
@@ -38,9 +39,11 @@ void ForEachPrior(const EstimationProblem& problem, const PriorVisitor& visit) {
   for (const bool of_rotations : {true, false}) {
     const auto kinds = of_rotations ? std::array<Kind, 3>{kAngular, kAngular, kAngular}
                                     : std::array<Kind, 3>{kHorizontal, kHorizontal, kVertical};
-    problem.ForEachMotionPrior(
-        of_rotations,
+    VisitFactors(
+        problem,
         layout,
+        of_rotations ? FactorTerm::Kind::kRotationAcceleration
+                     : FactorTerm::Kind::kPositionAcceleration,
         [&](const std::vector<int>& columns,
             const Eigen::MatrixXd& jacobian,
             const Eigen::VectorXd& residuals) { visit(kinds, columns, jacobian, residuals); });
@@ -87,28 +90,6 @@ MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
     found[kind] *= std::sqrt(sum_squares[kind] / determined);
   }
   return {found[kHorizontal], found[kVertical], found[kAngular]};
-}
-
-void CorrectForMotion(const MotionNoise& assumed,
-                      const MotionNoise& found,
-                      const EstimationProblem& problem,
-                      ArrowheadEquations* equations) {
-  std::array<double, kNumKinds> weights;
-  for (size_t kind = 0; kind < kNumKinds; ++kind) {
-    const double rho = std::pow(StddevsOf(found)[kind] / StddevsOf(assumed)[kind], 2);
-    weights[kind] = rho < 1.0 ? 1.0 - rho : 1.0 / rho - 1.0;
-  }
-  ForEachPrior(
-      problem,
-      [&](const std::array<Kind, 3>& kinds,
-          const std::vector<int>& columns,
-          const Eigen::MatrixXd& jacobian,
-          const Eigen::VectorXd&) {
-        const Eigen::Vector3d by_row(weights[kinds[0]], weights[kinds[1]], weights[kinds[2]]);
-        const Eigen::MatrixXd product = jacobian.transpose() * by_row.asDiagonal() * jacobian;
-        equations->hessian.AddBlock(columns, product);
-        equations->diagonal(columns) += product.diagonal();
-      });
 }
 
 }  // namespace plumbline

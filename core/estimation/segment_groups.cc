@@ -11,13 +11,13 @@
 namespace plumbline {
 namespace {
 
-ObservationGroup MakeGroup(const Rig& rig,
-                           const std::vector<SegmentGroup::Scanner>& scanners,
-                           const Trajectory& trajectory,
-                           const std::deque<Landmark>& landmarks,
-                           int first,
-                           const std::vector<const Observation*>& members,
-                           double huber_width) {
+SegmentGroupCache::Entry MakeEntry(const Rig& rig,
+                                   const std::vector<SegmentGroup::Scanner>& scanners,
+                                   const Trajectory& trajectory,
+                                   const std::deque<Landmark>& landmarks,
+                                   int first,
+                                   const std::vector<const Observation*>& members,
+                                   const SegmentGroupCache::Loss& loss) {
   std::vector<int> ids;
   for (const Observation* observation : members) ids.push_back(observation->landmark_id);
   std::sort(ids.begin(), ids.end());
@@ -54,11 +54,11 @@ ObservationGroup MakeGroup(const Rig& rig,
                                 normals[static_cast<size_t>(segment.plane)]);
     segments.push_back(segment);
   }
-  return {
-      first,
-      std::move(ids),
-      SegmentGroup(
-          num_control_points, scanners, std::move(planes), std::move(segments), huber_width)};
+  SegmentGroup group(
+      num_control_points, scanners, std::move(planes), std::move(segments), loss.huber_width);
+  return {first,
+          std::move(ids),
+          std::make_shared<LinearisedGroup>(std::move(group), loss.landmarks_held)};
 }
 
 }  // namespace
@@ -121,29 +121,12 @@ std::map<int, std::vector<const Observation*>> ByInterval(
 
 }  // namespace
 
-std::vector<ObservationGroup> GroupObservations(
+std::vector<const SegmentGroupCache::Entry*> SegmentGroupCache::Update(
     const Rig& rig,
     const Trajectory& trajectory,
     const std::deque<Landmark>& landmarks,
     const std::vector<const Observation*>& observations,
-    double huber_width) {
-  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
-  const auto by_interval = ByInterval(trajectory, observations, 1);
-  std::vector<ObservationGroup> groups;
-  groups.reserve(by_interval.size());
-  for (const auto& [first, members] : by_interval) {
-    groups.push_back(
-        MakeGroup(rig, scanners, trajectory, landmarks, first, members, huber_width));
-  }
-  return groups;
-}
-
-std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
-    const Rig& rig,
-    const Trajectory& trajectory,
-    const std::deque<Landmark>& landmarks,
-    const std::vector<const Observation*>& observations,
-    double huber_width) {
+    const Loss& loss) {
   const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
   std::vector<const Entry*> entries;
   for (const auto& [first, observed] :
@@ -151,15 +134,11 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
     const uint64_t fingerprint = Fingerprint(observed);
     Kept& kept = groups_[first];
     const bool stands = kept.entry.group != nullptr && kept.fingerprint == fingerprint &&
-                        (kept.huber_width == huber_width || kept.entry.group->is_plain());
+                        (kept.huber_width == loss.huber_width || kept.entry.group->is_plain());
     if (!stands) {
-      ObservationGroup group =
-          MakeGroup(rig, scanners, trajectory, landmarks, first, observed, huber_width);
-      kept.entry = {first,
-                    std::move(group.landmark_ids),
-                    std::make_shared<LinearisedGroup>(std::move(group.group))};
+      kept.entry = MakeEntry(rig, scanners, trajectory, landmarks, first, observed, loss);
       kept.fingerprint = fingerprint;
-      kept.huber_width = huber_width;
+      kept.huber_width = loss.huber_width;
     }
     kept.entry.group->set_validity(validity_);
     entries.push_back(&kept.entry);
@@ -167,7 +146,7 @@ std::vector<const ObservationGroupCache::Entry*> ObservationGroupCache::Update(
   return entries;
 }
 
-void ObservationGroupCache::ForgetBefore(int control_point) {
+void SegmentGroupCache::ForgetBefore(int control_point) {
   groups_.erase(groups_.begin(), groups_.lower_bound(control_point));
 }
 

@@ -16,47 +16,38 @@
 
 namespace plumbline {
 
-// The observations that begin in one knot interval, or in a few, as one least squares term
-// over the control points first_control_point, +1, ... and these landmarks.
-struct ObservationGroup {
-  int first_control_point = 0;
-  std::vector<int> landmark_ids;  // parallel to group.planes(), ascending
-  SegmentGroup group;
-};
-
-// Groups observations that have a landmark, weighted for the poses and planes as they stand
-// (WeightsOn). huber_width: see SegmentGroup. The observations outlive the groups.
-std::vector<ObservationGroup> GroupObservations(
-    const Rig& rig,
-    const Trajectory& trajectory,
-    const std::deque<Landmark>& landmarks,
-    const std::vector<const Observation*>& observations,
-    double huber_width);
-
-// The same, kept from one problem to the next: only groups whose observations, landmarks or
-// loss have changed are made anew; the others keep their linearisation while it holds
+// Groups the observations that begin in one knot interval, or in a few, into one least squares
+// term each (SegmentGroup), weighted for the poses and planes as they stand (WeightsOn). A
+// group is kept from one problem to the next: it is made anew only where its observations,
+// their landmarks or the loss have changed, and keeps its linearisation while that holds
 // (LinearisedGroup).
-class ObservationGroupCache {
+class SegmentGroupCache {
  public:
+  // The term over the control points first_control_point, + 1, ... and these landmarks.
   struct Entry {
     int first_control_point = 0;
-    std::vector<int> landmark_ids;  // ascending
+    std::vector<int> landmark_ids;  // ascending; parallel to the group's planes
     std::shared_ptr<LinearisedGroup> group;
   };
+  struct Loss {
+    double huber_width = 0.0;     // see SegmentGroup
+    bool landmarks_held = false;  // the groups' models are about the poses alone
+  };
 
-  // Groups of this many knot intervals: fewer and larger ones take less memory, but
-  // only whole groups can be forgotten.
-  ObservationGroupCache(const LinearisedGroup::Validity& validity, int intervals_per_group)
+  // intervals_per_group: knot intervals of a group. Fewer and larger groups take less memory,
+  // but only whole groups can be forgotten.
+  SegmentGroupCache(const LinearisedGroup::Validity& validity, int intervals_per_group)
       : validity_(validity), intervals_per_group_(intervals_per_group) {}
 
-  // Groups of all these observations; valid until the next call.
+  // Returns the groups of these observations, which have landmarks and outlive the groups.
+  // Valid until the next call.
   std::vector<const Entry*> Update(const Rig& rig,
                                    const Trajectory& trajectory,
                                    const std::deque<Landmark>& landmarks,
                                    const std::vector<const Observation*>& observations,
-                                   double huber_width);
+                                   const Loss& loss);
 
-  // From the next Update() on.
+  // Sets how far a linearisation holds, from the next Update() on.
   void set_validity(const LinearisedGroup::Validity& validity) { validity_ = validity; }
 
   // Drops the groups that begin before this control point.
@@ -74,7 +65,7 @@ class ObservationGroupCache {
   std::map<int, Kept> groups_;  // by first control point
 };
 
-// WeightsOn an observation's landmark.
+// Returns WeightsOn an observation's landmark.
 SegmentWeights ObservationWeights(const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation);

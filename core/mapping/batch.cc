@@ -13,9 +13,12 @@
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/gauss_newton_solver.h"
+#include "core/estimation/linearisation.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/motion_noise_estimation.h"
 #include "core/estimation/segment_groups.h"
+#include "core/estimation/solver.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/sensor/rig.h"
@@ -30,12 +33,10 @@ namespace {
 constexpr double kHuberWidth = 5.0;
 // Of the cost, which is half the number of points: what outliers still give way before the
 // rounds, they do in them.
-constexpr EstimationProblem::Tolerance kRoundTolerance = {1e-3, 0.0};
+constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
 // The last estimate ends within a seventh of a standard deviation of the solution, all its
 // thousands of unknowns together: half the square of that is the cost.
-constexpr EstimationProblem::Tolerance kFinalTolerance = {0.0, 1e-2};
-constexpr double kCeresTolerance = 1e-9;  // of the cost
-constexpr int kMaxIterations = 30;
+constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
 // Share of the segments that might still change sides in another round before the last
 // estimation: what wavers then lies at the limit of its test and weighs next to nothing.
 constexpr double kStandingShare = 1e-3;
@@ -45,10 +46,10 @@ constexpr int64_t kMaxRunsShare = 3;
 // A plane's segments deviate by this many times what is expected: furniture's on a real robot
 // by two and a half.
 constexpr double kContradicted = 3.0;
-// Steps to the noise of the motion (ReestimateMotionNoise). The third moves it by less
+// Steps to the noise of the motion (ReestimateMotionNoise). A third one moves it by less
 // than a hundredth, but where there is no motion at all: that stays too large, which is the
 // safe side.
-constexpr int kNoiseSteps = 3;
+constexpr int kNoiseSteps = 2;
 // Of the batch's time, when this is done: for progress, roughly.
 constexpr double kFirstEstimateShare = 0.1;
 constexpr double kFirstCutShare = 0.4;
@@ -79,11 +80,14 @@ class Batch {
   // enough for any rig that they are meant for: most are calmer, and their poses are known
   // better.
   void EstimateMotionNoise() {
-    for (int step = 0; step < kNoiseSteps; ++step) {
+    for (int i = 0; i < kNoiseSteps; ++i) {
       const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-      EstimationProblem::Solution solution = problem->SolveArrowhead(1, kRoundTolerance);
-      motion_noise_ = ReestimateMotionNoise(
-          motion_noise_, *problem, ArrowheadCholesky(std::move(solution.equations.hessian)));
+      const BlockLayout layout = problem->Layout();
+      ArrowheadEquations equations = LineariseArrowhead(*problem, layout);
+      const ArrowheadCholesky cholesky(std::move(equations.hessian));
+      const Eigen::VectorXd step = -cholesky.Solve(equations.gradient);
+      problem->Move(layout, step(layout.FreeColumns()));
+      motion_noise_ = ReestimateMotionNoise(motion_noise_, *problem, cholesky);
     }
   }
 
@@ -93,15 +97,19 @@ class Batch {
         rig_, planar_, &state_->trajectory, &state_->landmarks);
     problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
     std::vector<const Observation*> associated;
+    std::vector<bool> has_segments(state_->landmarks.size(), false);
     for (const Observation& observation : state_->observations) {
       if (observation.landmark_id < 0) continue;
+      has_segments[static_cast<size_t>(observation.landmark_id)] = true;
       if (factor == FactorKind::kPoint) {
         problem->AddPoints(observation);
       } else {
         associated.push_back(&observation);
       }
     }
+    // The few beams of sub-minimum segments alone do not determine a plane.
     for (const Observation& run : state_->sub_minimum_segments) {
+      if (!has_segments[static_cast<size_t>(run.landmark_id)]) continue;
       if (factor == FactorKind::kPoint) {
         problem->AddPoints(run);
       } else {
@@ -112,38 +120,16 @@ class Batch {
     return problem;
   }
 
-  // Gauss-Newton from the start: what the window leaves is close, and damping would only slow
-  // the weakly determined directions, the shape of a long loop above all. visit: as
-  // SolveArrowhead's; with single beams called once, at the solution.
-  EstimationProblem::Solution SolveFinally(FactorKind factor,
-                                           EstimationProblem* problem,
-                                           const EstimationProblem::CholeskyVisitor& visit) {
-    if (factor == FactorKind::kSegment) {
-      return problem->SolveArrowhead(kMaxIterations, kFinalTolerance, visit);
-    }
-    ceres::Solver::Options options;
-    // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = kMaxIterations;
-    options.function_tolerance = kCeresTolerance;
-    options.initial_trust_region_radius = 1e12;
-    options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
-    options.logging_type = ceres::SILENT;
-    const ceres::Solver::Summary summary = problem->Solve(options);
-    EstimationProblem::Solution solution{problem->LineariseArrowhead(problem->Layout()),
-                                         summary.num_effective_parameters_reduced};
-    visit(ArrowheadCholesky(solution.equations.hessian));
-    return solution;
-  }
-
   // While associations may still be wrong.
   void EstimateRobustly() {
-    BuildProblem(FactorKind::kSegment, kHuberWidth)
-        ->SolveArrowhead(kMaxIterations, kRoundTolerance);
+    const auto problem = BuildProblem(FactorKind::kSegment, kHuberWidth);
+    MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
   }
   // Between rounds little changes: one step of Gauss-Newton leaves less than the next round's
   // associations will move.
-  void StepRobustly() { BuildProblem(FactorKind::kSegment, kHuberWidth)->TakeArrowheadStep(); }
+  void StepRobustly() {
+    TakeGaussNewtonStep(BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  }
 
   // Extents, times and counts from the associations as they stand.
   void RebuildLandmarks() {
@@ -317,11 +303,9 @@ class Batch {
     return num_released;
   }
 
-  // Of the estimate that these equations are of, for a motion of the noise found.
+  // Of the estimate that these equations are of.
   MapCovariance SetCovariances(const EstimationProblem& problem,
-                               const MotionNoise& found,
                                ArrowheadEquations equations) {
-    CorrectForMotion(motion_noise_, found, problem, &equations);
     MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
     const std::vector<int>& offsets = covariance.offsets();
     for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
@@ -337,26 +321,20 @@ class Batch {
 
   // Plain least squares, with its covariance.
   void EstimateFinally(BatchReport* report) {
+    EstimateMotionNoise();
+    report->motion_noise = motion_noise_;
     groups_.set_validity(LinearisedGroup::kFine);
     const FactorKind factor = options_.batch.factor;
     const auto problem = BuildProblem(factor, 0.0);
-    report->motion_noise = motion_noise_;
-    std::optional<MotionNoise> found;  // before the first step: little changes after it
-    EstimationProblem::Solution solution =
-        SolveFinally(factor, problem.get(), [&](const ArrowheadCholesky& at) {
-          if (!found) found = ReestimateMotionNoise(motion_noise_, *problem, at);
-        });
-    VLOG(1) << "cost " << solution.equations.cost << ", " << solution.num_unknowns
-            << " unknowns";
-    report->motion_found = found.value_or(motion_noise_);
-    report->variance_factor = VarianceFactor(solution, factor);
+    ArrowheadEquations equations =
+        MakeBatchSolver(options_.batch.solver, kFinalOptions)->Solve(problem.get());
+    report->variance_factor = VarianceFactor(problem->Layout(), equations.cost, factor);
     const Stopwatch::Running running(&report->covariance_watch);
-    report->covariance =
-        SetCovariances(*problem, report->motion_found, std::move(solution.equations));
+    report->covariance = SetCovariances(*problem, std::move(equations));
   }
 
  private:
-  double VarianceFactor(const EstimationProblem::Solution& solution, FactorKind factor) const {
+  double VarianceFactor(const BlockLayout& layout, double cost, FactorKind factor) const {
     double num_points = 0.0;
     double constant = 0.0;
     SharedPoses poses(rig_, state_->trajectory);
@@ -370,7 +348,8 @@ class Batch {
     };
     for (const Observation& observation : state_->observations) add(observation);
     for (const Observation& run : state_->sub_minimum_segments) add(run);
-    return (2.0 * solution.equations.cost + constant) / (num_points - solution.num_unknowns);
+    const auto num_unknowns = static_cast<double>(layout.FreeColumns().size());
+    return (2.0 * cost + constant) / (num_points - num_unknowns);
   }
 
   // Leaves the observations of these landmarks without one; returns how many.
@@ -406,7 +385,7 @@ class Batch {
   MapState* state_;
   std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
   MotionNoise motion_noise_;
-  ObservationGroupCache groups_{LinearisedGroup::kCoarse, kIntervalsPerGroup};
+  SegmentGroupCache groups_{LinearisedGroup::kCoarse, kIntervalsPerGroup};
 };
 
 }  // namespace
@@ -466,7 +445,6 @@ BatchReport EstimateBatch(const Rig& rig,
       batch.StepRobustly();
       continue;
     }
-    if (options.batch.estimate_motion_noise) batch.EstimateMotionNoise();
     batch.EstimateFinally(&report);
     break;
   }

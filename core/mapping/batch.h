@@ -14,8 +14,7 @@ namespace plumbline {
 struct BatchReport {
   int rounds = 0;
   int changed_associations = 0;  // in the last round before the final estimation
-  MotionNoise motion_noise;      // that the final estimate assumes
-  MotionNoise motion_found;      // that the recording shows, which the covariance is for
+  MotionNoise motion_noise;      // of the recording, which the final estimate assumes
   double variance_factor = 0.0;  // weighted sum of squares / redundancy
   MapCovariance covariance;      // of the final estimate
   Stopwatch covariance_watch;    // the time it took, part of the batch's

@@ -159,7 +159,6 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
-  summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
   std::vector<std::string> warnings = recording.warnings();
   warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());

@@ -1,5 +1,6 @@
 #include "core/mapping/scan_follower.h"
 
+#include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

@@ -45,6 +45,7 @@ void Visit(Options& o, Visitor& v) {
     s.Renamed("max_candidate_age_s", "max_tentative_age_s");
   });
   v.Section("window", [&](auto& s) {
+    s.Choice("solver", o.window.solver, {"gauss_newton", "ceres"});
     s.Integer("num_scans", o.window.num_scans, 2, 10000);
     s.Integer("knot_intervals_per_step", o.window.knot_intervals_per_step, 1, 100);
     s.Flag("resegment", o.window.resegment);
@@ -58,11 +59,12 @@ void Visit(Options& o, Visitor& v) {
         "max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
   });
   v.Section("batch", [&](auto& s) {
+    s.Choice("solver", o.batch.solver, {"gauss_newton", "ceres"});
     s.Choice("factor", o.batch.factor, {"segment", "point"});
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
     s.Flag("resegment", o.batch.resegment);
     s.Renamed("recut_segments", "resegment");
-    s.Flag("estimate_motion_noise", o.batch.estimate_motion_noise);
+    s.Removed("estimate_motion_noise", "the noise of the motion is always estimated");
   });
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }
@@ -76,6 +78,7 @@ struct FieldReader {
     node.Optional(key, &value, min, max);
   }
   void Flag(const char* key, bool& value) { node.Optional(key, &value); }
+  void Removed(const char* key, const char* why) { node.RejectRemoved(key, why); }
   void Renamed(const char* old_key, const char* new_key) {
     node.RejectRenamed(old_key, new_key);
   }
@@ -106,6 +109,7 @@ struct FieldWriter {
   void Choice(const char* key, Enum value, const std::vector<std::string>& words) {
     Line(key) << words[static_cast<size_t>(value)] << "\n";
   }
+  void Removed(const char*, const char*) {}
   void Renamed(const char*, const char*) {}
   std::ostream& Line(const char* key) { return out << "  " << key << ": "; }
 };

@@ -39,7 +39,11 @@ struct PlaneOptions {
   double max_tentative_age_s = 1.0;      // a candidate not seen for so long is dropped
 };
 
+// Who solves: our Gauss-Newton, or ceres::Solve on one residual block a segment.
+enum class SolverKind { kGaussNewton, kCeres };
+
 struct WindowOptions {
+  SolverKind solver = SolverKind::kGaussNewton;  // of the window and the tracker
   int num_scans = 10;  // estimated together; what is older is marginalised
   // While the tracker alone follows the rig well; else one.
   int knot_intervals_per_step = 2;
@@ -56,13 +60,11 @@ struct LoopClosureOptions {
 enum class FactorKind { kSegment, kPoint };
 
 struct BatchOptions {
+  SolverKind solver = SolverKind::kGaussNewton;
   FactorKind factor =
       FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
   int max_rounds = 6;        // of estimation and renewed association
   bool resegment = true;     // cut segments anew where the estimated planes meet
-  // Whether the last estimation's prior on the motion is as wide as the recording says, not as
-  // the trajectory's options give it: poses become more accurate, the batch takes longer.
-  bool estimate_motion_noise = false;
 };
 
 struct MapperOptions {

@@ -69,11 +69,9 @@ struct Summary {
   std::vector<std::pair<std::string, double>> largest_correlations;  // between planes
   std::vector<std::pair<std::string, double>> weakest_directions;    // smallest eigenvalues
   std::string motion;                                                // "spatial" or "planar"
-  // The accelerations' standard deviations that the final estimate assumes: name with its
-  // unit, and the value.
+  // The accelerations' standard deviations as the recording shows them, which the final
+  // estimate assumes: name with its unit, and the value.
   std::vector<std::pair<std::string, double>> motion_noise;
-  // Those that the recording shows, which the covariances are for.
-  std::vector<std::pair<std::string, double>> motion_found;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   std::vector<std::string> warnings;
 };

@@ -8,22 +8,22 @@
 #include <utility>
 
 #include "core/association/joint_association.h"
+#include "core/estimation/linearisation.h"
+#include "core/estimation/pose_prior.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
+#include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/util/error.h"
 #include "factors/linear_algebra/symmetric_inverse.h"
-#include "factors/spline/so3.h"
 
 namespace plumbline {
 namespace {
 
 constexpr int kPoseSize = 6;  // rows of a control point
 constexpr int kMaxRounds = 4;
-constexpr int kMaxIterations = 4;
-constexpr int kMaxHalvings = 4;
-// The step that lowers the cost by less than this share of it is the last one.
-constexpr double kFunctionTolerance = 1e-4;
+// A step that lowers the cost by less than this share of it is the last one.
+constexpr SolverOptions kSolverOptions = {4, 1e-4, 0.0};
 // Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
 constexpr double kHuberWidth = 5.0;
 // Knot intervals after an unsteady scan in which the window's estimate of the newest control
@@ -63,14 +63,12 @@ constexpr MotionRegime kMotionRegimes[] = {
 
 }  // namespace
 
-struct Tracker::System {
-  double cost = 0.0;
-  Eigen::MatrixXd hessian;  // lower triangle
-  Eigen::VectorXd gradient;
-};
-
 Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
-    : rig_(rig), planar_(planar), options_(options), state_(state) {}
+    : rig_(rig),
+      planar_(planar),
+      options_(options),
+      state_(state),
+      solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
 std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
   std::vector<int> rows;
@@ -93,133 +91,32 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   return covariance;
 }
 
-std::vector<MotionTerm> Tracker::MotionTerms() const {
+EstimationProblem Tracker::MakeProblem() const {
+  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  problem.HoldLandmarks();
+  problem.HoldControlPointsBefore(first());
+  problem.AddPrior(prior_);
   const bool at_start = gaussian_.mean.empty();
-  return MakeMotionTerms(
-      options_.trajectory,
-      first(),
-      at_start ? 0 : gaussian_.end(),
-      at_start ? std::optional<int64_t>(state_->origin_time_ns) : std::nullopt,
-      &state_->trajectory);
+  if (at_start) {
+    problem.AddStartVelocityPrior(options_.trajectory);
+    problem.AddOrigin(state_->origin_time_ns);
+  }
+  // The Gaussian carries the priors between the control points that it has.
+  const int known = at_start ? 0 : gaussian_.end();
+  const MotionNoise noise = MotionNoise::Of(options_.trajectory);
+  const int end = state_->trajectory.num_control_points();
+  for (int i = std::max(first(), known - 2); i + 2 < end; ++i)
+    problem.AddMotionPrior(i, noise);
+  return problem;
 }
 
-Tracker::System Tracker::Linearise(const std::vector<MotionTerm>& terms,
-                                   const std::vector<ObservationGroup>& groups) const {
-  const Eigen::Index size = kPoseSize * (state_->trajectory.num_control_points() - first());
-  System system;
-  system.hessian.setZero(size, size);
-  system.gradient.setZero(size);
-  const auto num_known = static_cast<Eigen::Index>(kPoseSize * gaussian_.mean.size());
-  if (num_known > 0) {
-    Eigen::VectorXd moved(num_known);
-    for (size_t i = 0; i < gaussian_.mean.size(); ++i) {
-      const ControlPoint& mean = gaussian_.mean[i];
-      const ControlPoint& now =
-          state_->trajectory.control_point(gaussian_.first + static_cast<int>(i));
-      using Quaternion = Eigen::Map<const Eigen::Quaterniond>;
-      using Vector = Eigen::Map<const Eigen::Vector3d>;
-      moved.segment<6>(static_cast<Eigen::Index>(kPoseSize * i)) << Log(
-          Quaternion(now.rotation.data()) * Quaternion(mean.rotation.data()).conjugate()),
-          Vector(now.position.data()) - Vector(mean.position.data());
-    }
-    const Eigen::VectorXd gradient =
-        gaussian_.information.selfadjointView<Eigen::Lower>() * moved;
-    system.hessian.topLeftCorner(num_known, num_known) = gaussian_.information;
-    system.gradient.head(num_known) = gradient;
-    system.cost = 0.5 * moved.dot(gradient);
-  }
-  for (const MotionTerm& term : terms) {
-    term.AddTo(&system.cost, &system.gradient, &system.hessian);
-  }
-  for (const ObservationGroup& group : groups) AddGroup(group, &system);
-  return system;
+PoseGaussian Tracker::Predict() const {
+  const EstimationProblem problem = MakeProblem();
+  const NormalEquations equations = LineariseDense(problem, problem.Layout());
+  return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }
 
-void Tracker::AddGroup(const ObservationGroup& group, System* system) const {
-  const int count = group.group.num_control_points();
-  std::vector<const double*> parameters;
-  for (int j = 0; j < count; ++j) {
-    parameters.push_back(
-        state_->trajectory.control_point(group.first_control_point + j).rotation.data());
-  }
-  for (int j = 0; j < count; ++j) {
-    parameters.push_back(
-        state_->trajectory.control_point(group.first_control_point + j).position.data());
-  }
-  for (const int id : group.landmark_ids) {
-    parameters.push_back(state_->landmarks[static_cast<size_t>(id)].parameters.data());
-  }
-  SegmentGroup::Quadratic quadratic;
-  group.group.LinearisePoses(parameters.data(), &quadratic);
-  system->cost += quadratic.cost;
-  // Of the control points before first() nothing is asked.
-  const int num_before = std::max(0, first() - group.first_control_point);
-  const Eigen::Index size = kPoseSize * (count - num_before);
-  if (size <= 0) return;
-  const Eigen::Index at = kPoseSize * (group.first_control_point + num_before - first());
-  system->gradient.segment(at, size) += quadratic.gradient.tail(size);
-  system->hessian.block(at, at, size, size) += quadratic.hessian.bottomRightCorner(size, size);
-}
-
-std::vector<ControlPoint> Tracker::ControlPoints() const {
-  std::vector<ControlPoint> control_points;
-  for (int i = first(); i < state_->trajectory.num_control_points(); ++i) {
-    control_points.push_back(state_->trajectory.control_point(i));
-  }
-  return control_points;
-}
-
-void Tracker::Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step) {
-  for (size_t i = 0; i < from.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(kPoseSize * i);
-    ControlPoint& control_point =
-        state_->trajectory.control_point(first() + static_cast<int>(i));
-    const Eigen::Map<const Eigen::Quaterniond> rotation(from[i].rotation.data());
-    const Eigen::Map<const Eigen::Vector3d> position(from[i].position.data());
-    Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) =
-        (Exp(step.segment<3>(row)) * rotation).normalized();
-    Eigen::Map<Eigen::Vector3d>(control_point.position.data()) =
-        position + step.segment<3>(row + 3);
-  }
-}
-
-Tracker::System Tracker::Estimate(const std::vector<MotionTerm>& terms,
-                                  const std::vector<ObservationGroup>& groups) {
-  System system = Linearise(terms, groups);
-  const std::vector<int> rows = FreeRows(system.gradient.size());
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(system.hessian(rows, rows)));
-    if (factor.info() != Eigen::Success) {
-      throw Error("the poses are not determined by the scans: singular estimate");
-    }
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(system.gradient.size());
-    const Eigen::VectorXd gradient = system.gradient(rows);
-    step(rows) = -factor.solve(gradient);
-    const std::vector<ControlPoint> from = ControlPoints();
-    const double cost = system.cost;
-    if (-0.5 * system.gradient.dot(step) < kFunctionTolerance * cost) {
-      Move(from, step);
-      break;
-    }
-    int halvings = 0;
-    for (; halvings <= kMaxHalvings; ++halvings, step *= 0.5) {
-      Move(from, step);
-      System next = Linearise(terms, groups);
-      if (!(next.cost <= cost)) continue;
-      system = std::move(next);
-      break;
-    }
-    if (halvings > kMaxHalvings) {
-      Move(from, Eigen::VectorXd::Zero(step.size()));
-      break;
-    }
-    if (cost - system.cost < kFunctionTolerance * cost) break;
-  }
-  return system;
-}
-
-std::vector<ObservationGroup> Tracker::Groups(int first_observation,
-                                              int last_observation) const {
+PoseGaussian Tracker::Estimate(int first_observation, int last_observation) {
   std::vector<const Observation*> associated;
   const auto add = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -227,16 +124,18 @@ std::vector<ObservationGroup> Tracker::Groups(int first_observation,
   };
   for (const int index : recent_) add(index);
   for (int index = first_observation; index <= last_observation; ++index) add(index);
-  return GroupObservations(
-      rig_, state_->trajectory, state_->landmarks, associated, kHuberWidth);
+  EstimationProblem problem = MakeProblem();
+  problem.AddSegments(associated, kHuberWidth);
+  const NormalEquations equations = solver_->Solve(&problem);
+  return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }
 
 void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
   gaussian_ = std::move(gaussian);
   recent_.clear();
   if (now_ns < loose_until_ns_) Loosen();
-  pose_uncertainty_ =
-      PoseUncertainty(first(), Covariance(Linearise(MotionTerms(), {}).hessian));
+  prior_ = PosePrior(gaussian_, planar_);
+  pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
 }
 
 bool Tracker::FollowsWell(int64_t now_ns) const {
@@ -378,13 +277,12 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks) {
-  const std::vector<MotionTerm> terms = MotionTerms();
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
   if (has_new_control_points) {
-    pose_uncertainty_ = PoseUncertainty(first(), Covariance(Linearise(terms, {}).hessian));
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
   }
-  System system;
+  PoseGaussian estimate;
   bool unsteady = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     // By the prediction first, all segments together; once the poses are known, one by one,
@@ -408,18 +306,21 @@ void Tracker::Track(int first_observation,
       changed = !unsteady && Associate(first_observation, last_observation, landmarks);
     }
     if (!changed && round > 0) break;
-    const std::vector<ObservationGroup> groups = Groups(first_observation, last_observation);
-    system = changed ? Estimate(terms, groups) : Linearise(terms, groups);
-    pose_uncertainty_ = PoseUncertainty(first(), Covariance(system.hessian));
+    estimate = Estimate(first_observation, last_observation);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
   }
   // The scan becomes part of the prior, so that the next scan's system is as small.
-  gaussian_ = {first(), ControlPoints(), std::move(system.hessian)};
+  gaussian_ = std::move(estimate);
   recent_.clear();
-  if (!unsteady) return;
+  if (!unsteady) {
+    prior_ = PosePrior(gaussian_, planar_);
+    return;
+  }
   const int64_t now_ns =
       state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
   loose_until_ns_ = now_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
   Loosen();
+  prior_ = PosePrior(gaussian_, planar_);
 }
 
 bool Tracker::Associate(int first_observation,

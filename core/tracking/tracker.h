@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/association/association.h"
-#include "core/estimation/motion_terms.h"
-#include "core/estimation/segment_groups.h"
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/solver.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/map_state.h"
@@ -18,9 +18,9 @@
 
 namespace plumbline {
 
-// The light step of every scan: estimates the newest control points alone, the planes given,
-// by Gauss-Newton on some 24 unknowns. Its prior comes from the window (Reset) and takes in
-// scan after scan until the window is solved again.
+// The light step of every scan: estimates the newest control points alone, some 24 unknowns,
+// with the window's problem and solver but all planes held constant. Its prior comes from the
+// window (Reset) and takes in scan after scan until the window is solved again.
 class Tracker {
  public:
   Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
@@ -45,8 +45,6 @@ class Tracker {
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
 
  private:
-  struct System;
-
   // A scan's segments and their planes, chosen together. How the rig's poses differ from their
   // prediction is an error of the control points and, where the motion is `unsteady`, what
   // no spline of these knots can follow.
@@ -60,16 +58,14 @@ class Tracker {
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
   std::vector<int> FreeRows(Eigen::Index size) const;
   Eigen::MatrixXd Covariance(const Eigen::MatrixXd& information) const;
-  std::vector<MotionTerm> MotionTerms() const;
-  System Linearise(const std::vector<MotionTerm>& terms,
-                   const std::vector<ObservationGroup>& groups) const;
-  void AddGroup(const ObservationGroup& group, System* system) const;
-  std::vector<ControlPoint> ControlPoints() const;
-  void Move(const std::vector<ControlPoint>& from, const Eigen::VectorXd& step);
-  // Gauss-Newton from where the control points are; returns the system where they end.
-  System Estimate(const std::vector<MotionTerm>& terms,
-                  const std::vector<ObservationGroup>& groups);
-  std::vector<ObservationGroup> Groups(int first_observation, int last_observation) const;
+  // The newest control points as unknowns, with all that is known of them before the scan:
+  // the Gaussian from the window and the scans since then, the priors on the motion, and the
+  // gauge at the start of the map. Planes and older control points are held.
+  EstimationProblem MakeProblem() const;
+  // What the prior and the motion say of the newest control points, without segments.
+  PoseGaussian Predict() const;
+  // Estimates the newest control points from the scan's observations that have a landmark.
+  PoseGaussian Estimate(int first_observation, int last_observation);
   // What a motion of the prior's accelerations does between two knots: as rotation and
   // position of the body.
   Matrix6d UnsteadyCovariance() const;
@@ -96,7 +92,9 @@ class Tracker {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  std::unique_ptr<WindowSolver> solver_;
   PoseGaussian gaussian_;    // from all scans so far, planes given; empty before the first
+  Prior prior_;              // gaussian_ as a prior on its blocks
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady

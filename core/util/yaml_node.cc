@@ -254,6 +254,10 @@ void YamlNode::RejectRenamed(const std::string& old_key, const std::string& new_
   if (Has(old_key)) (*this)[old_key].Fail("'" + old_key + "' is called '" + new_key + "' now");
 }
 
+void YamlNode::RejectRemoved(const std::string& key, const std::string& why) const {
+  if (Has(key)) (*this)[key].Fail("leave out '" + key + "': " + why);
+}
+
 void YamlNode::Ignore(const std::string& key) const { state_->known_keys.insert(key); }
 
 void YamlNode::Fail(const std::string& message) const {

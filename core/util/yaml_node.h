@@ -50,6 +50,8 @@ class YamlNode {
   void RejectUnreadKeys() const;
   // Error where a key stands that has another name now: it names both.
   void RejectRenamed(const std::string& old_key, const std::string& new_key) const;
+  // Error where a key stands that nothing reads any more: it gives the reason.
+  void RejectRemoved(const std::string& key, const std::string& why) const;
   // Declares a key as known without reading it (another program's part of a shared file).
   void Ignore(const std::string& key) const;
 

@@ -7,7 +7,10 @@
 #include <utility>
 
 #include "core/estimation/block_layout.h"
+#include "core/estimation/linearisation.h"
 #include "core/estimation/normal_equations.h"
+#include "core/estimation/pose_prior.h"
+#include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/trajectory/pose_uncertainty.h"
 #include "core/util/error.h"
@@ -25,8 +28,7 @@ namespace {
 constexpr double kHuberWidth = 5.0;
 // The window only has to be good enough for the next associations and as the batch's start: an
 // iteration that lowers the cost by less than this share of it is the last one.
-constexpr double kFunctionTolerance = 1e-4;
-constexpr int kMaxIterations = 5;
+constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
 constexpr char kNotDetermined[] =
     "the poses and planes are not determined by the scans: singular estimate";
 
@@ -52,10 +54,15 @@ void SetCovariance(const Eigen::MatrixXd& covariance, Landmark* landmark) {
 }  // namespace
 
 Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
-    : rig_(rig), planar_(planar), options_(options), state_(state) {}
+    : rig_(rig),
+      planar_(planar),
+      options_(options),
+      state_(state),
+      solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
 void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) const {
-  for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, options_.trajectory);
+  const MotionNoise noise = MotionNoise::Of(options_.trajectory);
+  for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, noise);
 }
 
 void Window::AddStart(EstimationProblem* problem) const {
@@ -212,8 +219,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
   problem.AddSegments(in_window, kHuberWidth, &groups_);
-  const NormalEquations equations =
-      problem.SolveNormalEquations(kMaxIterations, kFunctionTolerance);
+  const NormalEquations equations = solver_->Solve(&problem);
 
   const int newest = state_->trajectory.Locate(now_ns).first;
   PoseGaussian newest_poses = NewestPoses(equations, newest);
@@ -257,29 +263,7 @@ PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) c
                         Eigen::VectorXd::Zero(static_cast<Eigen::Index>(order.size())),
                         num_older);
   if (!older) throw Error(kNotDetermined);
-  PoseGaussian gaussian;
-  gaussian.first = newest;
-  for (int i = newest; i < state_->trajectory.num_control_points(); ++i) {
-    gaussian.mean.push_back(state_->trajectory.control_point(i));
-  }
-  const std::vector<int> rows = RowsInPoses(equations, newest);
-  const auto size = static_cast<Eigen::Index>(6 * gaussian.mean.size());
-  gaussian.information.setZero(size, size);
-  gaussian.information(rows, rows) = older->hessian();
-  return gaussian;
-}
-
-std::vector<int> Window::RowsInPoses(const NormalEquations& equations, int newest) const {
-  std::vector<int> rows;
-  for (size_t i = 0; i < equations.blocks.size(); ++i) {
-    const BlockId& block = equations.blocks[i];
-    if (IsLandmark(block) || block.index < newest) continue;
-    const int base = 6 * (block.index - newest);
-    const int size = BlockSize(equations, i);
-    const int first = block.kind == BlockId::Kind::kPosition ? 3 : 3 - size;
-    for (int k = 0; k < size; ++k) rows.push_back(base + first + k);
-  }
-  return rows;
+  return PosesFrom(equations, older->hessian(), state_->trajectory, newest);
 }
 
 void Window::KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns) {
@@ -326,7 +310,7 @@ void Window::Marginalise(int new_start) {
     }
   }
   leaving.AddSegments(gone, kHuberWidth, &groups_);
-  NormalEquations added = leaving.Linearise();
+  NormalEquations added = LineariseDense(leaving, leaving.Layout());
   EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);
 

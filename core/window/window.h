@@ -2,12 +2,14 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/normal_equations.h"
+#include "core/estimation/solver.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
@@ -91,9 +93,6 @@ class Window {
   // How far a block has moved since the history was written, in its tangent.
   Eigen::VectorXd Moved(const EstimationProblem& problem, size_t block) const;
   PoseGaussian NewestPoses(const NormalEquations& equations, int newest) const;
-  // Rows of the control points from `newest` on in a matrix with six for each; a planar
-  // rotation is a yaw.
-  std::vector<int> RowsInPoses(const NormalEquations& equations, int newest) const;
   void KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns);
   void Marginalise(int new_start);
 
@@ -101,6 +100,7 @@ class Window {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
+  std::unique_ptr<WindowSolver> solver_;
   int start_ = 0;  // first control point of the window
   // On control points from start_, on anchors before it, and on the planes that are not
   // dormant.
@@ -109,7 +109,7 @@ class Window {
   int num_solves_ = 0;
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
-  ObservationGroupCache groups_{LinearisedGroup::kCoarse, 1};
+  SegmentGroupCache groups_{LinearisedGroup::kCoarse, 1};
   std::vector<WindowEstimate> estimates_;
 };
 

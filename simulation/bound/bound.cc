@@ -1,7 +1,5 @@
 #include "simulation/bound/bound.h"
 
-#include <ceres/solver.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "core/association/association.h"
+#include "core/estimation/ceres_solver.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
 #include "core/geometry/matrix_types.h"
@@ -153,14 +152,9 @@ class BoundComputer {
   // Least squares with the true associations. Lever arms and weights follow the estimate.
   void Estimate() {
     constexpr int kRounds = 3;
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    solver.function_tolerance = 1e-9;
-    solver.initial_trust_region_radius = 1e12;
-    solver.num_threads = 1;
-    solver.logging_type = ceres::SILENT;
+    const CeresSolver<ArrowheadEquations> solver({});
     for (int round = 0; round < kRounds; ++round) {
-      MakeProblem()->Solve(solver);
+      solver.Solve(MakeProblem().get());
       for (size_t i = 0; i < sources_.size(); ++i) {
         Observation& observation = state_->observations[i];
         Observation anew =
@@ -169,7 +163,7 @@ class BoundComputer {
         observation = std::move(anew);
       }
     }
-    MakeProblem()->Solve(solver);
+    solver.Solve(MakeProblem().get());
   }
 
   Observation Observe(const ScanLine& scan_line, const Segment& segment, int landmark_id) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
 #include "core/map/plane_patches.h"
@@ -40,28 +41,30 @@ std::vector<const Observation*> Associated(const MapState& state) {
 void SegmentGroupWithJacobian(benchmark::State& state, const std::string& walk_name) {
   const MappedWalk& walk = WalkByName(walk_name);
   const MapState& map = walk.result().state;
-  const std::vector<ObservationGroup> groups = GroupObservations(
-      walk.rig(), map.trajectory, map.landmarks, Associated(map), /*huber_width=*/0.0);
+  SegmentGroupCache cache(LinearisedGroup::kFine, 1);
+  const std::vector<const SegmentGroupCache::Entry*> groups =
+      cache.Update(walk.rig(), map.trajectory, map.landmarks, Associated(map), {});
   CHECK_GT(groups.size(), 2u);
-  const ObservationGroup& group = groups[groups.size() / 2];
+  const SegmentGroupCache::Entry& entry = *groups[groups.size() / 2];
+  const SegmentGroup& group = entry.group->group();
   std::vector<const double*> parameters;
   for (const bool rotation : {true, false}) {
-    for (int j = 0; j < group.group.num_control_points(); ++j) {
-      const ControlPoint& point = map.trajectory.control_point(group.first_control_point + j);
+    for (int j = 0; j < group.num_control_points(); ++j) {
+      const ControlPoint& point = map.trajectory.control_point(entry.first_control_point + j);
       parameters.push_back(rotation ? point.rotation.data() : point.position.data());
     }
   }
-  for (const int id : group.landmark_ids) {
+  for (const int id : entry.landmark_ids) {
     parameters.push_back(map.landmarks[static_cast<size_t>(id)].parameters.data());
   }
   size_t num_segments = 0;
   for (const Observation* observation : Associated(map)) {
     const int first = map.trajectory.Locate(observation->measurement.node_times_ns()[0]).first;
-    if (first == group.first_control_point) ++num_segments;
+    if (first == entry.first_control_point) ++num_segments;
   }
   SegmentGroup::Quadratic quadratic;
   for (auto _ : state) {
-    group.group.Linearise(parameters.data(), &quadratic);
+    group.Linearise(parameters.data(), &quadratic);
     benchmark::ClobberMemory();
   }
   state.counters["segments"] = static_cast<double>(num_segments);
@@ -151,7 +154,7 @@ void TimeBatchIteration(benchmark::State& state, const MappedWalk& walk, FactorK
     Stopwatch watch;
     {
       const Stopwatch::Running running(&watch);
-      problem->SolveArrowhead(1, {});
+      GaussNewtonSolver<ArrowheadEquations>({1, 0.0, 0.0}).Solve(problem.get());
     }
     state.SetIterationTime(watch.seconds());
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/linearisation.h"
 #include "core/estimation/normal_equations.h"
 #include "test/testing/plane_scene.h"
 
@@ -16,9 +17,9 @@ constexpr int64_t kStart = 1'600'000'000'000'000'000;
 constexpr int64_t kKnot = 100'000'000;
 
 // A scanner at rest before a wall, one scan line every 40 ms.
-class ObservationGroupsTest : public testing::Test {
+class SegmentGroupsTest : public testing::Test {
  protected:
-  ObservationGroupsTest() {
+  SegmentGroupsTest() {
     rig_.scanners.resize(1);
     rig_.scanners[0].beams = 61;
     rig_.scanners[0].field_of_view_deg = 60.0;
@@ -41,10 +42,10 @@ class ObservationGroupsTest : public testing::Test {
     for (const Observation& observation : observations_) pointers_.push_back(&observation);
   }
 
-  NormalEquations Equations(ObservationGroupCache* cache) {
+  NormalEquations Equations(SegmentGroupCache* cache) {
     EstimationProblem problem(rig_, false, &trajectory_, &landmarks_);
     problem.AddSegments(pointers_, 0.0, cache);
-    return problem.Linearise();
+    return LineariseDense(problem, problem.Layout());
   }
 
   const ScenePlane wall_ = {-Eigen::Vector3d::UnitX(), -3.0};
@@ -55,28 +56,28 @@ class ObservationGroupsTest : public testing::Test {
   std::vector<const Observation*> pointers_;
 };
 
-TEST_F(ObservationGroupsTest, LargerGroupsAreTheSameProblem) {
-  ObservationGroupCache single(LinearisedGroup::kFine, 1);
-  ObservationGroupCache pairs(LinearisedGroup::kFine, 2);
+TEST_F(SegmentGroupsTest, LargerGroupsAreTheSameProblem) {
+  SegmentGroupCache single(LinearisedGroup::kFine, 1);
+  SegmentGroupCache pairs(LinearisedGroup::kFine, 2);
   const NormalEquations expected = Equations(&single);
   const NormalEquations found = Equations(&pairs);
   ASSERT_EQ(found.blocks, expected.blocks);
   EXPECT_LT((found.hessian - expected.hessian).norm(), 1e-9 * expected.hessian.norm());
   EXPECT_LT((found.gradient - expected.gradient).norm(), 1e-9 * expected.gradient.norm());
-  const auto groups = [&](ObservationGroupCache* cache) {
-    return cache->Update(rig_, trajectory_, landmarks_, pointers_, 0.0);
+  const auto groups = [&](SegmentGroupCache* cache) {
+    return cache->Update(rig_, trajectory_, landmarks_, pointers_, {});
   };
   EXPECT_EQ(groups(&single).size(), 6u) << "14 scan lines in 0.54 s";
   ASSERT_EQ(groups(&pairs).size(), 3u);
   EXPECT_EQ(groups(&pairs)[1]->first_control_point, 2);
 }
 
-TEST_F(ObservationGroupsTest, OnlyWhatHasChangedIsMadeAnew) {
-  ObservationGroupCache cache(LinearisedGroup::kFine, 2);
+TEST_F(SegmentGroupsTest, OnlyWhatHasChangedIsMadeAnew) {
+  SegmentGroupCache cache(LinearisedGroup::kFine, 2);
   Equations(&cache);
   const auto linearisations = [&] {
     std::vector<int> counts;
-    for (const auto* entry : cache.Update(rig_, trajectory_, landmarks_, pointers_, 0.0)) {
+    for (const auto* entry : cache.Update(rig_, trajectory_, landmarks_, pointers_, {})) {
       counts.push_back(entry->group->num_linearisations());
     }
     return counts;

@@ -35,9 +35,9 @@ MapperOptions UnusualOptions() {
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125};
   o.planes = {11, 1.75, 7, 2.5};
-  o.window = {33, 3, false, true};
+  o.window = {SolverKind::kCeres, 33, 3, false, true};
   o.loop_closure = {false, 77};
-  o.batch = {FactorKind::kPoint, 3, false, true};
+  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -64,7 +64,8 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
   EXPECT_FALSE(read.batch.resegment);
-  EXPECT_TRUE(read.batch.estimate_motion_noise);
+  EXPECT_EQ(read.window.solver, SolverKind::kCeres);
+  EXPECT_EQ(read.batch.solver, SolverKind::kCeres);
   EXPECT_EQ(read.max_gap_s, 0.6);
 }
 
@@ -111,6 +112,11 @@ TEST_F(ConfigTest, RenamedKeysAreErrorsThatNameTheNewOne) {
     EXPECT_THAT(ReadError(renamed.text),
                 AllOf(HasSubstr(File() + ":2: "), HasSubstr("'" + renamed.new_key + "'")));
   }
+}
+
+TEST_F(ConfigTest, RemovedKeysAreErrorsThatSayWhy) {
+  EXPECT_THAT(ReadError("batch:\n  estimate_motion_noise: true\n"),
+              AllOf(HasSubstr(File() + ":2: "), HasSubstr("always estimated")));
 }
 
 TEST_F(ConfigTest, ValuesOutOfRangeAreErrorsWithTheirLine) {

@@ -1,0 +1,73 @@
+#include "core/estimation/pose_prior.h"
+
+#include <Eigen/Core>
+#include <utility>
+
+#include "factors/linear_algebra/square_root_marginalisation.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPoseSize = 6;  // rows of a control point in a PoseGaussian
+
+}  // namespace
+
+std::vector<int> RowsInPoses(const NormalEquations& equations, int first) {
+  std::vector<int> rows;
+  for (size_t i = 0; i < equations.blocks.size(); ++i) {
+    const BlockId& block = equations.blocks[i];
+    if (IsLandmark(block) || block.index < first) continue;
+    const int size = BlockSize(equations, i);
+    const int first_row = kPoseSize * (block.index - first) +
+                          (block.kind == BlockId::Kind::kPosition ? 3 : 3 - size);
+    for (int k = 0; k < size; ++k) rows.push_back(first_row + k);
+  }
+  return rows;
+}
+
+PoseGaussian PosesFrom(const NormalEquations& equations,
+                       const Eigen::MatrixXd& information,
+                       const Trajectory& trajectory,
+                       int first) {
+  PoseGaussian gaussian;
+  gaussian.first = first;
+  for (int i = first; i < trajectory.num_control_points(); ++i) {
+    gaussian.mean.push_back(trajectory.control_point(i));
+  }
+  const std::vector<int> rows = RowsInPoses(equations, first);
+  const auto size = static_cast<Eigen::Index>(kPoseSize * gaussian.mean.size());
+  gaussian.information.setZero(size, size);
+  gaussian.information(rows, rows) = information;
+  return gaussian;
+}
+
+Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
+  Prior prior;
+  std::vector<int> rows;
+  for (size_t i = 0; i < gaussian.mean.size(); ++i) {
+    const int control_point = gaussian.first + static_cast<int>(i);
+    const ControlPoint& mean = gaussian.mean[i];
+    prior.blocks.push_back(RotationBlock(control_point));
+    prior.linear.blocks.push_back(
+        {planar ? LinearPrior::Kind::kYawRotation : LinearPrior::Kind::kRotation,
+         4,
+         Eigen::Map<const Eigen::VectorXd>(mean.rotation.data(), 4)});
+    prior.blocks.push_back(PositionBlock(control_point));
+    prior.linear.blocks.push_back(
+        {LinearPrior::Kind::kEuclidean,
+         3,
+         Eigen::Map<const Eigen::VectorXd>(mean.position.data(), 3)});
+    for (int k = planar ? 2 : 0; k < kPoseSize; ++k) {
+      rows.push_back(kPoseSize * static_cast<int>(i) + k);
+    }
+  }
+  MarginalisedSystem root =
+      Marginalise(gaussian.information(rows, rows),
+                  Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.size())),
+                  0);
+  prior.linear.root = std::move(root.root);
+  prior.linear.offset = std::move(root.offset);
+  return prior;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/normal_equations.h"
+#include "core/trajectory/pose_gaussian.h"
+
+namespace plumbline {
+
+// Rows of the control points from `first` on in equations, as they stand in a PoseGaussian
+// with six rows for each: rotation and position; a planar rotation is a yaw, the third row.
+std::vector<int> RowsInPoses(const NormalEquations& equations, int first);
+
+// The equations' Hessian on the control points from `first` on, all other unknowns left out,
+// as a Gaussian about the control points' present values.
+PoseGaussian PosesFrom(const NormalEquations& equations,
+                       const Eigen::MatrixXd& information,
+                       const Trajectory& trajectory,
+                       int first);
+
+// The Gaussian as a square-root prior on the control points' blocks.
+Prior PosePrior(const PoseGaussian& gaussian, bool planar);
+
+}  // namespace plumbline
