@@ -3,6 +3,19 @@
 #include <algorithm>
 
 namespace plumbline {
+namespace {
+
+// Leaves a landmark as it is before its first observation is counted.
+void Empty(Landmark* landmark) {
+  landmark->extent = landmark->EmptyExtent();
+  landmark->num_segments = 0;
+  landmark->num_points = 0;
+  landmark->last_scan = 0;
+  landmark->last_time_ns = 0;
+}
+
+}  // namespace
+
 void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state) {
@@ -18,6 +31,53 @@ void CountObservation(const Observation& observation,
   landmark.last_time_ns = std::max(landmark.last_time_ns, observation.end_time_ns());
   ++landmark.num_segments;
   landmark.num_points += observation.num_points;
+}
+
+void RebuildLandmarks(const Rig& rig, MapState* state) {
+  RebuildLandmarks(rig, std::vector<bool>(state->landmarks.size(), true), state);
+}
+
+void RebuildLandmarks(const Rig& rig, const std::vector<bool>& is_chosen, MapState* state) {
+  for (Landmark& landmark : state->landmarks) {
+    if (is_chosen[static_cast<size_t>(landmark.id)]) Empty(&landmark);
+  }
+  SharedPoses poses(rig, state->trajectory);
+  for (const Observation& observation : state->observations) {
+    const int id = observation.landmark_id;
+    if (id < 0 || !is_chosen[static_cast<size_t>(id)]) continue;
+    CountObservation(observation, poses.Of(observation), state);
+  }
+  for (const Observation& segment : state->sub_minimum_segments) {
+    const auto id = static_cast<size_t>(segment.landmark_id);
+    Landmark& landmark = state->landmarks[id];
+    if (!is_chosen[id] || landmark.num_segments == 0) continue;
+    landmark.num_points += segment.num_points;
+  }
+}
+
+void RecountSegments(MapState* state) {
+  for (Landmark& landmark : state->landmarks) landmark.num_segments = 0;
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0) continue;
+    ++state->landmarks[static_cast<size_t>(observation.landmark_id)].num_segments;
+  }
+}
+
+int ReleaseObservations(const std::vector<bool>& is_chosen, MapState* state) {
+  const auto is_released = [&](int id) {
+    const auto index = static_cast<size_t>(id);
+    return is_chosen[index] && !state->landmarks[index].heading_fixed;
+  };
+  int num_released = 0;
+  for (Observation& observation : state->observations) {
+    if (observation.landmark_id < 0 || !is_released(observation.landmark_id)) continue;
+    observation.landmark_id = -1;
+    ++num_released;
+  }
+  for (Landmark& landmark : state->landmarks) {
+    if (is_released(landmark.id)) Empty(&landmark);
+  }
+  return num_released;
 }
 
 }  // namespace plumbline

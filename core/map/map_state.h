@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <vector>
 
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
+#include "core/sensor/rig.h"
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
@@ -27,5 +29,19 @@ struct MapState {
 void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state);
+
+// Computes extents, times and counts of all landmarks anew from the associations as they
+// stand. An extent gets axes on the plane as it is estimated now.
+void RebuildLandmarks(const Rig& rig, MapState* state);
+// Computes them anew for the chosen landmarks alone (is_chosen: by id).
+void RebuildLandmarks(const Rig& rig, const std::vector<bool>& is_chosen, MapState* state);
+
+// Computes the numbers of the landmarks' segments anew, and nothing else.
+void RecountSegments(MapState* state);
+
+// Leaves the observations of the chosen landmarks (is_chosen: by id) without a landmark, and
+// these landmarks empty; returns how many observations. The wall that fixes the gauge keeps
+// its own: without it nothing would determine the heading.
+int ReleaseObservations(const std::vector<bool>& is_chosen, MapState* state);
 
 }  // namespace plumbline

@@ -1,0 +1,146 @@
+#include "core/mapping/batch_estimator.h"
+
+#include <glog/logging.h>
+
+#include <utility>
+#include <vector>
+
+#include "core/estimation/arrowhead_cholesky.h"
+#include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/gauss_newton_solver.h"
+#include "core/estimation/linearisation.h"
+#include "core/estimation/motion_noise_estimation.h"
+#include "core/estimation/solver.h"
+#include "core/map/observation_poses.h"
+
+namespace plumbline {
+namespace {
+
+// In standard deviations of the norm of a segment's residuals: good segments hardly ever
+// exceed it.
+constexpr double kHuberWidth = 5.0;
+// A share of the cost, which is half the number of points: what outliers still give way before
+// the rounds, they do in them.
+constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
+// The last estimate ends within a seventh of a standard deviation of the solution, all its
+// thousands of unknowns together: half the square of that is the cost.
+constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
+// Steps to the noise of the motion (ReestimateMotionNoise). A third moves it by less
+// than a hundredth, but where there is no motion at all: that stays too large, which is the
+// safe side.
+constexpr int kNoiseSteps = 2;
+// Groups of two take more memory, of six hardly less; see also kTileControlPoints.
+constexpr int kIntervalsPerGroup = 4;
+
+// Calls visit(observation) for the observations with a landmark and for the sub-minimum
+// segments of these landmarks: the few beams of such segments alone do not determine a plane.
+template <typename Visit>
+void ForEachAssociated(const MapState& state, const Visit& visit) {
+  std::vector<bool> has_segments(state.landmarks.size(), false);
+  for (const Observation& observation : state.observations) {
+    if (observation.landmark_id < 0) continue;
+    has_segments[static_cast<size_t>(observation.landmark_id)] = true;
+    visit(observation);
+  }
+  for (const Observation& segment : state.sub_minimum_segments) {
+    if (has_segments[static_cast<size_t>(segment.landmark_id)]) visit(segment);
+  }
+}
+
+}  // namespace
+
+BatchEstimator::BatchEstimator(const Rig& rig,
+                               bool planar,
+                               const MapperOptions& options,
+                               MapState* state)
+    : rig_(rig),
+      planar_(planar),
+      options_(options),
+      state_(state),
+      motion_noise_(MotionNoise::Of(options.trajectory)),
+      groups_(LinearisedGroup::kCoarse, kIntervalsPerGroup) {}
+
+void BatchEstimator::EstimateRobustly() {
+  const auto problem = BuildProblem(FactorKind::kSegment, kHuberWidth);
+  MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
+}
+
+void BatchEstimator::StepRobustly() {
+  TakeGaussNewtonStep(BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+}
+
+void BatchEstimator::EstimateMotionNoise() {
+  for (int i = 0; i < kNoiseSteps; ++i) {
+    const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
+    const BlockLayout layout = problem->Layout();
+    ArrowheadEquations equations = LineariseArrowhead(*problem, layout);
+    const ArrowheadCholesky cholesky(std::move(equations.hessian));
+    const Eigen::VectorXd step = -cholesky.Solve(equations.gradient);
+    problem->Move(layout, step(layout.FreeColumns()));
+    motion_noise_ = ReestimateMotionNoise(motion_noise_, *problem, cholesky);
+  }
+}
+
+FinalEstimate BatchEstimator::EstimateFinally() {
+  groups_.set_validity(LinearisedGroup::kFine);
+  const auto problem = BuildProblem(options_.batch.factor, 0.0);
+  ArrowheadEquations equations =
+      MakeBatchSolver(options_.batch.solver, kFinalOptions)->Solve(problem.get());
+  VLOG(1) << "cost " << equations.cost;
+  FinalEstimate estimate;
+  estimate.motion_noise = motion_noise_;
+  estimate.variance_factor = VarianceFactor(*problem, equations.cost);
+  {
+    const Stopwatch::Running running(&estimate.covariance_watch);
+    estimate.covariance = SetCovariances(*problem, std::move(equations));
+  }
+  return estimate;
+}
+
+std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind factor,
+                                                                double huber_width) {
+  auto problem = std::make_unique<EstimationProblem>(
+      rig_, planar_, &state_->trajectory, &state_->landmarks);
+  problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
+  std::vector<const Observation*> associated;
+  ForEachAssociated(*state_, [&](const Observation& observation) {
+    if (factor == FactorKind::kPoint) {
+      problem->AddPoints(observation);
+    } else {
+      associated.push_back(&observation);
+    }
+  });
+  problem->AddSegments(associated, huber_width, &groups_);
+  return problem;
+}
+
+double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double cost) const {
+  double num_points = 0.0;
+  double constant = 0.0;
+  SharedPoses poses(rig_, state_->trajectory);
+  ForEachAssociated(*state_, [&](const Observation& observation) {
+    num_points += observation.num_points;
+    if (options_.batch.factor == FactorKind::kPoint) return;  // its residuals hold everything
+    const double offset =
+        ObservationWeights(poses.Of(observation), state_->landmarks, observation).offset;
+    constant += offset * offset * observation.measurement.constant();
+  });
+  const auto num_unknowns = static_cast<double>(problem.Layout().FreeColumns().size());
+  return (2.0 * cost + constant) / (num_points - num_unknowns);
+}
+
+MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem,
+                                             ArrowheadEquations equations) {
+  MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
+  const std::vector<int>& offsets = covariance.offsets();
+  for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
+    const int size = offsets[i + 1] - offsets[i];
+    Landmark& landmark = state_->landmarks[static_cast<size_t>(covariance.landmark_ids()[i])];
+    landmark.covariance.setZero();
+    landmark.covariance.topLeftCorner(size, size) =
+        covariance.landmarks().block(offsets[i], offsets[i], size, size);
+  }
+  return covariance;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/map_covariance.h"
+#include "core/estimation/segment_groups.h"
+#include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
+#include "core/sensor/rig.h"
+#include "core/trajectory/motion_noise.h"
+#include "core/util/stopwatch.h"
+
+namespace plumbline {
+
+// What the last estimation gives besides the values in the state.
+struct FinalEstimate {
+  MotionNoise motion_noise;      // as the recording shows it: what the estimate assumes
+  double variance_factor = 0.0;  // weighted sum of squares / redundancy
+  MapCovariance covariance;
+  Stopwatch covariance_watch;  // the time that the covariance took, part of the estimation's
+};
+
+// The least squares of the batch: all control points and landmarks of a state, from all of its
+// observations and sub-minimum segments that have a landmark.
+class BatchEstimator {
+ public:
+  // The state outlives the estimator, and its associations may change between the estimations.
+  BatchEstimator(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+
+  // Estimates with a robust loss, for associations that may still be wrong.
+  void EstimateRobustly();
+  // Takes one Gauss-Newton step with the robust loss, whichever solver the options name.
+  // Between rounds little changes: what one step leaves is less than the next associations
+  // will move.
+  void StepRobustly();
+  // Estimates the noise of the motion that the last estimation is to assume. The options' own
+  // is wide enough for any rig that they are meant for: most rigs are calmer, and their poses
+  // are known better.
+  void EstimateMotionNoise();
+  // Estimates by plain least squares, and gives the landmarks their covariances (absolute, in
+  // the model frame).
+  FinalEstimate EstimateFinally();
+
+ private:
+  // All residuals; huber_width 0: plain least squares.
+  std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
+  double VarianceFactor(const EstimationProblem& problem, double cost) const;
+  // The covariance of the estimate that these equations are of; gives the landmarks their
+  // parts of it.
+  MapCovariance SetCovariances(const EstimationProblem& problem, ArrowheadEquations equations);
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  MapState* state_;
+  MotionNoise motion_noise_;
+  SegmentGroupCache groups_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,187 @@
+#include "core/mapping/batch_policies.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <numeric>
+
+#include "core/association/association.h"
+#include "core/association/plane_merging.h"
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
+#include "core/map/observation_poses.h"
+#include "core/visibility/free_space.h"
+
+namespace plumbline {
+namespace {
+
+// A plane's points in sub-minimum segments are at most this many times those in segments. For
+// a plane the ratio is below one half; for the underside of a door's lintel, which is mostly
+// edges, it is three halves.
+constexpr int64_t kMaxSubMinimumRatio = 3;
+// A plane's segments deviate by at most this many times what is expected: furniture's, on a
+// real robot, by two and a half.
+constexpr double kMaxDeviationRatio = 3.0;
+// The squared deviation of a segment from its plane that is expected where the noise is as
+// stated: it has two degrees of freedom.
+constexpr double kExpectedDeviation = 2.0;
+
+// Whether an observation is the only one of its landmark where it lies.
+bool IsAlone(const Observation& observation,
+             const ObservationPoses& poses,
+             double max_gap_m,
+             const MapState& state) {
+  const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+  return !landmark.extent.OthersAreNear(
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns()),
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns()),
+      max_gap_m);
+}
+
+// The landmarks that observations of a scan may lie on, scan by scan in the order of time.
+class ViewsOfScans {
+ public:
+  ViewsOfScans(const Rig& rig, const MapperOptions& options, const MapState& state)
+      : rig_(rig), options_(options), state_(state) {}
+
+  // The views for the scan of an observation; poses: the observation's. Valid until the next
+  // call.
+  const std::vector<LandmarkView>& Of(size_t observation_index,
+                                      const ObservationPoses& poses) {
+    const int scan_index = state_.observations[observation_index].scan_index;
+    if (scan_index == scan_index_) return of_scan_;
+    if (scan_index_ < 0 || !options_.loop_closure.enabled) {
+      within_gap_ = ViewsWithinGap(state_.landmarks, scan_index, options_.loop_closure);
+    }
+    scan_index_ = scan_index;
+    of_scan_ = ViewsWithin(ReachOfScan(rig_,
+                                       state_.observations,
+                                       observation_index,
+                                       poses.world_from_body.translation,
+                                       Matrix6d::Zero(),
+                                       options_.association),
+                           within_gap_);
+    return of_scan_;
+  }
+
+ private:
+  const Rig& rig_;
+  const MapperOptions& options_;
+  const MapState& state_;
+  int scan_index_ = -1;
+  std::vector<LandmarkView> within_gap_;
+  std::vector<LandmarkView> of_scan_;
+};
+
+}  // namespace
+
+int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state) {
+  int num_changed = 0;
+  SharedPoses shared_poses(rig, state->trajectory);
+  ViewsOfScans views(rig, options, *state);
+  for (size_t i = 0; i < state->observations.size(); ++i) {
+    Observation& observation = state->observations[i];
+    const ObservationPoses& poses = shared_poses.Of(observation);
+    const std::vector<LandmarkView>& of_scan = views.Of(i, poses);
+    if (observation.num_points == 0) continue;  // all of its beams are left out
+    int id = FindLandmark(observation, poses, Matrix6d::Zero(), of_scan, options.association);
+    if (id >= 0 && id == observation.landmark_id &&
+        IsAlone(observation, poses, options.association.max_gap_m, *state)) {
+      id = -1;
+    }
+    num_changed += id != observation.landmark_id ? 1 : 0;
+    observation.landmark_id = id;
+  }
+  return num_changed;
+}
+
+std::vector<int> MergePlanes(const Rig& rig, const MapperOptions& options, MapState* state) {
+  std::vector<int> merged_into;
+  // A landmark that was itself merged away passes its share on.
+  std::vector<int> target(state->landmarks.size());
+  std::iota(target.begin(), target.end(), 0);
+  for (const auto& [into, from] : FindMergeablePlanes(rig, *state, options, 0)) {
+    const int end = target[static_cast<size_t>(into)];
+    target[static_cast<size_t>(from)] = end;
+    MergeInto(end, from, state);
+    merged_into.push_back(end);
+  }
+  return merged_into;
+}
+
+int DropContradictedPlanes(MapState* state) {
+  double sum = 0.0;
+  int num_judged = 0;
+  for (const Landmark& landmark : state->landmarks) {
+    sum += landmark.sum_deviations;
+    num_judged += landmark.num_judged;
+  }
+  const double expected = std::max(kExpectedDeviation, sum / std::max(1, num_judged));
+  std::vector<bool> is_contradicted;
+  for (const Landmark& landmark : state->landmarks) {
+    is_contradicted.push_back(!landmark.AgreesWithin(kMaxDeviationRatio * expected));
+  }
+  return ReleaseObservations(is_contradicted, state);
+}
+
+int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapState* state) {
+  const double range_noise_m = MaxRangeNoise(rig);
+  std::vector<bool> is_redundant;
+  for (const Landmark& weak : state->landmarks) {
+    const auto is_repeated_by = [&](const Landmark& strong) {
+      return weak.num_points > 0 && weak.num_points < strong.num_points &&
+             IsWithinGap(strong, weak.first_scan, options) &&
+             IsRedundant(weak, strong, range_noise_m);
+    };
+    is_redundant.push_back(
+        std::any_of(state->landmarks.begin(), state->landmarks.end(), is_repeated_by));
+  }
+  return ReleaseObservations(is_redundant, state);
+}
+
+int DropPassedThrough(const Rig& rig, MapState* state) {
+  return ReleaseObservations(FindPassedThrough(rig, *state), state);
+}
+
+int DropWeakPlanes(const PlaneOptions& options, MapState* state) {
+  std::vector<int> num_scans(state->landmarks.size(), 0);
+  std::vector<int> last_scan(state->landmarks.size(), -1);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0) continue;
+    const auto id = static_cast<size_t>(observation.landmark_id);
+    if (observation.scan_index != last_scan[id]) ++num_scans[id];
+    last_scan[id] = observation.scan_index;
+  }
+  std::vector<bool> is_weak;
+  for (const int num : num_scans) is_weak.push_back(num < options.min_scans);
+  return ReleaseObservations(is_weak, state);
+}
+
+int DropObliqueFalsePlanes(MapState* state) {
+  std::vector<int64_t> in_segments(state->landmarks.size(), 0);
+  std::vector<int64_t> in_sub_minimum(state->landmarks.size(), 0);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0) continue;
+    in_segments[static_cast<size_t>(observation.landmark_id)] += observation.num_points;
+  }
+  std::deque<Observation>& sub_minimum_segments = state->sub_minimum_segments;
+  for (const Observation& segment : sub_minimum_segments) {
+    in_sub_minimum[static_cast<size_t>(segment.landmark_id)] += segment.num_points;
+  }
+  std::vector<bool> is_false;
+  for (size_t i = 0; i < in_segments.size(); ++i) {
+    is_false.push_back(in_sub_minimum[i] > kMaxSubMinimumRatio * in_segments[i]);
+  }
+  const int num_released = ReleaseObservations(is_false, state);
+  const auto is_on_false_plane = [&](const Observation& segment) {
+    return is_false[static_cast<size_t>(segment.landmark_id)];
+  };
+  sub_minimum_segments.erase(
+      std::remove_if(
+          sub_minimum_segments.begin(), sub_minimum_segments.end(), is_on_false_plane),
+      sub_minimum_segments.end());
+  return num_released;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// The rules by which the batch changes associations, a function each. Functions called Drop...
+// take all observations from the landmarks that they judge to be no planes
+// (ReleaseObservations), and return how many observations.
+
+// Associates every observation anew with the landmarks as they are estimated now; returns how
+// many observations changed. An observation loses a landmark of which nothing else has been
+// seen near it: the plane's first, uncertain estimate took it in, and far away from all others
+// it would hold the plane there for good.
+int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state);
+
+// Merges landmarks that turn out to be one plane (FindMergeablePlanes). Returns the ids of the
+// landmarks that others were merged into, one entry for each of the others.
+std::vector<int> MergePlanes(const Rig& rig, const MapperOptions& options, MapState* state);
+
+// Drops landmarks that their own segments contradicted while the rig was followed: oblique
+// false planes across corners. Where the noise is larger than the rig file states, the
+// segments of all planes deviate, and a landmark is compared with their mean.
+int DropContradictedPlanes(MapState* state);
+
+// Drops landmarks that only repeat one with more points (IsRedundant).
+int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapState* state);
+
+// Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
+int DropPassedThrough(const Rig& rig, MapState* state);
+
+// Drops landmarks that fewer scans support than a new plane needs. The observations are in the
+// order of time.
+int DropWeakPlanes(const PlaneOptions& options, MapState* state);
+
+// Drops landmarks that hold many points in sub-minimum segments and few in segments, as
+// oblique false planes across corners do; their sub-minimum segments are removed, too.
+int DropObliqueFalsePlanes(MapState* state);
+
+}  // namespace plumbline
