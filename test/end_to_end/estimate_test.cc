@@ -109,7 +109,8 @@ TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
   EXPECT_GE(planes.size(), 3u);
 }
 
-// Without noise, what is wrong with the window's planes is mostly beams of their neighbours.
+// Without noise, what is wrong with the window's planes is mostly beams of their neighbours:
+// more than half of the squared errors go where segments give these back.
 TEST_F(MappingEstimateTest, WindowsPlanesKeepToTheirOwnBeams) {
   Scenario scenario = Base();
   scenario.more = "noise: {scale: 0}\n";
