@@ -90,8 +90,8 @@ TEST_F(BoundTest, WithoutClosureAPlaneComesBackAsAnother) {
   EXPECT_GT(Compute(options).planes.planes().size(), Compute().planes.planes().size());
 }
 
-// The mapper's own statement about its result can not be better than the bound, and should be
-// near it.
+// The standard deviations that the mapper states can not be better than the bound, and should
+// be near it.
 TEST_F(BoundTest, MapperStatesWhatTheBoundSays) {
   const Bound bound = Compute();
   Run(scenario_);
@@ -111,8 +111,11 @@ TEST_F(BoundTest, MapperStatesWhatTheBoundSays) {
   const auto [result_a, result_b] = two_largest(result.planes());
   const double ratio =
       result.AngleStddev(result_a, result_b) / bound.planes.AngleStddev(bound_a, bound_b);
+  // The mapper weighs each segment by noisy ranges: a per cent either way. It leaves out beams
+  // at the segments' ends, at most two of some 20 at either: a fifth of the beams makes
+  // 1 / sqrt(1 - 0.2) of the standard deviation.
   EXPECT_GT(ratio, 0.99);
-  EXPECT_LT(ratio, 1.1);  // beams at the segments' ends are left out
+  EXPECT_LT(ratio, 1.12);
 }
 
 // Every beam on its true plane, optimal weights: the errors are what the bound says.

@@ -86,32 +86,6 @@ TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
   }
 }
 
-// Errors over stated standard deviations, of all planes of several seeds: mean square 1. The
-// planes of one map are correlated, so that the n of the statistics is the number of maps,
-// each with a few independent planes; 5 sigma of a mean square with 5 degrees per map.
-TEST_F(MappingEstimateTest, StatesItsPrecision) {
-  constexpr int kNumMaps = 5;
-  double sum_squares = 0.0;
-  int num_planes = 0;
-  double sum_variance_factors = 0.0;
-  for (uint64_t seed = 1; seed <= kNumMaps; ++seed) {
-    const Evaluation evaluation = Run(Base(), seed);
-    ASSERT_EQ(evaluation.planes.num_wrong + evaluation.planes.num_missed, 0);
-    for (const PlaneMatch& match : evaluation.planes.list) {
-      sum_squares += std::pow(match.distance_m / match.sigma_distance_m, 2);
-      ++num_planes;
-    }
-    sum_variance_factors += summary_.variance_factor;
-  }
-  const double mean_square = sum_squares / num_planes;
-  const double stddev = std::sqrt(2.0 / (5.0 * kNumMaps));
-  EXPECT_LT(mean_square, 1.0 + 5.0 * stddev);
-  EXPECT_GT(mean_square, std::max(0.1, 1.0 - 5.0 * stddev));
-  // 20,000 ranges each: the sum of squares has a standard deviation of 1 %; the beams that
-  // are left out at doubtful ends take another 1 % from it.
-  EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 0.05);
-}
-
 TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
   Scenario scenario = Base();
   Run(scenario);
@@ -135,7 +109,8 @@ TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
   EXPECT_GE(planes.size(), 3u);
 }
 
-// Without noise, what is wrong with the window's planes is mostly beams of their neighbours.
+// Without noise, what is wrong with the window's planes is mostly beams of their neighbours:
+// more than half of the squared errors go where segments give these back.
 TEST_F(MappingEstimateTest, WindowsPlanesKeepToTheirOwnBeams) {
   Scenario scenario = Base();
   scenario.more = "noise: {scale: 0}\n";

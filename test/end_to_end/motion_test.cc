@@ -46,8 +46,8 @@ TEST_F(MappingMotionTest, FollowsTurnOf90DegreesInOneSecond) {
 }
 
 // Corners of 0.5 m radius at up to 200 deg/s, and a bend of 3.6 degrees taken within 35 ms: no
-// spline with knots every 125 ms can follow. The trajectory may be off just there; the rig
-// must not be lost and no plane come of it.
+// spline with knots every 125 ms can follow. The trajectory may be off just there, as far as a
+// spline that takes no notice of the bend; the rig must not be lost and no plane come of it.
 TEST_F(MappingMotionTest, SurvivesFastTurnsAndAJolt) {
   SimulateRecording(std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/room.yaml",
                     1,
@@ -60,9 +60,15 @@ TEST_F(MappingMotionTest, SurvivesFastTurnsAndAJolt) {
   EXPECT_EQ(evaluation.planes.num_doubled, 0);
   EXPECT_EQ(evaluation.planes.num_missed, 0);
   const PoseErrors& errors = evaluation.trajectory.unaligned;
-  EXPECT_LT(errors.position_m.max, 0.03);
-  EXPECT_LT(errors.rotation_deg.max, 3.6);
-  EXPECT_LT(errors.rotation_deg.median, 0.1);
+  constexpr double kBendDeg = 3.6;
+  EXPECT_LT(errors.rotation_deg.max, kBendDeg);
+  // A control point has effect over four knot intervals: for so long, at 0.9 m/s, the rig goes
+  // a way that the bend turns.
+  EXPECT_LT(errors.position_m.max, 0.9 * 4.0 * 0.125 * std::sin(kBendDeg * M_PI / 180.0));
+  // Half of the poses are those of straight stretches: twice what the noise of 3 cm at 40 Hz
+  // lets expect there, as for all trajectories.
+  EXPECT_LT(errors.rotation_deg.median,
+            2.0 * ExpectedPoseStddevs(40.0, 0.03, summary_).rotation_deg);
 }
 
 Scenario PlanarBase() {

@@ -1,6 +1,6 @@
 // The shipped recording of a real robot is mapped to its end, and does not come apart: there
-// is no truth, but a map that has turned away shows the room twice and holds fewer of the
-// points.
+// is no truth, but a map that has turned away shows the room twice, on planes that contradict
+// each other and hold fewer of the points.
 
 #include <gtest/gtest.h>
 
@@ -22,8 +22,10 @@ TEST_F(RobotMapTest, HoldsTogether) {
   EXPECT_EQ(summary.motion, "planar");
   EXPECT_EQ(summary.scans, 435);
   EXPECT_EQ(summary.points, 727915);
+  // The rest are furniture's and people's.
   EXPECT_GT(summary.points_used, summary.points / 2);
-  EXPECT_LT(summary.residual_rms_m, 0.0225);
+  // Ranges have the stated noise of 15 mm, and the extrinsics leave 10 to 20 mm between the
+  // scanners, in the mean as much again: twice the variance stated.
   EXPECT_LT(summary.variance_factor, 2.0);
 }
 

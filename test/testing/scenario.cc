@@ -186,30 +186,39 @@ void ExpectTruePlanes(const Evaluation& evaluation) {
   }
 }
 
+PoseStddevs ExpectedPoseStddevs(double scan_rate_hz,
+                                double range_noise_m,
+                                const Summary& summary) {
+  const TrajectoryOptions options;
+  const double interval_s =
+      std::max(options.knot_interval_s, options.min_scans_per_knot / scan_rate_hz);
+  const double points_per_interval =
+      static_cast<double>(summary.points_used) / summary.duration_s * interval_s;
+  PoseStddevs stddevs;
+  // Of six unknowns per interval three are the position; ranges see each direction at a third
+  // of their number.
+  stddevs.position_m = range_noise_m * std::sqrt(3.0 * 3.0 / points_per_interval);
+  // Walls are 2 m away in these rooms: the same precision, seen as an angle.
+  stddevs.rotation_deg = stddevs.position_m / 2.0 * 180.0 / M_PI;
+  return stddevs;
+}
+
 void ExpectPreciseTrajectory(const Evaluation& evaluation,
                              const Scenario& scenario,
                              const Summary& summary) {
   SCOPED_TRACE(EvaluationTable(evaluation));
   double rate_hz = 0.0;
-  double variance = 0.0;
+  double range_noise_m = 0.0;
   for (const ScenarioScanner& scanner : scenario.scanners) {
     rate_hz = std::max(rate_hz, scanner.scan_rate_hz);
-    variance = std::max(variance, scanner.range_noise_m * scanner.range_noise_m);
+    range_noise_m = std::max(range_noise_m, scanner.range_noise_m);
   }
-  const TrajectoryOptions options;
-  const double interval_s =
-      std::max(options.knot_interval_s, options.min_scans_per_knot / rate_hz);
-  const double points_per_interval =
-      static_cast<double>(summary.points_used) / summary.duration_s * interval_s;
-  // Of six unknowns per interval three are the position; ranges see each direction at a third
-  // of their number. Twice that for a geometry that is not ideal.
-  const double sigma_position = std::sqrt(3.0 * 3.0 * variance / points_per_interval);
+  // Twice what is expected, for a geometry that is not ideal.
+  const PoseStddevs stddevs = ExpectedPoseStddevs(rate_hz, range_noise_m, summary);
   EXPECT_LT(evaluation.trajectory.aligned.position_m.rmse,
-            2.0 * sigma_position + kRepresentation);
-  // Walls are 2 m away in these rooms: the same precision, seen as an angle.
-  const double sigma_rotation_deg = sigma_position / 2.0 * 180.0 / M_PI;
+            2.0 * stddevs.position_m + kRepresentation);
   EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.rmse,
-            2.0 * sigma_rotation_deg + kRepresentationDeg);
+            2.0 * stddevs.rotation_deg + kRepresentationDeg);
   EXPECT_EQ(evaluation.trajectory.num_poses_uncovered, 0);
 }
 

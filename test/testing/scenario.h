@@ -83,8 +83,19 @@ class MappingTest : public TemporaryDirectoryTest {
 // standard deviations allow.
 void ExpectTruePlanes(const Evaluation& evaluation);
 
-// Trajectory errors as the ranges' noise lets expect: points_per_s ranges per second measure
-// six unknowns per knot interval.
+// Standard deviations of a pose as the noise of the ranges lets expect.
+struct PoseStddevs {
+  double position_m = 0.0;
+  double rotation_deg = 0.0;
+};
+
+// The points of one knot interval measure its six unknowns. scan_rate_hz: of the fastest
+// scanner; range_noise_m: of the noisiest.
+PoseStddevs ExpectedPoseStddevs(double scan_rate_hz,
+                                double range_noise_m,
+                                const Summary& summary);
+
+// The aligned trajectory's errors are no larger than the ranges' noise lets expect.
 void ExpectPreciseTrajectory(const Evaluation& evaluation,
                              const Scenario& scenario,
                              const Summary& summary);

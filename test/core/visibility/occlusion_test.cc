@@ -170,12 +170,16 @@ TEST_F(OcclusionTest, OpeningsAreFoundOnTheMove) {
   Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 4.0, 0.0});
   wall.extent.AddSegment({-5.0, 4.0, -5.0}, {5.0, 4.0, 5.0});
   const LandmarkView plane = Candidate(wall);
-  const PlaneTrace trace = poses_->motion.TraceOf(plane.normal, plane.distance);
+  // Where the beam from the scanner's pose at that very instant meets the wall.
   const auto meeting_point = [&](int beam) {
+    const Rigid3d world_from_scanner =
+        trajectory_.WorldFromBody(line_.BeamTime(beam)) * scanner_.body_from_scanner;
     const Eigen::Vector2d direction = line_.BeamDirection(beam);
-    const Eigen::Vector3d at = trace.At(line_.BeamTime(beam));
-    return poses_->motion.ToWorld(at.z() / at.head<2>().dot(direction) * direction,
-                                  line_.BeamTime(beam));
+    const Eigen::Vector3d direction_world =
+        world_from_scanner.rotation * Eigen::Vector3d(direction.x(), direction.y(), 0.0);
+    const Eigen::Vector3d& origin = world_from_scanner.translation;
+    return Eigen::Vector3d(origin +
+                           (4.0 - origin.y()) / direction_world.y() * direction_world);
   };
   OccupancyGrids counted;
   for (const int beam : {320, 500, 503, 700, 850}) {

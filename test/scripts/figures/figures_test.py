@@ -14,7 +14,10 @@ import unittest
 from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts" / "figures"))
-import figures  # pylint: disable=wrong-import-position
+# pylint: disable=wrong-import-position
+import figures
+import matplotlib.pyplot as plt
+from normal_matrix_figure import control_point_runs
 
 PLY_HEADER = ("ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\n"
               "property float y\nproperty float z\nproperty double time\n"
@@ -99,7 +102,7 @@ class FiguresTest(unittest.TestCase):
                 code = figures.main()
             except SystemExit as error:
                 code = error.code
-        figures.plt.close("all")
+        plt.close("all")
         return code, stderr.getvalue()
 
     def check_figure(self, figure):
@@ -155,14 +158,14 @@ class FiguresTest(unittest.TestCase):
         self.check_error("angles", "precision.json")
 
     def test_half_a_figure_is_removed(self):
-        save = figures.plt.Figure.savefig
+        save = plt.Figure.savefig
 
         def only_png(figure, path, **options):
             if options["format"] == "pdf":
                 raise OSError(28, "No space left on device", path)
             save(figure, path, **options)
 
-        with mock.patch.object(figures.plt.Figure, "savefig", only_png):
+        with mock.patch.object(plt.Figure, "savefig", only_png):
             code, stderr = self.run_script(*self.arguments("angles"))
         self.assertEqual(code, 1)
         self.assertIn("angles.pdf", stderr)
@@ -181,7 +184,7 @@ class FiguresTest(unittest.TestCase):
 
 class NormalMatrixTest(unittest.TestCase):
     def test_runs_of_control_points(self):
-        runs = figures.control_point_runs
+        runs = control_point_runs
         self.assertEqual(runs([]), [])
         self.assertEqual(runs([2]), [(2, 5)])
         # Intervals 0 and 4 touch control points 0 to 7, intervals 0 and 5 leave 4 out.
