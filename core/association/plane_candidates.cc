@@ -1,9 +1,8 @@
-#include "core/association/plane_candidates.h"
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/association/plane_candidates.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
@@ -41,18 +40,18 @@ void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
             const TypeEvidence& evidence,
-            TentativePlane* candidate) {
+            TentativePlane* plane) {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
-  candidate->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
-                                        world_from_scanner * Lift(observation.end()));
-  candidate->observations.push_back(observation_index);
-  candidate->scans.insert(observation.scan_index);
-  candidate->scanners.insert(observation.scanner_index);
+  plane->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
+                                    world_from_scanner * Lift(observation.end()));
+  plane->observations.push_back(observation_index);
+  plane->scans.insert(observation.scan_index);
+  plane->scanners.insert(observation.scanner_index);
   if (evidence.can_be_horizontal != evidence.can_be_vertical) {
-    candidate->clear_scans.insert(observation.scan_index);
+    plane->clear_scans.insert(observation.scan_index);
   }
-  candidate->last_position = poses.world_from_body.translation;
-  candidate->last_time_ns = observation.end_time_ns();
+  plane->last_position = poses.world_from_body.translation;
+  plane->last_time_ns = observation.end_time_ns();
 }
 
 }  // namespace
@@ -76,13 +75,13 @@ TypeEvidence JudgeType(const Observation& observation,
 TentativePlanes::TentativePlanes(bool planar, const MapperOptions& options)
     : planar_(planar), options_(options) {}
 
-bool TentativePlanes::Matches(const TentativePlane& candidate,
+bool TentativePlanes::Matches(const TentativePlane& plane,
                               const Observation& observation,
                               const LineDeviation& deviation,
                               const ObservationPoses& poses,
                               const Matrix6d& pose_covariance) const {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
-  const Landmark& landmark = candidate.landmark;
+  const Landmark& landmark = plane.landmark;
   if (landmark.SignedDistance(world_from_scanner.translation) <= 0.0) return false;
   if (!landmark.extent.IsNear(world_from_scanner * Lift(observation.start()),
                               world_from_scanner * Lift(observation.end()),
@@ -90,101 +89,110 @@ bool TentativePlanes::Matches(const TentativePlane& candidate,
     return false;
   }
   const Eigen::Matrix2d covariance =
-      deviation.covariance +
-      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m) +
+      deviation.covariance + FlatnessOf(observation) +
       deviation.by_pose * pose_covariance * deviation.by_pose.transpose() +
       deviation.by_plane * landmark.covariance * deviation.by_plane.transpose();
   return deviation.value.dot(covariance.inverse() * deviation.value) <
          TwoDegreesQuantile(options_.association.significance);
 }
 
+TypeEvidence TentativePlanes::EvidenceOf(const Observation& observation,
+                                         const ObservationPoses& poses,
+                                         const Matrix6d& pose_covariance) const {
+  if (planar_) return {false, true};
+  const double direction_sigma =
+      std::sqrt(observation.sigma_direction_rad * observation.sigma_direction_rad +
+                pose_covariance.topLeftCorner<3, 3>().trace() + FlatnessOf(observation)(1, 1));
+  return JudgeType(observation,
+                   poses.world_from_scanner.rotation,
+                   direction_sigma,
+                   options_.association.significance);
+}
+
+Eigen::Matrix2d TentativePlanes::FlatnessOf(const Observation& observation) const {
+  return FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m);
+}
+
 void TentativePlanes::Offer(const Observation& observation,
                             int observation_index,
                             const ObservationPoses& poses,
                             const Matrix6d& pose_covariance) {
-  const Rigid3d& world_from_scanner = poses.world_from_scanner;
-  const double rotation_variance = pose_covariance.topLeftCorner<3, 3>().trace();
-  const double direction_sigma = std::sqrt(
-      observation.sigma_direction_rad * observation.sigma_direction_rad + rotation_variance +
-      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m)(1,
-                                                                                          1));
-  TypeEvidence evidence;
-  evidence.can_be_vertical = true;
-  if (!planar_) {
-    evidence = JudgeType(observation,
-                         world_from_scanner.rotation,
-                         direction_sigma,
-                         options_.association.significance);
-  }
-  const Eigen::Matrix2d flatness =
-      FlatnessCovariance(observation.length_m(), options_.association.surface_flatness_m);
+  const TypeEvidence evidence = EvidenceOf(observation, poses, pose_covariance);
   bool taken = false;
-  for (TentativePlane& candidate : candidates_) {
-    const bool horizontal = candidate.landmark.model == PlaneModel::kHorizontal;
+  for (TentativePlane& plane : planes_) {
+    const bool horizontal = plane.landmark.model == PlaneModel::kHorizontal;
     if (!(horizontal ? evidence.can_be_horizontal : evidence.can_be_vertical)) continue;
     const LineDeviation deviation =
-        DeviationFromPlane(observation, poses, LandmarkView(candidate.landmark));
-    if (!Matches(candidate, observation, deviation, poses, pose_covariance)) continue;
-    Update(deviation, deviation.covariance + flatness, &candidate.landmark);
-    Record(observation, observation_index, poses, evidence, &candidate);
+        DeviationFromPlane(observation, poses, LandmarkView(plane.landmark));
+    if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;
+    Update(deviation, deviation.covariance + FlatnessOf(observation), &plane.landmark);
+    Record(observation, observation_index, poses, evidence, &plane);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
-  if (taken || observation.num_points < options_.planes.min_points ||
-      observation.sigma_direction_rad > max_sigma) {
-    return;
+  if (!taken && observation.num_points >= options_.planes.min_points &&
+      !(observation.sigma_direction_rad > max_sigma)) {
+    Start(observation, observation_index, poses, evidence);
   }
+}
+
+void TentativePlanes::Start(const Observation& observation,
+                            int observation_index,
+                            const ObservationPoses& poses,
+                            const TypeEvidence& evidence) {
+  const Rigid3d& world_from_scanner = poses.world_from_scanner;
   const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid());
-  TentativePlane candidate;
+  TentativePlane plane;
   if (evidence.can_be_horizontal) {
     const double sign = world_from_scanner.translation.z() > centroid.z() ? 1.0 : -1.0;
-    candidate.landmark = MakeHorizontalLandmark(sign, centroid);
+    plane.landmark = MakeHorizontalLandmark(sign, centroid);
   } else if (evidence.can_be_vertical) {
     const Eigen::Vector3d direction =
         world_from_scanner.rotation * Lift(observation.tangent());
     Eigen::Vector3d normal = direction.cross(Eigen::Vector3d::UnitZ());
     if (normal.dot(world_from_scanner.translation - centroid) < 0.0) normal = -normal;
-    candidate.landmark = MakeVerticalLandmark(normal, centroid);
+    plane.landmark = MakeVerticalLandmark(normal, centroid);
   } else {
     return;
   }
   const LineDeviation deviation =
-      DeviationFromPlane(observation, poses, LandmarkView(candidate.landmark));
-  const int size = candidate.landmark.num_parameters();
+      DeviationFromPlane(observation, poses, LandmarkView(plane.landmark));
+  const int size = plane.landmark.num_parameters();
   const Eigen::MatrixXd design = deviation.by_plane.leftCols(size);
-  candidate.landmark.covariance.topLeftCorner(size, size) =
-      (design.transpose() * (deviation.covariance + flatness).inverse() * design).inverse();
-  candidate.first_position = poses.world_from_body.translation;
-  Record(observation, observation_index, poses, evidence, &candidate);
-  candidates_.push_back(std::move(candidate));
+  const Eigen::Matrix2d noise = deviation.covariance + FlatnessOf(observation);
+  plane.landmark.covariance.topLeftCorner(size, size) =
+      (design.transpose() * noise.inverse() * design).inverse();
+  plane.first_position = poses.world_from_body.translation;
+  Record(observation, observation_index, poses, evidence, &plane);
+  planes_.push_back(std::move(plane));
 }
 
-bool TentativePlanes::IsReady(const TentativePlane& candidate, int min_scans) const {
-  if (static_cast<int>(candidate.scans.size()) < min_scans) return false;
-  if (candidate.landmark.model == PlaneModel::kVertical) {
+bool TentativePlanes::IsReady(const TentativePlane& plane, int min_scans) const {
+  if (static_cast<int>(plane.scans.size()) < min_scans) return false;
+  if (plane.landmark.model == PlaneModel::kVertical) {
     // The surface's unevenness is the same in every scan: it does not average out.
-    const PatchExtent& extent = candidate.landmark.extent;
+    const PatchExtent& extent = plane.landmark.extent;
     const double length_m = extent.max_corner().x() - extent.min_corner().x();
     const double variance =
-        candidate.landmark.covariance(0, 0) +
+        plane.landmark.covariance(0, 0) +
         FlatnessCovariance(length_m, options_.association.surface_flatness_m)(1, 1);
     const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
     // A single segment that took in beams of another surface slopes: it would make a wall of
     // level ones on a lintel.
     const bool has_clear_type =
-        planar_ || static_cast<int>(candidate.clear_scans.size()) >= min_scans;
+        planar_ || static_cast<int>(plane.clear_scans.size()) >= min_scans;
     return has_clear_type && variance < max_sigma * max_sigma;
   }
-  return candidate.scanners.size() > 1 ||
-         (candidate.last_position - candidate.first_position).norm() > kRevealingMotion;
+  return plane.scanners.size() > 1 ||
+         (plane.last_position - plane.first_position).norm() > kRevealingMotion;
 }
 
 std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans) {
   std::vector<TentativePlane> ready;
-  for (auto it = candidates_.begin(); it != candidates_.end();) {
+  for (auto it = planes_.begin(); it != planes_.end();) {
     if (IsReady(*it, min_scans)) {
       ready.push_back(std::move(*it));
-      it = candidates_.erase(it);
+      it = planes_.erase(it);
     } else {
       ++it;
     }
@@ -193,12 +201,10 @@ std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans) {
 }
 
 void TentativePlanes::DropStale(int64_t now_ns) {
-  const auto is_stale = [&](const TentativePlane& candidate) {
-    return SecondsBetween(candidate.last_time_ns, now_ns) >
-           options_.planes.max_tentative_age_s;
+  const auto is_stale = [&](const TentativePlane& plane) {
+    return SecondsBetween(plane.last_time_ns, now_ns) > options_.planes.max_tentative_age_s;
   };
-  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_stale),
-                    candidates_.end());
+  planes_.erase(std::remove_if(planes_.begin(), planes_.end(), is_stale), planes_.end());
 }
 
 }  // namespace plumbline

@@ -57,16 +57,25 @@ class TentativePlanes {
   void DropStale(int64_t now_ns);
 
  private:
-  bool Matches(const TentativePlane& candidate,
+  bool Matches(const TentativePlane& plane,
                const Observation& observation,
                const LineDeviation& deviation,
                const ObservationPoses& poses,
                const Matrix6d& pose_covariance) const;
-  bool IsReady(const TentativePlane& candidate, int min_scans) const;
+  TypeEvidence EvidenceOf(const Observation& observation,
+                          const ObservationPoses& poses,
+                          const Matrix6d& pose_covariance) const;
+  Eigen::Matrix2d FlatnessOf(const Observation& observation) const;
+  // Starts a plane through the observation, of the type that the evidence leaves.
+  void Start(const Observation& observation,
+             int observation_index,
+             const ObservationPoses& poses,
+             const TypeEvidence& evidence);
+  bool IsReady(const TentativePlane& plane, int min_scans) const;
 
   bool planar_;
   const MapperOptions& options_;
-  std::deque<TentativePlane> candidates_;
+  std::deque<TentativePlane> planes_;
 };
 
 }  // namespace plumbline

@@ -172,8 +172,44 @@ class BeamSums {
   double out_of_plane_ = 0.0;
 };
 
-// What MakeObservation and its variant have in common: set_lines(block) gives the lines that
-// its beams are taken to, tangent and weights follow from them.
+// The beam in the middle of those of a segment that count.
+int MiddleBeam(const Segment& segment) {
+  int middle_beam = segment.first_beam;
+  VisitStretches(segment, [&](int index, int first, int last) {
+    const int middle = first + segment.num_points / 2 - index;
+    if (middle >= first && middle <= last) middle_beam = middle;
+  });
+  return middle_beam;
+}
+
+// Calls visit(&beams) for the beams of a segment that count, block by block; the lines that
+// they are taken to are left to visit.
+template <typename Visit>
+void VisitBlocks(const ScanLine& scan_line, const Segment& segment, const Visit& visit) {
+  BeamBlock beams;
+  VisitStretches(segment, [&](int, int first, int last) {
+    for (int beam = first; beam <= last;) {
+      const size_t begin = beams.size;
+      const size_t count =
+          std::min(static_cast<size_t>(last + 1 - beam), SegmentMoments::kBlock - begin);
+      for (size_t i = begin; i < begin + count; ++i, ++beam) {
+        const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+        beams.since_start[i] = beam - segment.first_beam;
+        beams.x[i] = direction.x();
+        beams.y[i] = direction.y();
+        beams.measured[i] = scan_line.ranges[static_cast<size_t>(beam)];
+      }
+      beams.size += count;
+      if (beams.size < SegmentMoments::kBlock) continue;
+      visit(&beams);
+      beams.size = 0;
+    }
+  });
+  if (beams.size > 0) visit(&beams);
+}
+
+// Compresses a segment of which set_lines(&beams) gives the lines that its beams are taken to;
+// tangent and weights follow from them.
 template <typename SetLines>
 Observation ObserveBeams(const ScanLine& scan_line,
                          const Scanner& scanner,
@@ -194,55 +230,33 @@ Observation ObserveBeams(const ScanLine& scan_line,
     const double measured = scan_line.ranges[static_cast<size_t>(beam)];
     return RangeAt(line.distance, line.normal.dot(direction), measured) * direction;
   };
-  Observation observation;
   const Eigen::Vector2d start = point_of(segment.first_beam);
   const Eigen::Vector2d end = point_of(segment.last_beam);
-  observation.first_point = start.cast<float>();
-  observation.last_point = end.cast<float>();
   const int64_t start_time_ns = scan_line.BeamTime(segment.first_beam) + offset_ns;
   const int64_t end_time_ns = scan_line.BeamTime(segment.last_beam) + offset_ns;
   SegmentMoments moments(start, end, start_time_ns, end_time_ns);
   std::vector<ObservedPoint> points;
   BeamSums sums(scan_line, scanner, start_time_ns, &moments, keep_points ? &points : nullptr);
-  int middle_beam = segment.first_beam;
-  BeamBlock beams;
-  const auto add = [&] {
-    set_lines(&beams);
-    sums.Add(beams);
-    beams.size = 0;
-  };
-  VisitStretches(segment, [&](int index, int first, int last) {
-    const int middle = first + segment.num_points / 2 - index;
-    if (middle >= first && middle <= last) middle_beam = middle;
-    for (int beam = first; beam <= last;) {
-      const size_t begin = beams.size;
-      const size_t count =
-          std::min(static_cast<size_t>(last + 1 - beam), SegmentMoments::kBlock - begin);
-      for (size_t i = begin; i < begin + count; ++i, ++beam) {
-        const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
-        beams.since_start[i] = beam - segment.first_beam;
-        beams.x[i] = direction.x();
-        beams.y[i] = direction.y();
-        beams.measured[i] = scan_line.ranges[static_cast<size_t>(beam)];
-      }
-      beams.size += count;
-      if (beams.size == SegmentMoments::kBlock) add();
-    }
+  VisitBlocks(scan_line, segment, [&](BeamBlock* beams) {
+    set_lines(beams);
+    sums.Add(*beams);
   });
-  if (beams.size > 0) add();
-  const Eigen::Vector2d normal = line_of(middle_beam).normal;
+  const Eigen::Vector2d normal = line_of(MiddleBeam(segment)).normal;
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
-  observation.points = points;
-  observation.num_points = segment.num_points;
-  observation.out_of_plane_ratio =
-      static_cast<float>(sums.out_of_plane() / segment.num_points);
   const std::array<int64_t, 3> nodes_ns =
       Nodes(scan_line, offset_ns, start_time_ns, end_time_ns);
+  Observation observation;
   observation.measurement = StoredMeasurement(
       moments.Compress(nodes_ns), {moments.Centroid().cast<float>(), tangent.cast<float>()});
+  observation.first_point = start.cast<float>();
+  observation.last_point = end.cast<float>();
   // Within the nodes' span, which the measurement holds in 32 bits.
   observation.start_ns = static_cast<int32_t>(start_time_ns - nodes_ns[0]);
   observation.end_ns = static_cast<int32_t>(end_time_ns - nodes_ns[0]);
+  observation.num_points = segment.num_points;
+  observation.points = points;
+  observation.out_of_plane_ratio =
+      static_cast<float>(sums.out_of_plane() / segment.num_points);
   return observation;
 }
 

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kCellSize = PatchExtent::kCellSize;
 
-std::pair<int, int> CellOf(const Eigen::Vector2d& p) {
-  return {CellIndex(p.x() / kCellSize), CellIndex(p.y() / kCellSize)};
-}
-
 // Calls visit(point) along the piece from a to b, at most half a cell apart, until it is true.
 template <typename Visit>
 bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
@@ -30,10 +26,10 @@ bool AnyAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
 // it.
 template <typename Visit>
 void ForEachCell(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
-  PatchExtent::Cell previous = CellOf(a);
+  PatchExtent::Cell previous = PatchExtent::CellAt(a);
   visit(previous);
   AnyAlong(a, b, [&](const Eigen::Vector2d& p) {
-    const PatchExtent::Cell cell = CellOf(p);
+    const PatchExtent::Cell cell = PatchExtent::CellAt(p);
     if (cell != previous) visit(cell);
     previous = cell;
     return false;
@@ -68,8 +64,8 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 }  // namespace
 
 void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
-  const Eigen::Vector2d a = Project(a_world);
-  const Eigen::Vector2d b = Project(b_world);
+  const Eigen::Vector2d a = axes_.Project(a_world);
+  const Eigen::Vector2d b = axes_.Project(b_world);
   ForEachCell(a, b, [&](const Cell& cell) { cells_.Add(cell, 1); });
   AddCorner(a);
   AddCorner(b);
@@ -86,8 +82,8 @@ void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
 bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
                          const Eigen::Vector3d& b_world,
                          double max_gap_m) const {
-  const Eigen::Vector2d a = Project(a_world);
-  const Eigen::Vector2d b = Project(b_world);
+  const Eigen::Vector2d a = axes_.Project(a_world);
+  const Eigen::Vector2d b = axes_.Project(b_world);
   const Eigen::Array2d gap = Eigen::Array2d::Constant(max_gap_m);
   if ((a.cwiseMax(b).array() + gap < min_.array()).any() ||
       (a.cwiseMin(b).array() - gap > max_.array()).any()) {
@@ -95,12 +91,12 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
   }
   const int reach = static_cast<int>(std::ceil(max_gap_m / kCellSize));
   return AnyAlong(
-      a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellOf(p), reach); });
+      a, b, [&](const Eigen::Vector2d& p) { return cells_.IsNear(CellAt(p), reach); });
 }
 
 bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const {
-  const Eigen::Vector2d uv = Project(p_world);
-  return Contains(uv, margin_m) && cells_.Count(CellOf(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
+  const Eigen::Vector2d uv = axes_.Project(p_world);
+  return Contains(uv, margin_m) && cells_.Count(CellAt(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
 }
 
 bool PatchExtent::GoesOnBeyond(const Eigen::Vector3d& p_world,
@@ -108,10 +104,10 @@ bool PatchExtent::GoesOnBeyond(const Eigen::Vector3d& p_world,
   constexpr double kFrom = 0.3;  // m, past an edge's own cell
   constexpr double kTo = 3.0;    // m, more than a door is wide
   constexpr int kMinShare = 10;  // of the segments before the point, one in so many
-  const Eigen::Vector2d p = Project(p_world);
-  const Eigen::Vector2d direction(u_axis_.dot(direction_world), v_axis_.dot(direction_world));
+  const Eigen::Vector2d p = axes_.Project(p_world);
+  const Eigen::Vector2d direction(axes_.u.dot(direction_world), axes_.v.dot(direction_world));
   const auto count_at = [&](double away_m) {
-    return cells_.Count(CellOf(p + away_m * direction));
+    return cells_.Count(CellAt(p + away_m * direction));
   };
   const int before = std::max(count_at(-0.5 * kCellSize), count_at(-1.5 * kCellSize));
   for (double away_m = kFrom; away_m < kTo; away_m += kCellSize) {
@@ -125,10 +121,11 @@ bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
                                 const Eigen::Vector3d& b_world,
                                 double max_gap_m) const {
   // A straight piece comes to a cell once.
-  if (cells_.Count(CellOf(Project(a_world))) > 1) return true;
+  if (cells_.Count(CellAt(axes_.Project(a_world))) > 1) return true;
   std::vector<Cell> own;
-  ForEachCell(
-      Project(a_world), Project(b_world), [&](const Cell& cell) { own.push_back(cell); });
+  ForEachCell(axes_.Project(a_world), axes_.Project(b_world), [&](const Cell& cell) {
+    own.push_back(cell);
+  });
   const auto is_others = [&](const Cell& cell) {
     return cells_.Count(cell) > std::count(own.begin(), own.end(), cell);
   };
@@ -147,7 +144,7 @@ bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
   const Eigen::Vector2d middle((cell.first + 0.5) * kCellSize,
                                (cell.second + 0.5) * kCellSize);
-  return CellOf(Project(other.ToWorld(middle)));
+  return CellAt(axes_.Project(other.ToWorld(middle)));
 }
 
 bool PatchExtent::MayBeNear(const PatchExtent& other, double max_gap_m) const {
@@ -156,7 +153,7 @@ bool PatchExtent::MayBeNear(const PatchExtent& other, double max_gap_m) const {
   Eigen::Array2d high = -low;
   for (const double u : {other.min_.x(), other.max_.x()}) {
     for (const double v : {other.min_.y(), other.max_.y()}) {
-      const Eigen::Vector2d corner = Project(other.ToWorld({u, v}));
+      const Eigen::Vector2d corner = axes_.Project(other.ToWorld({u, v}));
       low = low.min(corner.array());
       high = high.max(corner.array());
     }
@@ -183,23 +180,13 @@ double PatchExtent::OverlapWith(const PatchExtent& other) const {
   return static_cast<double>(num_shared) / cells_.num_occupied();
 }
 
-std::optional<PatchExtent::Cell> PatchExtent::MiddleCell(const Eigen::Vector3d& p_world,
-                                                         double middle_share) const {
-  const Eigen::Vector2d p = Project(p_world);
-  const double middle = 0.5 * (min_.x() + max_.x());
-  if (std::abs(p.x() - middle) > 0.5 * middle_share * (max_.x() - min_.x())) {
-    return std::nullopt;
-  }
-  const Cell cell = CellOf(p);
-  return cells_.Count(cell) > 0 ? std::optional<Cell>(cell) : std::nullopt;
-}
-
 void PatchExtent::Merge(const PatchExtent& other) {
   other.cells_.Any([&](const Cell& cell, int count) {
     cells_.Add(CellFrom(other, cell), count);
     return false;
   });
-  for (const Eigen::Vector2d& uv : other.Outline()) AddCorner(Project(other.ToWorld(uv)));
+  for (const Eigen::Vector2d& uv : other.Outline())
+    AddCorner(axes_.Project(other.ToWorld(uv)));
 }
 
 double PatchExtent::area_m2() const { return cells_.num_occupied() * kCellSize * kCellSize; }

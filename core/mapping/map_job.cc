@@ -98,12 +98,61 @@ void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* s
   }
 }
 
-// On the threads of the caller's arena.
+// Writes all files but the summary.
+PointReport WriteResult(const Rig& rig,
+                        const MapperOptions& options,
+                        const MapResult& result,
+                        const PlaneCovariance& covariance,
+                        const std::vector<PlanePatch>& planes,
+                        const ProgressCallback& progress,
+                        RecordingReader* recording,
+                        ResultWriter* writer) {
+  writer->WriteTrajectory(Poses(result));
+  writer->WritePlanes(planes);
+  writer->WriteTrajectoryCovariance(PoseCovariances(result));
+  writer->WritePlaneCovariance(covariance);
+  if (!result.window_estimates.empty()) WriteWindow(result, writer);
+  PointReport points = ExportPoints(rig, result.state, progress, recording, writer);
+  writer->WriteConfig(MapperOptionsToYaml(options));
+  return points;
+}
+
+// The summary of a map, without its times.
+Summary Summarise(const RecordingReader& recording,
+                  const MapResult& result,
+                  const PointReport& points,
+                  const PlaneCovariance& covariance) {
+  Summary summary;
+  summary.scans = static_cast<int>(result.scan_times_ns.size());
+  summary.points = points.num_points;
+  summary.points_used = points.num_used;
+  summary.residual_rms_m = points.residual_rms_m;
+  summary.segments = static_cast<int>(std::count_if(
+      result.state.observations.begin(),
+      result.state.observations.end(),
+      [](const Observation& observation) { return observation.landmark_id >= 0; }));
+  summary.control_points = result.state.trajectory.num_control_points();
+  summary.variance_factor = result.batch.variance_factor;
+  summary.duration_s = SecondsBetween(recording.start_ns(), recording.end_ns());
+  Describe(result, covariance, &summary);
+  summary.motion = result.planar ? "planar" : "spatial";
+  summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
+  summary.reference_plane_id = 0;
+  for (const auto* warnings : {&recording.warnings(), &result.warnings, &points.warnings}) {
+    summary.warnings.insert(summary.warnings.end(), warnings->begin(), warnings->end());
+  }
+  return summary;
+}
+
+void LogWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) LOG(WARNING) << warning;
+}
+
+// Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch total_watch;
   Stopwatch reading_watch;
   Stopwatch writing_watch;
-  Summary summary;
   auto total = std::make_unique<Stopwatch::Running>(&total_watch);
   const Rig rig = ReadRig(job.rig);
   const MapperOptions options =
@@ -113,57 +162,36 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   reading.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
-  for (const std::string& warning : recording.warnings()) LOG(WARNING) << warning;
+  LogWarnings(recording.warnings());
 
-  MapResult result = MapRecording(
+  const MapResult result = MapRecording(
       rig, options, [&](double share) { progress(kMappingShare * share); }, &recording);
-  for (const std::string& warning : result.warnings) LOG(WARNING) << warning;
+  LogWarnings(result.warnings);
 
   auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
   ResultWriter writer(job.output);
   const std::vector<PlanePatch> planes = PlanePatches(result.state);
-  writer.WriteTrajectory(Poses(result));
-  writer.WritePlanes(planes);
   const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
-  writer.WriteTrajectoryCovariance(PoseCovariances(result));
-  writer.WritePlaneCovariance(covariance);
-  if (!result.window_estimates.empty()) WriteWindow(result, &writer);
-  const PointReport points = ExportPoints(
+  const PointReport points = WriteResult(
       rig,
-      result.state,
+      options,
+      result,
+      covariance,
+      planes,
       [&](double share) { progress(kMappingShare + (1.0 - kMappingShare) * share); },
       &recording,
       &writer);
-  for (const std::string& warning : points.warnings) LOG(WARNING) << warning;
-  writer.WriteConfig(MapperOptionsToYaml(options));
+  LogWarnings(points.warnings);
   writing.reset();
   total.reset();
 
-  summary.scans = static_cast<int>(result.scan_times_ns.size());
-  summary.points = points.num_points;
-  summary.points_used = points.num_used;
-  summary.residual_rms_m = points.residual_rms_m;
-  summary.segments = static_cast<int>(std::count_if(
-      result.state.observations.begin(),
-      result.state.observations.end(),
-      [](const Observation& observation) { return observation.landmark_id >= 0; }));
+  Summary summary = Summarise(recording, result, points, covariance);
   summary.planes = static_cast<int>(planes.size());
-  summary.control_points = result.state.trajectory.num_control_points();
-  summary.variance_factor = result.batch.variance_factor;
-  summary.duration_s = SecondsBetween(recording.start_ns(), recording.end_ns());
   summary.stages.emplace_back("reading", reading_watch.seconds());
   summary.stages.insert(summary.stages.end(), result.stages.begin(), result.stages.end());
   summary.stages.emplace_back("writing", writing_watch.seconds());
   summary.stages.emplace_back("total", total_watch.seconds());
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
-  Describe(result, covariance, &summary);
-  summary.motion = result.planar ? "planar" : "spatial";
-  summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
-  summary.reference_plane_id = 0;
-  std::vector<std::string> warnings = recording.warnings();
-  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
-  warnings.insert(warnings.end(), points.warnings.begin(), points.warnings.end());
-  summary.warnings = std::move(warnings);
   summary.peak_memory_mb = PeakMemoryMb();
   writer.WriteSummary(summary);
   writer.Commit();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/association/association.h"
 #include "core/association/plane_merging.h"
@@ -34,6 +35,20 @@ Eigen::Vector2d AskedPoint(const Observation& observation) {
   }
 }
 
+// The occupied cell of a patch that the point lies on, in the middle of the patch's width;
+// nothing elsewhere.
+std::optional<CellGrid::Cell> MiddleCell(const PatchExtent& extent,
+                                         const Eigen::Vector3d& p_world) {
+  const Eigen::Vector2d p = extent.axes().Project(p_world);
+  const double low = extent.min_corner().x();
+  const double high = extent.max_corner().x();
+  if (std::abs(p.x() - 0.5 * (low + high)) > 0.5 * kMiddleShare * (high - low)) {
+    return std::nullopt;
+  }
+  const CellGrid::Cell cell = PatchExtent::CellAt(p);
+  return extent.cells().Count(cell) > 0 ? std::optional<CellGrid::Cell>(cell) : std::nullopt;
+}
+
 // Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
 // ends.
 void CountPassage(const LandmarkView& plane,
@@ -45,7 +60,7 @@ void CountPassage(const LandmarkView& plane,
   const double end = plane.SignedDistance(end_world);
   if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) return;
   const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
-  const auto cell = plane.landmark->extent.MiddleCell(at, kMiddleShare);
+  const auto cell = MiddleCell(plane.landmark->extent, at);
   if (cell) passages->Add(*cell, kBeamsPerSegment);
 }
 

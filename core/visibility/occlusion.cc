@@ -262,6 +262,7 @@ void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* openings) {
 
 void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
+  const PatchExtent& extent = end.landmark.extent;
   bool is_opening = false;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
   int last_k = 0;
@@ -290,7 +291,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
     }
     is_opening = true;
     if (!is_close) {
-      if (!end.landmark.extent.IsWithin(*at, 0.0)) break;
+      if (!extent.Contains(extent.axes().Project(*at), 0.0)) break;
       if ((*at - last).norm() < kSpacing) continue;
     }
     openings->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);

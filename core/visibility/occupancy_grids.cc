@@ -46,7 +46,7 @@ void OccupancyGrids::Count(const Landmark& landmark,
                            int num_beams,
                            CellGrid Counts::*grid) {
   const PatchExtent& extent = landmark.extent;
-  const Eigen::Vector2d uv = extent.Project(p_world);
+  const Eigen::Vector2d uv = extent.axes().Project(p_world);
   if (!extent.Contains(uv, kMargin)) return;
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);
@@ -122,8 +122,8 @@ bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
 
 bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
                                const Eigen::Vector3d& b_world) const {
-  const Eigen::Vector2d a = Project(a_world) * kWidePerMetre;
-  const Eigen::Vector2d b = Project(b_world) * kWidePerMetre;
+  const Eigen::Vector2d a = axes_.Project(a_world) * kWidePerMetre;
+  const Eigen::Vector2d b = axes_.Project(b_world) * kWidePerMetre;
   const int steps = static_cast<int>((b - a).norm()) + 1;  // of one cell at most
   const Eigen::Vector2d step = (b - a) / steps;
   for (int i = 0; i <= steps; ++i) {
@@ -183,9 +183,7 @@ PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) return openings;
   openings.has_height_ = HasHeight(landmark.extent);
-  openings.anchor_ = landmark.extent.anchor();
-  openings.u_axis_ = landmark.extent.u_axis();
-  openings.v_axis_ = landmark.extent.v_axis();
+  openings.axes_ = landmark.extent.axes();
   for (const auto mark : {&MarkOpen, &MarkSolid}) {
     for (const bool narrow_along_u : {true, false}) {
       if (!HasCells(openings.has_height_, narrow_along_u)) continue;

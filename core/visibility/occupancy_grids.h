@@ -8,6 +8,7 @@
 #include "core/geometry/cell_grid.h"
 #include "core/geometry/scan_plane_motion.h"
 #include "core/map/landmark.h"
+#include "core/map/plane_axes.h"
 
 namespace plumbline {
 
@@ -18,14 +19,14 @@ class PlaneOpenings {
   // Whether the plane has been seen at different heights. Level scan planes alone see
   // furniture as often as walls, with gaps that are no openings.
   bool has_height() const { return has_height_; }
-  bool IsAt(const Eigen::Vector3d& p_world) const { return IsAtLocal(Project(p_world)); }
+  bool IsAt(const Eigen::Vector3d& p_world) const { return IsAtLocal(axes_.Project(p_world)); }
   // The same in the plane's axes, with what takes a point of the scan plane there:
   // (u, v) = OnAxes(placement) (x, y, 1).
   bool IsAtLocal(const Eigen::Vector2d& uv) const;
   Eigen::Matrix<double, 2, 3> OnAxes(const ScanPlacement& placement) const {
     Eigen::Matrix<double, 2, 3> on_axes;
-    on_axes << u_axis_.transpose() * placement, v_axis_.transpose() * placement;
-    on_axes.col(2) -= Eigen::Vector2d(u_axis_.dot(anchor_), v_axis_.dot(anchor_));
+    on_axes << axes_.u.transpose() * placement, axes_.v.transpose() * placement;
+    on_axes.col(2) -= Eigen::Vector2d(axes_.u.dot(axes_.anchor), axes_.v.dot(axes_.anchor));
     return on_axes;
   }
   // Quickly: false where none is within a quarter of a metre of the piece from a to b.
@@ -43,15 +44,9 @@ class PlaneOpenings {
   void Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state);
   // Whether any opening lies where this cell does, or beside it.
   bool IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const;
-  Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
-    const Eigen::Vector3d from_anchor = p_world - anchor_;
-    return {u_axis_.dot(from_anchor), v_axis_.dot(from_anchor)};
-  }
 
   bool has_height_ = false;
-  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d u_axis_ = Eigen::Vector3d::UnitX();
-  Eigen::Vector3d v_axis_ = Eigen::Vector3d::UnitY();
+  PlaneAxes axes_;
   std::array<CellGrid, 2> states_;  // of the cells narrow along u, along v
   CellGrid nearby_;                 // wide cells in which any open or mixed one lies
 };

@@ -66,8 +66,9 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   // The middle beam of a segment that does not belong there may pass its plane by.
   const bool at_upright_edge =
       own.plane.is_vertical && other.is_vertical && outwards.allFinite();
-  const bool goes_on = at_upright_edge ? own_extent.GoesOnBeyond(at_world, outwards)
-                                       : own_extent.IsWithin(at_world, -kRim);
+  const bool goes_on = at_upright_edge
+                           ? own_extent.GoesOnBeyond(at_world, outwards)
+                           : own_extent.Contains(own_extent.axes().Project(at_world), -kRim);
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
   return PlaneIntersection{static_cast<int>(std::floor(beyond)),
                            other_trace,

@@ -22,6 +22,70 @@ constexpr double kFreeEndSigmas = 3.0;
 
 }  // namespace
 
+// An end of a segment, the trace of its plane there, and where the trace meets other planes,
+// from outside inwards.
+struct SegmentCutter::TracedEnd {
+  const ScanLine& scan_line;
+  const LandmarkView& own;
+  const FreeEnd& end;
+  ScanPlacement placement;  // at the end's instant
+  Trace trace;
+  std::vector<PlaneIntersection> intersections;
+};
+
+// The beams that other planes leave to a segment, counted outwards from its end.
+struct SegmentCutter::Bounds {
+  int last = 0;  // the segment's last beam: negative where it is to become shorter
+  int free = 0;  // the outermost beam that it may take
+};
+
+// The planes that meet a segment's plane where the segment ends now.
+struct SegmentCutter::IntersectionsAtEnd {
+  bool any = false;
+  bool goes_on = false;    // the segment's plane goes on beyond one of them
+  bool at_corner = false;  // one of them is a wall
+};
+
+// A segment that reaches beyond an intersection ends there, unless it still follows its plane
+// where the other would be more than far_m off.
+SegmentCutter::Bounds SegmentCutter::FindBounds(const TracedEnd& traced, double far_m) {
+  Bounds bounds;
+  std::vector<Trace> outside;
+  for (const PlaneIntersection& intersection : traced.intersections) {
+    if (intersection.last >= 0) {
+      bounds.free = intersection.last;
+      outside.push_back(intersection.other);
+      continue;
+    }
+    const Eigen::Vector2d direction =
+        traced.scan_line.BeamDirection(traced.end.beam + traced.end.step * bounds.last);
+    const double own_range = traced.trace.RangeAlong(direction);
+    double other_range = intersection.other.RangeAlong(direction);
+    // What lies behind may be hidden by a plane that meets this one farther out.
+    for (const Trace& nearer : outside) {
+      const double range = nearer.RangeAlong(direction);
+      if (range > own_range) other_range = std::min(other_range, range);
+    }
+    if (intersection.is_edge || std::abs(own_range - other_range) < far_m) {
+      bounds.last = intersection.last;
+    }
+  }
+  return bounds;
+}
+
+SegmentCutter::IntersectionsAtEnd SegmentCutter::IntersectionsAt(const TracedEnd& traced,
+                                                                 int last_beam) {
+  IntersectionsAtEnd at_end;
+  for (const PlaneIntersection& intersection : traced.intersections) {
+    const int beam = traced.end.beam + traced.end.step * intersection.last;
+    if (std::abs(beam - last_beam) > 1) continue;
+    at_end.any = true;
+    at_end.goes_on = at_end.goes_on || intersection.goes_on;
+    at_end.at_corner = at_end.at_corner || intersection.plane->is_vertical;
+  }
+  return at_end;
+}
+
 SegmentCutter::SegmentCutter(const Rig& rig,
                              const MapperOptions& options,
                              const Trajectory& trajectory,
@@ -35,7 +99,7 @@ SegmentCutter::SegmentCutter(const Rig& rig,
       poses_(rig, trajectory) {}
 
 const LandmarkView* SegmentCutter::Find(int landmark_id) const {
-  for (const LandmarkView& candidate : candidates_.planes()) {
+  for (const LandmarkView& candidate : views_.planes()) {
     if (candidate.landmark->id == landmark_id) return &candidate;
   }
   return nullptr;
@@ -60,65 +124,69 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
+SegmentCutter::TracedEnd SegmentCutter::TraceEnd(const ScanLine& scan_line,
+                                                 const Observation& observation,
+                                                 const LandmarkView& own,
+                                                 const FreeEnd& end) {
+  const bool at_last = end.step > 0;
+  const ScanPlacement placement =
+      poses_.Of(observation)
+          .motion.At(at_last ? observation.end_time_ns() : observation.start_time_ns());
+  const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
+  const Trace trace(placement, own);
+  return {scan_line,
+          own,
+          end,
+          placement,
+          trace,
+          FindIntersections(
+              {scan_line, placement, own, trace}, placement * p.homogeneous(), views_, end)};
+}
+
 SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
                                              const Observation& observation,
                                              const FreeEnd& end) {
   const LandmarkView* own = Find(observation.landmark_id);
   if (own == nullptr) return {end.beam};
-  const bool at_last = end.step > 0;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
-  const ScanPlacement placement =
-      poses_.Of(observation)
-          .motion.At(at_last ? observation.end_time_ns() : observation.start_time_ns());
-  const Eigen::Vector2d p = at_last ? observation.end() : observation.start();
-  const Trace trace(placement, *own);
-  const std::vector<PlaneIntersection> intersections = FindIntersections(
-      {scan_line, placement, *own, trace}, placement * p.homogeneous(), candidates_, end);
-  const double far_m = kFarSigmas * scanner.range_noise_m;
-  int last = 0;  // counted outwards, as the meetings
-  int free = 0;  // innermost intersection outside
-  std::vector<Trace> outside;
-  for (const PlaneIntersection& intersection : intersections) {
-    if (intersection.last >= 0) {
-      free = intersection.last;
-      outside.push_back(intersection.other);
-      continue;
-    }
-    const Eigen::Vector2d direction = scan_line.BeamDirection(end.beam + end.step * last);
-    const double own_range = trace.RangeAlong(direction);
-    double other_range = intersection.other.RangeAlong(direction);
-    // What lies behind may be hidden by a plane that meets this one farther out.
-    for (const Trace& nearer : outside) {
-      const double range = nearer.RangeAlong(direction);
-      if (range > own_range) other_range = std::min(other_range, range);
-    }
-    if (intersection.is_edge || std::abs(own_range - other_range) < far_m)
-      last = intersection.last;
+  const TracedEnd traced = TraceEnd(scan_line, observation, *own, end);
+  const Bounds bounds = FindBounds(traced, kFarSigmas * scanner.range_noise_m);
+  NewEnd result{end.beam + end.step * bounds.last, traced.trace};
+  if (bounds.last == 0) {
+    result.beam = Extend(scan_line, traced.trace, end, end.beam + end.step * bounds.free);
   }
-  NewEnd result{end.beam + end.step * last, trace};
-  if (last == 0) result.beam = Extend(scan_line, trace, end, end.beam + end.step * free);
-  bool goes_on = false;    // the plane, beyond what it meets
-  bool at_corner = false;  // of two walls
-  for (const PlaneIntersection& intersection : intersections) {
-    if (std::abs(end.beam + end.step * intersection.last - result.beam) > 1) continue;
-    result.is_met = true;
-    goes_on = goes_on || intersection.goes_on;
-    at_corner = at_corner || intersection.plane->is_vertical;
+  const IntersectionsAtEnd at_end = IntersectionsAt(traced, result.beam);
+  result.is_met = at_end.any;
+  if (counted_ != nullptr) CountAtEnd(traced, result.beam, at_end);
+  return result;
+}
+
+void SegmentCutter::CountAtEnd(const TracedEnd& traced,
+                               int last_beam,
+                               const IntersectionsAtEnd& at_end) {
+  const FreeEnd& end = traced.end;
+  int on_plane = last_beam;
+  while (on_plane != end.middle && IsOff(traced.scan_line, traced.trace, on_plane)) {
+    on_plane -= end.step;
   }
-  if (counted_ == nullptr) return result;
-  int on_plane = result.beam;
-  while (on_plane != end.middle && IsOff(scan_line, trace, on_plane)) on_plane -= end.step;
-  const SegmentEnd counted_end{
-      scan_line, scanner, placement, trace, *own->landmark, on_plane, end.step, end.middle};
+  const Landmark& landmark = *traced.own.landmark;
+  const auto scanner_index = static_cast<size_t>(traced.scan_line.scanner_index);
+  const SegmentEnd counted_end{traced.scan_line,
+                               rig_.scanners[scanner_index],
+                               traced.placement,
+                               traced.trace,
+                               landmark,
+                               on_plane,
+                               end.step,
+                               end.middle};
   // Walls hide the floor beyond them: for floors, what lies beyond ends at walls tells
   // something too. So it does beyond a wall's ends at the jambs of its doors.
   const bool tells_of_openings =
-      !result.is_met || goes_on || own->landmark->model == PlaneModel::kHorizontal;
+      !at_end.any || at_end.goes_on || landmark.model == PlaneModel::kHorizontal;
   if (tells_of_openings) CountPassages(counted_end, counted_);
   // At a ceiling, beams past a wall's free edge may be among a segment's last; at a corner it
   // is known where the wall ends.
-  if (tells_of_openings || at_corner) CountHitsAtEnd(counted_end, counted_);
-  return result;
+  if (tells_of_openings || at_end.at_corner) CountHitsAtEnd(counted_end, counted_);
 }
 
 std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
@@ -183,11 +251,11 @@ std::vector<int> SegmentCutter::OccludedBeamsOf(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const Occlusion occlusion{
       scan_line, scanner, poses_.Of(observation), own, range.first, range.last};
-  std::vector<int> beams = occlusion.BehindCorners(candidates_.planes());
+  std::vector<int> beams = occlusion.BehindCorners(views_.planes());
   const std::vector<int> others =
       openings_ != nullptr
           ? occlusion.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
-          : occlusion.BehindWalls(candidates_.planes());
+          : occlusion.BehindWalls(views_.planes());
   beams.insert(beams.end(), others.begin(), others.end());
   return beams;
 }

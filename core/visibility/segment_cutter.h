@@ -50,9 +50,9 @@ class SegmentCutter {
 
   // The planes that may bound segments, their own included.
   void SetViews(std::vector<LandmarkView> candidates) {
-    candidates_ = PlaneSet(std::move(candidates));
+    views_ = PlaneSet(std::move(candidates));
   }
-  const PlaneSet& candidates() const { return candidates_; }
+  const PlaneSet& candidates() const { return views_; }
   const LandmarkView* Find(int landmark_id) const;
   PoseSampler* sampler() { return &sampler_; }
   SharedPoses* poses() { return &poses_; }
@@ -80,9 +80,23 @@ class SegmentCutter {
                Observation* observation);
 
  private:
+  struct TracedEnd;
+  struct Bounds;
+  struct IntersectionsAtEnd;
+
   NewEnd FindEnd(const ScanLine& scan_line,
                  const Observation& observation,
                  const FreeEnd& end);
+  // The end with the trace of its plane `own` and the intersections of the trace.
+  TracedEnd TraceEnd(const ScanLine& scan_line,
+                     const Observation& observation,
+                     const LandmarkView& own,
+                     const FreeEnd& end);
+  static Bounds FindBounds(const TracedEnd& traced, double far_m);
+  // The intersections within a beam of last_beam, where the segment ends now.
+  static IntersectionsAtEnd IntersectionsAt(const TracedEnd& traced, int last_beam);
+  // Counts what the beams on both sides of the end show of openings in its plane.
+  void CountAtEnd(const TracedEnd& traced, int last_beam, const IntersectionsAtEnd& at_end);
   void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
   // Those between two beams of an observation, on this plane.
@@ -97,7 +111,7 @@ class SegmentCutter {
   OccupancyGrids* counted_;
   PoseSampler sampler_;
   SharedPoses poses_;
-  PlaneSet candidates_;
+  PlaneSet views_;
 };
 
 }  // namespace plumbline
