@@ -13,19 +13,6 @@
 namespace plumbline {
 namespace {
 
-#ifdef PLUMBLINE_X86_64_V3
-// Before all other initialisation, which may need the instructions already.
-[[gnu::constructor(101)]] void CheckProcessor() {
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("x86-64-v3")) return;
-  std::fputs(
-      "plumbline was built for processors with AVX2, and this one has none: build it here, or "
-      "with -DPLUMBLINE_X86_64_V3=OFF\n",
-      stderr);
-  std::_Exit(1);
-}
-#endif
-
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -3,37 +3,32 @@
 #include <limits>
 
 #include "core/sensor/scanner_motion.h"
-#include "factors/util/simd.h"
 
 namespace plumbline {
 
-static_assert(BeamModel::kBlock % kSimdWidth == 0);
-
-// See the comment of the class.
-struct BeamModel::SimdIntersection {
-  Simd point_x, point_y;  // p
-  Simd f;
-  Simd variance;  // V
-  Simd is_met;    // positive if f and V make sense
+// Four beams' intersections with a line; see the comment of the class.
+struct BeamModel::FourIntersections {
+  Eigen::Array4d point_x, point_y;  // p
+  Eigen::Array4d f;                 // NaN without a return
+  Eigen::Array4d variance;          // V
+  Eigen::Array4d is_met;            // positive if f and V make sense
 };
 
-inline BeamModel::SimdIntersection BeamModel::IntersectSimd(int i,
-                                                            const Eigen::Vector2d& q) const {
-  const double qx = q.x();
-  const double qy = q.y();
-  const Simd ux = LoadSimd(direction_x_ + i);
-  const Simd uy = LoadSimd(direction_y_ + i);
-  const Simd ox = LoadSimd(origin_x_ + i);
-  const Simd oy = LoadSimd(origin_y_ + i);
-  const Simd slope = qx * ux + qy * uy;
-  const Simd numerator = 1.0 - (qx * ox + qy * oy);
-  const Simd by_angle = angle_noise_ * numerator * (qy * ux - qx * uy);
-  const Simd slope2 = slope * slope;
-  return {slope * ox + numerator * ux,
-          slope * oy + numerator * uy,
-          slope * (LoadSimd(range_ + i) * slope - numerator),
-          range_variance_ * (slope2 * slope2) + by_angle * by_angle,
-          Smaller(numerator, slope * (2.0 * max_range_) - numerator)};
+inline BeamModel::FourIntersections BeamModel::IntersectFour(int i,
+                                                             const Eigen::Vector2d& q) const {
+  using Four = Eigen::Map<const Eigen::Array4d>;
+  const Four ux(direction_x_ + i), uy(direction_y_ + i);
+  const Four ox(origin_x_ + i), oy(origin_y_ + i);
+  const Eigen::Array4d slope = q.x() * ux + q.y() * uy;
+  const Eigen::Array4d numerator = 1.0 - (q.x() * ox + q.y() * oy);
+  const Eigen::Array4d by_angle = angle_noise_ * numerator * (q.y() * ux - q.x() * uy);
+  FourIntersections at;
+  at.point_x = slope * ox + numerator * ux;
+  at.point_y = slope * oy + numerator * uy;
+  at.f = slope * (Four(range_ + i) * slope - numerator);
+  at.variance = range_variance_ * slope.square().square() + by_angle.square();
+  at.is_met = numerator.min(slope * (2.0 * max_range_) - numerator);
+  return at;
 }
 
 // With a constant twist (v, w) the scanner at time t is turned by w t and lies at
@@ -48,8 +43,7 @@ BeamModel::BeamModel(const ScanLine& scan_line,
       angle_noise_(scanner.angle_noise_rad),
       max_range_(scanner.max_range_m),
       outlier_threshold_(outlier_threshold) {
-  // In whole lanes.
-  const int length = (num_beams_ + kBlock + kSimdWidth - 1) / kSimdWidth * kSimdWidth;
+  const int length = (num_beams_ + 2 * kBlock - 1) / kBlock * kBlock;
   columns_.reset(new double[5 * static_cast<size_t>(length)]);
   origin_x_ = columns_.get();
   origin_y_ = origin_x_ + length;
@@ -61,25 +55,26 @@ BeamModel::BeamModel(const ScanLine& scan_line,
   const double turn = motion.yaw_rate_rad_s * scan_line.time_increment_s;
   const double start = scan_line.angle_min - middle * turn;
   const double increment = scan_line.angle_increment + turn;
-  const double step_x = std::cos(kSimdWidth * increment);
-  const double step_y = std::sin(kSimdWidth * increment);
+  const double step_x = std::cos(kBlock * increment);
+  const double step_y = std::sin(kBlock * increment);
   const double vx = motion.velocity_m_s.x();
   const double vy = motion.velocity_m_s.y();
-  Simd x = MakeSimd([&](int k) { return std::cos(start + k * increment); });
-  Simd y = MakeSimd([&](int k) { return std::sin(start + k * increment); });
-  const Simd index = MakeSimd([](int k) { return k; });
-  for (int i = 0; i < length; i += kSimdWidth) {
-    const Simd time = (index + (i - middle)) * scan_line.time_increment_s;
-    const Simd angle = motion.yaw_rate_rad_s * time;
-    const Simd angle2 = angle * angle;
-    const Simd along = time * (1.0 - angle2 * (1.0 / 6.0) * (1.0 - angle2 * (1.0 / 20.0)));
-    const Simd across =
+  const Eigen::Array4d index(0.0, 1.0, 2.0, 3.0);
+  Eigen::Array4d x = (start + increment * index).cos();
+  Eigen::Array4d y = (start + increment * index).sin();
+  for (int i = 0; i < length; i += kBlock) {
+    const Eigen::Array4d time = (index + (i - middle)) * scan_line.time_increment_s;
+    const Eigen::Array4d angle = motion.yaw_rate_rad_s * time;
+    const Eigen::Array4d angle2 = angle.square();
+    const Eigen::Array4d along =
+        time * (1.0 - angle2 * (1.0 / 6.0) * (1.0 - angle2 * (1.0 / 20.0)));
+    const Eigen::Array4d across =
         0.5 * time * angle * (1.0 - angle2 * (1.0 / 12.0) * (1.0 - angle2 * (1.0 / 30.0)));
-    StoreSimd(along * vx - across * vy, origin_x_ + i);
-    StoreSimd(along * vy + across * vx, origin_y_ + i);
-    StoreSimd(x, direction_x_ + i);
-    StoreSimd(y, direction_y_ + i);
-    const Simd next_x = x * step_x - y * step_y;
+    Eigen::Map<Eigen::Array4d>(origin_x_ + i) = along * vx - across * vy;
+    Eigen::Map<Eigen::Array4d>(origin_y_ + i) = along * vy + across * vx;
+    Eigen::Map<Eigen::Array4d>(direction_x_ + i) = x;
+    Eigen::Map<Eigen::Array4d>(direction_y_ + i) = y;
+    const Eigen::Array4d next_x = x * step_x - y * step_y;
     y = x * step_y + y * step_x;
     x = next_x;
   }
@@ -98,39 +93,37 @@ LineEquations BeamModel::SumOnLine(int first,
                                    int last,
                                    const Eigen::Vector2d& q,
                                    int* num_points) const {
-  Simd count{}, xx{}, xy{}, yy{}, x{}, y{}, square{};
-  const Simd index = MakeSimd([](int k) { return k; });
-  for (int i = first; i <= last; i += kSimdWidth) {
-    const Simd one = index <= static_cast<double>(last - i) ? Simd{} + 1.0 : Simd{};
-    const SimdIntersection at = IntersectSimd(i, q);
-    // One number decides about all conditions: masks that are combined get taken apart.
-    const Simd counts = Smaller(at.is_met, outlier_threshold_ * at.variance - at.f * at.f);
-    const Simd weight = counts > 0.0 ? one / at.variance : Simd{};
-    const Simd f = counts > 0.0 ? at.f : Simd{};  // NaN without a return
-    const Simd weighted_x = weight * at.point_x;
-    const Simd weighted_y = weight * at.point_y;
+  const Eigen::Array4d zero = Eigen::Array4d::Zero();
+  Eigen::Array4d xx = zero, xy = zero, yy = zero, x = zero, y = zero, square = zero;
+  *num_points = 0;
+  for (int i = first; i <= last; i += kBlock) {
+    const FourIntersections at = IntersectFour(i, q);
+    Eigen::Array4d weight = at.variance.inverse();
+    Eigen::Array4d f = at.f;
+    const Eigen::Array4d margin = outlier_threshold_ * at.variance - f.square();
+    for (int k = 0; k < kBlock; ++k) {
+      const bool counts = i + k <= last && at.is_met[k] > 0.0 && margin[k] > 0.0;
+      if (!counts) weight[k] = f[k] = 0.0;
+      *num_points += counts ? 1 : 0;
+    }
+    const Eigen::Array4d weighted_x = weight * at.point_x;
+    const Eigen::Array4d weighted_y = weight * at.point_y;
     xx += weighted_x * at.point_x;
     xy += weighted_x * at.point_y;
     yy += weighted_y * at.point_y;
     x -= weighted_x * f;
     y -= weighted_y * f;
-    square += weight * (f * f);
-    count += counts > 0.0 ? one : Simd{};
+    square += weight * f.square();
   }
-  *num_points = static_cast<int>(SumOf(count));
-  return {SumOf(xx), SumOf(xy), SumOf(yy), SumOf(x), SumOf(y), SumOf(square)};
+  return {xx.sum(), xy.sum(), yy.sum(), x.sum(), y.sum(), square.sum()};
 }
 
-std::array<double, BeamModel::kBlock> BeamModel::Deviations(int first,
-                                                            const Eigen::Vector2d& q) const {
-  const Simd largest = Simd{} + outlier_threshold_;
-  std::array<double, kBlock> deviations;
-  for (int k = 0; k < kBlock; k += kSimdWidth) {
-    const Simd range = LoadSimd(range_ + first + k);
-    const SimdIntersection at = IntersectSimd(first + k, q);
-    const Simd deviation =
-        at.is_met > 0.0 ? Smaller(at.f * at.f / at.variance, largest) : largest;
-    StoreSimd(range == range ? deviation : Simd{}, &deviations[static_cast<size_t>(k)]);
+Eigen::Array4d BeamModel::Deviations(int first, const Eigen::Vector2d& q) const {
+  const FourIntersections at = IntersectFour(first, q);
+  Eigen::Array4d deviations = (at.f.square() / at.variance).min(outlier_threshold_);
+  for (int k = 0; k < kBlock; ++k) {
+    if (!(at.is_met[k] > 0.0)) deviations[k] = outlier_threshold_;
+    if (!HasReturn(first + k)) deviations[k] = 0.0;
   }
   return deviations;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -177,7 +176,7 @@ class BeamModel {
   // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most
   // the outlier threshold; 0 without a return and past the last beam.
   static constexpr int kBlock = 4;
-  std::array<double, kBlock> Deviations(int first, const Eigen::Vector2d& q) const;
+  Eigen::Array4d Deviations(int first, const Eigen::Vector2d& q) const;
 
   // Difference of the ranges that two lines predict in standard deviations of a range.
   struct Separation {
@@ -207,8 +206,8 @@ class BeamModel {
 
  private:
   int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
-  struct SimdIntersection;
-  SimdIntersection IntersectSimd(int i, const Eigen::Vector2d& q) const;
+  struct FourIntersections;
+  FourIntersections IntersectFour(int i, const Eigen::Vector2d& q) const;
 
   int num_beams_;
   double range_variance_;

@@ -182,11 +182,11 @@ bool Segmenter::AreAdjacent(const LinePiece& a, const LinePiece& b) const {
 std::pair<int, double> Segmenter::BestSplit(
     const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first, int last, int split) const {
   constexpr int kBlock = BeamModel::kBlock;
-  std::array<double, kBlock> in_a, in_b;
+  Eigen::Array4d in_a, in_b;
   std::pair<int, double> best(split, 0.0);
   double cost = 0.0;
   for (int i = split + 1; i <= last && cost < best.second + limits_.run; ++i) {
-    const auto k = static_cast<size_t>((i - split - 1) % kBlock);
+    const int k = (i - split - 1) % kBlock;
     if (k == 0) {
       in_a = beams_.Deviations(i, a);
       in_b = beams_.Deviations(i, b);
@@ -202,7 +202,7 @@ std::pair<int, double> Segmenter::BestSplit(
       in_a = beams_.Deviations(block, a);
       in_b = beams_.Deviations(block, b);
     }
-    const auto k = static_cast<size_t>(i - block);
+    const int k = i - block;
     cost += in_b[k] - in_a[k];
     if (cost < best.second) best = {i - 1, cost};
   }
@@ -237,17 +237,17 @@ bool Segmenter::Merge(const LinePiece& a, const LinePiece& b, LinePiece* merged)
 
 // Is the piece b between a and c needed, or do the lines a and c explain its beams?
 bool Segmenter::IsNeeded(const LinePiece& a, const LinePiece& b, const LinePiece& c) const {
-  std::array<double, BeamModel::kBlock> in_a, in_b, in_c;
+  Eigen::Array4d in_a, in_b, in_c;
   double cost = 0.0;
   for (int i = b.first; i <= b.last; ++i) {
-    const auto k = static_cast<size_t>((i - b.first) % BeamModel::kBlock);
+    const int k = (i - b.first) % BeamModel::kBlock;
     if (k == 0) in_b = beams_.Deviations(i, b.q);
     cost -= in_b[k];
   }
   // No split is better than the better line for each beam: that decides after a few of them.
   double cost_of_better = cost;
   for (int i = b.first; i <= b.last; ++i) {
-    const auto k = static_cast<size_t>((i - b.first) % BeamModel::kBlock);
+    const int k = (i - b.first) % BeamModel::kBlock;
     if (k == 0) in_a = beams_.Deviations(i, a.q);
     if (k == 0) in_c = beams_.Deviations(i, c.q);
     cost_of_better += std::min(in_a[k], in_c[k]);

@@ -9,7 +9,6 @@
 
 #include "factors/segment/segment_measurement.h"
 #include "factors/segment/segment_moments.h"
-#include "factors/util/simd.h"
 
 namespace plumbline {
 namespace {
@@ -24,21 +23,24 @@ constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-// Sums of value(i) tau^j, j below num_powers; value(i) is that of kLanes points, from i on.
-template <size_t num_powers, typename Value>
-std::array<double, num_powers> SumByPower(const double* tau, size_t end, const Value& value) {
-  std::array<Simd, num_powers> simd{};
-  for (size_t i = 0; i < end; i += kSimdWidth) {
-    const Simd tau_i = LoadSimd(tau + i);
-    Simd term = value(i);
-    for (Simd& sum : simd) {
+// Sums of value(i) tau^j, j below num_powers; value(i) is that of four points, from i on.
+template <int num_powers, typename Value>
+Eigen::Array<double, num_powers, 1> SumByPower(const double* tau,
+                                               size_t end,
+                                               const Value& value) {
+  std::array<Eigen::Array4d, num_powers> sums;
+  sums.fill(Eigen::Array4d::Zero());
+  for (size_t i = 0; i < end; i += 4) {
+    const Eigen::Map<const Eigen::Array4d> tau_i(tau + i);
+    Eigen::Array4d term = value(i);
+    for (Eigen::Array4d& sum : sums) {
       sum += term;
       term *= tau_i;
     }
   }
-  std::array<double, num_powers> sums;
-  for (size_t j = 0; j < num_powers; ++j) sums[j] = SumOf(simd[j]);
-  return sums;
+  Eigen::Array<double, num_powers, 1> result;
+  for (int j = 0; j < num_powers; ++j) result[j] = sums[static_cast<size_t>(j)].sum();
+  return result;
 }
 
 // Cholesky's elimination, largest remaining pivot first: matrix = root^T root. Ends where the
@@ -174,7 +176,7 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     offset[i] = points.offset[i];
   }
   size_t end = num_points;
-  for (; end % kSimdWidth != 0; ++end) {  // companions without weight
+  for (; end % 4 != 0; ++end) {  // companions without weight
     along[end] = across[end] = tau[end] = weight[end] = offset[end] = 0.0;
   }
   double most_across = 0.0;
@@ -183,16 +185,17 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
   }
   const auto add = [&](Product product, const auto& value) {
     const auto sums = SumByPower<5>(tau.data(), end, value);
-    for (size_t j = 0; j < 5; ++j) products_[j][product] += sums[j];
+    for (int j = 0; j < 5; ++j) products_[static_cast<size_t>(j)][product] += sums[j];
   };
   const auto add_with_offset = [&](int row, const auto& value) {
     const auto sums = SumByPower<3>(tau.data(), end, value);
-    for (int j = 0; j < 3; ++j) with_offset_(row, j) += sums[static_cast<size_t>(j)];
+    with_offset_.row(row) += sums.matrix().transpose();
   };
-  const auto a = [&](size_t i) { return LoadSimd(&along[i]); };
-  const auto b = [&](size_t i) { return LoadSimd(&across[i]); };
-  const auto w2 = [&](size_t i) { return LoadSimd(&weight[i]); };
-  const auto o = [&](size_t i) { return LoadSimd(&offset[i]); };
+  using Four = Eigen::Map<const Eigen::Array4d>;
+  const auto a = [&](size_t i) { return Four(&along[i]); };
+  const auto b = [&](size_t i) { return Four(&across[i]); };
+  const auto w2 = [&](size_t i) { return Four(&weight[i]); };
+  const auto o = [&](size_t i) { return Four(&offset[i]); };
   // One group of sums after the other: the processor's registers hold a group, not all of the
   // forty.
   add(kOne, w2);

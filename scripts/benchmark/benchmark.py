@@ -314,9 +314,7 @@ def describe_machine(binaries):
         "cores": os.cpu_count(),
         "memory_gb": round(memory / 2 ** 30),
         "compiler": (compiler and read_line([compiler, "--version"])) or "unknown",
-        "build_type": (variables.get("CMAKE_BUILD_TYPE") or "unknown") +
-                      (" for AVX2" if variables.get("PLUMBLINE_X86_64_V3") in ("1", "ON")
-                       else ""),
+        "build_type": variables.get("CMAKE_BUILD_TYPE") or "unknown",
     }
 
 
