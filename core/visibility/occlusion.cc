@@ -34,9 +34,6 @@ constexpr int kNumHits = 8;        // of a segment's beams, count for all of the
 constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
 // A beam that went through a plane ended so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
-// What a beam met farther before the plane does not stand where the beam would have met that:
-// behind a wall, it may be the floor of the next room.
-constexpr double kMaxBlockDistance = 0.4;  // m
 
 // Where a beam meets the plane at a segment's end, p in the scanner's frame; nothing where
 // that is out of range.
@@ -279,16 +276,10 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
     const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
-    const bool stops = end.landmark.model == PlaneModel::kHorizontal && beyond_m < -margin_m &&
-                       beyond_m > -kMaxBlockDistance;
     if (!is_close && !passes) break;
-    if (!passes && !stops) continue;
+    if (!passes) continue;
     const std::optional<Eigen::Vector3d> at = IntersectionPoint(end, on_plane_m * direction);
     if (!at) continue;
-    if (!passes) {
-      openings->CountBlock(end.landmark, *at);
-      continue;
-    }
     is_opening = true;
     if (!is_close) {
       if (!extent.Contains(extent.axes().Project(*at), 0.0)) break;

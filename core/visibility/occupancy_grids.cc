@@ -67,9 +67,6 @@ void OccupancyGrids::CountPassage(const Landmark& landmark,
                                   int num_beams) {
   Count(landmark, p_world, num_beams, &Counts::passages);
 }
-void OccupancyGrids::CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  Count(landmark, p_world, 1, &Counts::blocks);
-}
 
 void OccupancyGrids::Add(OccupancyGrids other) {
   if (counts_.empty()) {
@@ -79,7 +76,7 @@ void OccupancyGrids::Add(OccupancyGrids other) {
   if (counts_.size() < other.counts_.size()) counts_.resize(other.counts_.size());
   for (size_t id = 0; id < other.counts_.size(); ++id) {
     for (size_t kind = 0; kind < other.counts_[id].size(); ++kind) {
-      for (const auto grid : {&Counts::hits, &Counts::passages, &Counts::blocks}) {
+      for (const auto grid : {&Counts::hits, &Counts::passages}) {
         CellGrid& counts = counts_[id][kind].*grid;
         (other.counts_[id][kind].*grid).Any([&](const CellGrid::Cell& cell, int count) {
           counts.Add(cell, count);
@@ -136,12 +133,6 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
 void OccupancyGrids::MarkOpen(const Counts& counts,
                               bool narrow_along_u,
                               PlaneOpenings* openings) {
-  counts.blocks.Any([&](const CellGrid::Cell& cell, int blocked) {
-    if (blocked >= kMinCount && blocked > counts.hits.Count(cell)) {
-      openings->Mark(cell, narrow_along_u, PlaneOpenings::kOpen);
-    }
-    return false;
-  });
   const double min_share = openings->has_height_ ? kMinShare : kMinShareLevel;
   counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
     const int num_beams = passed + counts.hits.Count(cell);

@@ -66,11 +66,10 @@ class OccupancyGrids {
   void CountPassage(const Landmark& landmark,
                     const Eigen::Vector3d& p_world,
                     int num_beams = 1);
-  void CountBlock(const Landmark& landmark, const Eigen::Vector3d& p_world);
   // What another has counted of the same landmarks.
   void Add(OccupancyGrids other);
   // Where more than a tenth of the beams (half of them, of a plane without height) went
-  // through here or at the next cell, or more were stopped here than not; not where most
+  // through here or at the next cell; not where most
   // stayed and those that meet the plane in the other kind's cell all do. What is solid lets
   // none through, whatever the noise; but most beams that seem to lie in an opening are the
   // jambs'. Goes on along upright edges by one cell where hardly any beam tells otherwise.
@@ -82,7 +81,6 @@ class OccupancyGrids {
   struct Counts {
     CellGrid hits;
     CellGrid passages;
-    CellGrid blocks;
   };
 
   // Counts on the cells that are narrow along u, along v.

@@ -149,14 +149,6 @@ TEST_F(OccupancyGridsTest, AsManyBeamsOnAJambDoNotCloseADoor) {
   EXPECT_TRUE(IsOpening(At(1.01)));
 }
 
-TEST_F(OccupancyGridsTest, MoreBeamsStoppedThanNotMakeOne) {
-  for (int i = 0; i < 3; ++i) openings_.CountBlock(wall_, At(1.01));
-  for (int i = 0; i < 2; ++i) openings_.CountHit(wall_, At(1.01));
-  EXPECT_TRUE(IsOpening(At(1.01)));
-  openings_.CountHit(wall_, At(1.01));
-  EXPECT_FALSE(IsOpening(At(1.01)));
-}
-
 TEST_F(OccupancyGridsTest, WhatPassesNoneIsToldSoQuickly) {
   for (int i = 0; i < 2; ++i) openings_.CountPassage(wall_, At(1.01, 0.6));
   const PlaneOpenings openings = openings_.OpeningsOf(wall_);
