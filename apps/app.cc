@@ -3,6 +3,7 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -63,12 +64,25 @@ void PrintHelp(const std::string& program,
   std::cout << " [other flags]\n\nFlags:\n";
   std::vector<gflags::CommandLineFlagInfo> flags;
   gflags::GetAllFlags(&flags);
+  flags.erase(std::remove_if(flags.begin(),
+                             flags.end(),
+                             [&](const auto& flag) { return flag.filename != source_file; }),
+              flags.end());
+  size_t width = 0;
   for (const gflags::CommandLineFlagInfo& flag : flags) {
-    if (flag.filename != source_file) continue;
-    std::cout << "  --" << flag.name << "  " << flag.description;
-    if (!flag.default_value.empty()) std::cout << " [" << flag.default_value << "]";
+    width = std::max(width, flag.name.size());
+  }
+  for (const gflags::CommandLineFlagInfo& flag : flags) {
+    const bool is_required =
+        std::find(required_flags.begin(), required_flags.end(), flag.name) !=
+        required_flags.end();
+    std::cout << "  --" << flag.name << std::string(width + 2 - flag.name.size(), ' ')
+              << flag.description;
+    if (is_required) std::cout << " (required)";
+    if (!flag.default_value.empty()) std::cout << " (default: " << flag.default_value << ")";
     std::cout << '\n';
   }
+  std::cout << "\nThe files are described in docs/inputs.md and docs/outputs.md.\n";
 }
 
 }  // namespace

@@ -6,9 +6,10 @@
 
 namespace plumbline {
 
-// What every app does around its work: --help shows the flags that source_file defines and
-// returns 0; wrong usage (unknown flag, bad value, a required flag missing, stray argument)
-// returns 2; otherwise returns 0 after run(), or 1 with one line on stderr when it throws.
+// Does what every app does around its work, and returns the exit code: 0 after --help, which
+// shows the flags that source_file defines; 2 after wrong usage (an unknown flag, a bad value,
+// a missing required flag, a stray argument); 0 after run(), or 1 when run() throws. Errors
+// are one line on stderr.
 int RunApp(int argc,
            char** argv,
            const std::string& purpose,

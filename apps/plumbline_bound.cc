@@ -9,20 +9,22 @@
 #include "core/options/config.h"
 #include "simulation/bound/bound.h"
 
-DEFINE_string(experiment, "", "experiment file (YAML)");
-DEFINE_string(config, "", "mapper settings (YAML), in place of the experiment's own");
-DEFINE_int64(
-    seed,
-    -1,
-    "estimate from the noise of this seed, every beam on its true plane: the best that "
-    "any mapper could make of it; -1: no noise and no estimation");
+DEFINE_string(experiment, "", "experiment file (YAML), such as configs/experiments/room.yaml");
+DEFINE_string(config, "", "mapper settings (YAML) in place of the experiment's own");
+DEFINE_int64(seed,
+             -1,
+             "estimate from noise of this seed, with every beam on its true plane, which is "
+             "the best that "
+             "any mapper could do; -1: the bound alone, no noise and no estimation");
 DEFINE_string(output, "", "directory for the planes, the trajectory and their covariances");
 
 int main(int argc, char** argv) {
   return plumbline::RunApp(
       argc,
       argv,
-      "the Cramer-Rao bound of an experiment: standard deviations of planes and poses",
+      "computes the Cramer-Rao bound of an experiment: the standard deviations that planes "
+      "and "
+      "poses can have at best",
       __FILE__,
       {"experiment", "output"},
       [] {

@@ -1,4 +1,4 @@
-// Holds a result of plumbline_map against the truth of plumbline_simulate.
+// Compares a result of plumbline_map with the truth of plumbline_simulate.
 
 #include <gflags/gflags.h>
 
@@ -9,13 +9,13 @@
 
 DEFINE_string(result, "", "directory that plumbline_map wrote");
 DEFINE_string(truth, "", "directory that plumbline_simulate wrote");
-DEFINE_string(output, "", "JSON file for the evaluation; without it, the table only");
+DEFINE_string(output, "", "JSON file for the errors; without it, they are only printed");
 
 int main(int argc, char** argv) {
   return plumbline::RunApp(
       argc,
       argv,
-      "errors of a map and a trajectory against the simulated truth",
+      "compares a map and its trajectory with the simulated truth",
       __FILE__,
       {"result", "truth"},
       [] {

@@ -7,9 +7,8 @@
 #include "apps/app.h"
 #include "apps/progress.h"
 #include "core/mapping/map_job.h"
-#include "core/util/error.h"
 
-// Read by jemalloc: free memory is kept (but see core/util/free_memory.h), in huge pages.
+// jemalloc reads this: it keeps free memory (but see core/util/free_memory.h), in huge pages.
 extern "C" {
 const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
 }
@@ -18,20 +17,25 @@ DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");
 DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well they measure");
 DEFINE_string(config,
               "",
-              "mapper settings (YAML) or a whole experiment; without it, defaults");
-DEFINE_int32(threads, 0, "0: as many as there are cores; the result does not depend on them");
+              "mapper settings (YAML), or an experiment file with its section mapper; without "
+              "it, every setting has its default");
+DEFINE_int32(
+    threads,
+    0,
+    "number of threads, which changes the time but not the result; 0: as many as there "
+    "are cores");
+DEFINE_validator(threads, [](const char*, int32_t threads) { return threads >= 0; });
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 int main(int argc, char** argv) {
   return plumbline::RunApp(
       argc,
       argv,
-      "a recording of 2D scan lines in, the rig's trajectory, the building's planes and a map "
-      "out",
+      "estimates the trajectory of a rig and the planes of a building from the scan lines of "
+      "2D laser scanners",
       __FILE__,
       {"recording", "rig", "output"},
       [] {
-        if (FLAGS_threads < 0) throw plumbline::Error("--threads must be at least 0");
         plumbline::Progress progress("map");
         const plumbline::Summary summary = plumbline::RunMapJob(
             {FLAGS_recording, FLAGS_rig, FLAGS_config, FLAGS_output, FLAGS_threads},

@@ -6,15 +6,15 @@
 #include "apps/progress.h"
 #include "simulation/sensing/simulate_recording.h"
 
-DEFINE_string(experiment, "", "experiment file (YAML)");
-DEFINE_uint64(seed, 1, "of the random numbers; the same seed gives the same recording");
+DEFINE_string(experiment, "", "experiment file (YAML), such as configs/experiments/room.yaml");
+DEFINE_uint64(seed, 1, "seed of the random numbers; the same seed gives the same recording");
 DEFINE_string(output, "", "directory for recording.bag, rig.yaml and the truth");
 
 int main(int argc, char** argv) {
   return plumbline::RunApp(
       argc,
       argv,
-      "scan lines of a rig in a building, with the true trajectory and planes",
+      "simulates a rig in a building: a recording, with the true trajectory and planes",
       __FILE__,
       {"experiment", "output"},
       [] {

@@ -5,8 +5,8 @@
 
 namespace plumbline {
 
-// Tells on stderr how far a stage is and how long it will still take: one line that is
-// rewritten on a terminal, a line every 10 s otherwise.
+// Progress prints on stderr how far a stage is and how long it will still take: one line that
+// is rewritten on a terminal, a line every 10 s otherwise.
 class Progress {
  public:
   explicit Progress(const std::string& stage);

@@ -8,19 +8,20 @@
 
 namespace plumbline {
 
-// The cell that a coordinate, in units of cells, lies in: its floor, without a library's call.
+// Returns the cell that a coordinate, in units of cells, lies in: its floor, without a
+// library's call.
 inline int CellIndex(double coordinate) {
   const int truncated = static_cast<int>(coordinate);
   return truncated - (coordinate < truncated ? 1 : 0);
 }
 
-// Counts on the cells of a plane's grid, kept in the rectangle that has been seen. Most of a
-// map's grids are empty space: a cell takes two bytes, and its count stays at the largest that
-// they hold.
+// CellGrid holds counts on the cells of a plane's grid, in the rectangle that has been seen.
+// Most of a map's grids are empty space: a cell takes two bytes, and its count stays at the
+// largest that they hold.
 class CellGrid {
  public:
   using Cell = std::pair<int, int>;
-  static constexpr int kMaxCount = 65535;
+  static constexpr int kMaxCount = 65535;  // of uint16_t
 
   // Throws Error when the rectangle grows beyond any building's.
   void Add(const Cell& cell, int count) {
@@ -30,20 +31,20 @@ class CellGrid {
     if (at == 0) ++num_occupied_;
     at = static_cast<uint16_t>(std::min(at + std::min(count, kMaxCount), kMaxCount));
   }
-  // Makes the count of a cell at least this.
+  // Raises the count of a cell to this one where it is less.
   void Raise(const Cell& cell, int count) { Add(cell, count - Count(cell)); }
   int Count(const Cell& cell) const {
     return Covers(cell)
                ? counts_[Index(cell.first - first_.first, cell.second - first_.second)]
                : 0;
   }
-  // Whether a cell at most `reach` away in both directions has a count.
+  // True when a cell at most `reach` away in both directions has a count.
   bool IsNear(const Cell& cell, int reach) const;
-  // Cells with a count.
+  // Number of cells with a count.
   int num_occupied() const { return num_occupied_; }
 
-  // Calls visit(cell, count) for the occupied cells, in order, until it returns true; whether
-  // it did.
+  // Calls visit(cell, count) for the occupied cells, in order, until it returns true. Returns
+  // whether it did.
   template <typename Visit>
   bool Any(Visit visit) const {
     for (int i = 0; i < size_.first; ++i) {

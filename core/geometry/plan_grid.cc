@@ -8,8 +8,8 @@ PlanGrid::PlanGrid(const std::vector<Eigen::AlignedBox2d>& boxes) : visited_(box
     if (!box.isEmpty()) all.extend(box);
   }
   if (!all.isEmpty()) {
-    constexpr double kMaxCells =
-        1000.0;  // in each direction; what lies beyond shares the last
+    // In each direction: 2 km. Boxes beyond share the last cells.
+    constexpr double kMaxCells = 1000.0;
     origin_ = all.min();
     const Eigen::Array2d count = (all.sizes().array() / kCell).floor().min(kMaxCells) + 1.0;
     num_columns_ = static_cast<int>(count.x());

@@ -8,15 +8,15 @@
 
 namespace plumbline {
 
-// Boxes on the floor plan, found by the lines that may cross them: a grid of square cells with
-// the boxes that touch each.
+// PlanGrid finds the boxes on the floor plan that a line may cross: a grid of square cells,
+// each with the boxes that touch it.
 class PlanGrid {
  public:
-  // Boxes in world x, y (m); their positions are their names. Empty ones are never found.
+  // boxes: world x, y (m). A box is known by its index; empty boxes are never found.
   explicit PlanGrid(const std::vector<Eigen::AlignedBox2d>& boxes);
 
-  // Calls visit(index) once for each box near the straight piece from a to b: for all that it
-  // meets, and some more.
+  // Calls visit(index) once for each box near the straight piece from a to b: for all boxes
+  // that the piece meets, and for some more.
   template <typename Visit>
   void ForEachNear(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Visit visit) {
     ++round_;
@@ -26,7 +26,8 @@ class PlanGrid {
     const int first_row = Clamped(low.y() - origin_.y(), num_rows_);
     const int last_row = Clamped(high.y() - origin_.y(), num_rows_);
     for (int row = first_row; row <= last_row; ++row) {
-      // The piece's part in this row of cells; the outermost stand for all beyond the grid.
+      // The piece's part in this row of cells; the outermost rows stand for all beyond the
+      // grid.
       const double row_y = origin_.y() + kCell * row;
       const double from_x = row == first_row ? low.x() : low.x() + slope * (row_y - low.y());
       const double to_x =
@@ -45,7 +46,7 @@ class PlanGrid {
   }
 
  private:
-  static constexpr double kCell = 2.0;     // m
+  static constexpr double kCell = 2.0;     // m, about a wall of an office
   static constexpr double kMargin = 1e-6;  // m, far above rounding errors
 
   static int Clamped(double from_origin, int count) {

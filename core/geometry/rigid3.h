@@ -5,7 +5,8 @@
 
 namespace plumbline {
 
-// Rigid motion b_from_a: p_b = rotation * p_a + translation.
+// A rigid motion b_from_a takes points from frame a to frame b:
+//   p_b = rotation * p_a + translation
 struct Rigid3d {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();

@@ -9,7 +9,8 @@
 
 namespace plumbline {
 
-// Where the scan plane lies in the world at an instant: p_world = placement * (x, y, 1).
+// A placement says where the scan plane lies in the world at an instant:
+//   p_world = placement * (x, y, 1)
 using ScanPlacement = Eigen::Matrix3d;
 
 inline ScanPlacement PlacementOf(const Rigid3d& world_from_scanner) {
@@ -18,12 +19,12 @@ inline ScanPlacement PlacementOf(const Rigid3d& world_from_scanner) {
   return placement;
 }
 
-// Trace of a plane in the moving scan plane, normal(t) . p = distance(t), by the quadratic
-// through three instants. Scanner frame; the normal's length is the sine of the angle between
-// plane and scan plane.
+// PlaneTrace is the line in which a plane cuts the moving scan plane, normal(t) . p =
+// distance(t) in the scanner frame, by the quadratic through three instants. The normal's
+// length is the sine of the angle between plane and scan plane.
 class PlaneTrace {
  public:
-  // Its ( normal, distance ) at the three instants.
+  // nodes: ( normal, distance ) at the three instants.
   PlaneTrace(int64_t middle_ns,
              double half_span_ns,
              const std::array<Eigen::Vector3d, 3>& nodes)
@@ -33,22 +34,22 @@ class PlaneTrace {
         linear_(0.5 * (nodes[2] - nodes[0])),
         quadratic_(0.5 * (nodes[0] + nodes[2]) - nodes[1]) {}
 
-  // ( normal, distance )
+  // Returns ( normal, distance ) at an instant.
   Eigen::Vector3d At(int64_t time_ns) const {
     return AtShare(static_cast<double>(time_ns - middle_ns_) / half_span_ns_);
   }
-  // In half spans from the middle instant: -1 at the first, 1 at the last.
+  // tau: time in half spans from the middle instant, -1 at the first, 1 at the last.
   Eigen::Vector3d AtShare(double tau) const {
     return constant_ + tau * (linear_ + tau * quadratic_);
   }
-  // Of one component, by rising powers of the share.
+  // Coefficients of one component by rising powers of tau.
   std::array<double, 3> Polynomial(int row) const {
     return {constant_[row], linear_[row], quadratic_[row]};
   }
   int64_t middle_ns() const { return middle_ns_; }
   double half_span_ns() const { return half_span_ns_; }
-  // The same lines with normals of unit length at the three instants; between them it differs
-  // from one by less than the motion's third derivative makes.
+  // Returns the trace with normals of unit length at the three instants; between them the
+  // length differs from one by less than the motion's third derivative makes.
   PlaneTrace WithUnitNormal() const {
     std::array<Eigen::Vector3d, 3> nodes;
     for (int k = 0; k < 3; ++k) {
@@ -66,9 +67,9 @@ class PlaneTrace {
   Eigen::Vector3d quadratic_;
 };
 
-// Where the points of a moving scan plane lie: by the quadratic through their places for the
-// poses at three equidistant instants. Exact but for the motion's third derivative, the same
-// as in the residuals (factors/cost/segment_factor.h).
+// ScanMotion says where the points of a moving scan plane lie in the world, by the quadratic
+// through their places for the poses at three equidistant instants. It is exact but for the
+// motion's third derivative, and the residuals use the same (factors/cost/segment_factor.h).
 class ScanMotion {
  public:
   ScanMotion(const std::array<int64_t, 3>& times_ns,
@@ -80,20 +81,20 @@ class ScanMotion {
     quadratic_ = 0.5 * (nodes_[0] + nodes_[2]) - nodes_[1];
   }
 
-  // At an instant near the three.
+  // Returns the placement at an instant near the three.
   ScanPlacement At(int64_t time_ns) const {
     const double tau = ShareOf(time_ns);
     return nodes_[1] + tau * (linear_ + tau * quadratic_);
   }
-  // A point of the scan plane (m) measured then.
+  // Moves a point of the scan plane (m), measured at the instant, to the world.
   Eigen::Vector3d ToWorld(const Eigen::Vector2d& p_scanner, int64_t time_ns) const {
     const Eigen::Vector3d p(p_scanner.x(), p_scanner.y(), 1.0);
     const double tau = ShareOf(time_ns);
     return nodes_[1] * p + tau * (linear_ * p + tau * (quadratic_ * p));
   }
-  // At the three instants.
+  // Placements at the three instants.
   const std::array<ScanPlacement, 3>& nodes() const { return nodes_; }
-  // Of the plane normal_world . p = distance.
+  // Returns the trace of the plane normal_world . p = distance.
   PlaneTrace TraceOf(const Eigen::Vector3d& normal_world, double distance) const {
     std::array<Eigen::Vector3d, 3> traces;
     for (size_t k = 0; k < 3; ++k) {
@@ -111,7 +112,7 @@ class ScanMotion {
   int64_t middle_ns_;
   double half_span_ns_;
   std::array<ScanPlacement, 3> nodes_;
-  // By the power of time, in half spans from the middle.
+  // Coefficients of the first and the second power of time, in half spans from the middle.
   Eigen::Matrix3d linear_;
   Eigen::Matrix3d quadratic_;
 };

@@ -4,13 +4,14 @@
 #include <limits>
 #include <sstream>
 
+#include "core/util/error.h"
 #include "core/util/yaml_node.h"
 
 namespace plumbline {
 namespace {
 
-// The one place that ties every option to its YAML name and range. A visitor sees sections and
-// fields in a fixed order; one reads, one writes.
+// Visit() is the one place that ties every option to its YAML name and range. A visitor sees
+// sections and fields in a fixed order; one reads, one writes, one checks.
 template <typename Options, typename Visitor>
 void Visit(Options& o, Visitor& v) {
   v.Section("trajectory", [&](auto& s) {
@@ -100,6 +101,36 @@ struct SectionReader {
   }
 };
 
+struct FieldChecker {
+  std::string section;
+  template <typename Value>
+  void CheckRange(const char* key, Value value, Value min, Value max) {
+    if (value >= min && value <= max) return;  // NaN is outside
+    std::ostringstream message;
+    message << "'" << section << "." << key << "' must lie between " << min << " and " << max
+            << ", not " << value;
+    throw Error(message.str());
+  }
+  void Number(const char* key, double value, double min, double max) {
+    CheckRange(key, value, min, max);
+  }
+  void Integer(const char* key, int value, int min, int max) {
+    CheckRange(key, value, min, max);
+  }
+  void Flag(const char*, bool) {}
+  template <typename Enum>
+  void Choice(const char*, Enum, const std::vector<std::string>&) {}
+  void Renamed(const char*, const char*) {}
+};
+
+struct SectionChecker {
+  template <typename Fields>
+  void Section(const char* name, Fields fields) {
+    FieldChecker checker{name};
+    fields(checker);
+  }
+};
+
 struct FieldWriter {
   std::ostream& out;
   void Number(const char* key, double value, double, double) { Line(key) << value << "\n"; }
@@ -125,6 +156,11 @@ struct SectionWriter {
 };
 
 }  // namespace
+
+void MapperOptions::Check() const {
+  SectionChecker checker;
+  Visit(*this, checker);
+}
 
 MapperOptions ReadMapperOptions(const std::string& path) {
   const YamlNode file = YamlNode::ReadFile(path);

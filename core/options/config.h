@@ -11,7 +11,7 @@ namespace plumbline {
 // Throws Error with file and line for unknown or duplicate keys and values out of range.
 MapperOptions ReadMapperOptions(const std::string& path);
 
-// All settings in force, as YAML that ReadMapperOptions understands.
+// Writes all settings in force as YAML that ReadMapperOptions understands.
 std::string MapperOptionsToYaml(const MapperOptions& options);
 
 }  // namespace plumbline

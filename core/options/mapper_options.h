@@ -6,65 +6,78 @@
 
 namespace plumbline {
 
-// Every setting of the mapper, with its default. ReadMapperOptions (core/options/config.h)
-// knows the YAML names and the allowed ranges.
+// The mapper's options, with their defaults; numbers in square brackets are allowed ranges.
+// The YAML names are those of the fields (core/options/config.cc).
 
 struct TrajectoryOptions {
   // Knot interval of the spline: the larger of the two, so that slow scanners still determine
   // every control point.
-  double knot_interval_s = 0.125;
-  double min_scans_per_knot = 1.5;
-  // Weak motion prior on the control points' second differences (white acceleration). It only
-  // matters where the scans leave a direction of motion open.
-  double acceleration_stddev_m_s2 = 3.0;
-  double angular_acceleration_stddev_deg_s2 = 600.0;
-  // Prior on the unknown velocity at the start.
-  double initial_speed_stddev_m_s = 2.0;
-  double initial_turn_rate_stddev_deg_s = 60.0;
+  double knot_interval_s = 0.125;   // [0.01, 10]
+  double min_scans_per_knot = 1.5;  // [0.5, 100], in periods of a scanner
+  // Standard deviations of the accelerations, white noise, that the motion prior assumes. It
+  // is weak, and only matters where the scans leave a direction of motion open.
+  double acceleration_stddev_m_s2 = 3.0;              // [0.001, 1000]
+  double angular_acceleration_stddev_deg_s2 = 600.0;  // [0.01, 100000]
+  // Standard deviations of the unknown velocity at the start.
+  double initial_speed_stddev_m_s = 2.0;         // [0.001, 100]
+  double initial_turn_rate_stddev_deg_s = 60.0;  // [0.01, 10000]
 };
 
 struct AssociationOptions {
-  // Probability with which a segment of a plane is refused, of each test.
+  // Probability with which each test refuses a segment that lies on the plane. [1e-12, 0.5]
   double significance = 1e-4;
-  // How far from what has been seen of a plane a segment may lie on it and still belong to it.
+  // A segment may lie on a plane this far, m, from the part that has been seen. [0, 100]
   double max_gap_m = 1.0;
-  // Unevenness of real surfaces, added to every test's variance.
+  // Standard deviation of real surfaces from their plane, added to every test. [0.0001, 1]
   double surface_flatness_m = 0.004;
 };
 
 struct PlaneOptions {
-  int min_points = 8;                    // of a segment that starts a plane
-  double max_direction_sigma_deg = 3.0;  // of a segment that starts a plane
-  int min_scans = 4;                     // that must agree before a new plane is trusted
-  double max_tentative_age_s = 1.0;      // a candidate not seen for so long is dropped
+  // A segment that starts a plane has at least so many points, and a direction at least so
+  // well known (standard deviation).
+  int min_points = 8;                    // [3, 10000]
+  double max_direction_sigma_deg = 3.0;  // [0.01, 90]
+  // So many scans have to agree on a tentative plane before it is trusted. [1, 1000]
+  int min_scans = 4;
+  // A tentative plane that is not seen for so long is dropped. [0, 1e6]
+  double max_tentative_age_s = 1.0;
 };
 
 // Who solves: our Gauss-Newton, or ceres::Solve on one residual block a segment.
 enum class SolverKind { kGaussNewton, kCeres };
 
 struct WindowOptions {
-  SolverKind solver = SolverKind::kGaussNewton;  // of the window and the tracker
-  int num_scans = 10;  // estimated together; what is older is marginalised
-  // While the tracker alone follows the rig well; else one.
+  // The solver of the window and of the tracker.
+  SolverKind solver = SolverKind::kGaussNewton;
+  // So many scans are estimated together; older ones are marginalised. [2, 10000]
+  int num_scans = 10;
+  // The window moves on by so many knot intervals at once while the tracker alone follows the
+  // rig well, and by one otherwise. [1, 100]
   int knot_intervals_per_step = 2;
-  bool resegment = true;  // cut segments where the planes known so far meet
-  // Whether what it states, pose by pose, is kept for the result: what one knows on the way.
+  // Whether segments are cut anew where the planes known so far meet.
+  bool resegment = true;
+  // Whether the result keeps the window's estimates of poses and planes, as they were known
+  // during the recording.
   bool keep_estimates = false;
 };
 
 struct LoopClosureOptions {
+  // Whether planes are recognised when they come back into view after any time.
   bool enabled = true;
-  int max_gap_scans = 100;  // when disabled: a plane unseen for longer is not taken up again
+  // Where not: a plane unseen for more scans than this counts as a new one. [1, 2^31 - 1]
+  int max_gap_scans = 100;
 };
 
+// kSegment has one cost function a segment, kPoint one a beam: slow, for comparison.
 enum class FactorKind { kSegment, kPoint };
 
 struct BatchOptions {
   SolverKind solver = SolverKind::kGaussNewton;
-  FactorKind factor =
-      FactorKind::kSegment;  // kPoint: one residual per beam, slow; for comparison
-  int max_rounds = 6;        // of estimation and renewed association
-  bool resegment = true;     // cut segments anew where the estimated planes meet
+  FactorKind factor = FactorKind::kSegment;
+  // At most so many rounds of estimation and renewed association. [1, 1000]
+  int max_rounds = 6;
+  // Whether segments are cut anew where the estimated planes meet.
+  bool resegment = true;
 };
 
 struct MapperOptions {
@@ -75,8 +88,13 @@ struct MapperOptions {
   WindowOptions window;
   LoopClosureOptions loop_closure;
   BatchOptions batch;
-  // Gap in all scanners beyond which the motion can not be bridged: the map ends there.
+  // The motion can not be bridged over a longer gap in all scanners: the map ends there.
+  // `recording: max_gap_s` in YAML. [0.01, 1e6]
   double max_gap_s = 1.0;
+
+  // Throws Error naming the first option whose value is outside its range. Options that were
+  // read from a file have been checked, with the line.
+  void Check() const;
 };
 
 }  // namespace plumbline

@@ -8,13 +8,13 @@
 
 namespace plumbline {
 
-// Names of a plane's parameters in plane_covariance.csv: "angle", "d". Throws Error for
-// general planes, which have no covariance yet.
+// Returns the names of a plane's parameters in plane_covariance.csv: "angle", "d". Throws
+// Error for general planes, which have no covariance yet.
 std::vector<std::string> ParameterNames(const PlanePatch& plane);
 
-// Joint covariance of a result's planes, and the standard deviations of what people measure in
-// a map. Parameters of a plane n.x = d: horizontal [ d ], vertical [ angle, d ] with n = (cos
-// angle, sin angle, 0), in rad and m of the model frame.
+// PlaneCovariance is the joint covariance of a result's planes, and gives the standard
+// deviations of what people measure in a map. Parameters of a plane n.x = d: horizontal [ d ],
+// vertical [ angle, d ] with n = (cos angle, sin angle, 0), in rad and m of the model frame.
 class PlaneCovariance {
  public:
   PlaneCovariance() = default;
@@ -26,16 +26,17 @@ class PlaneCovariance {
 
   // The methods below throw Error for an id that no plane has, and for general planes.
 
-  // Of the angle between two planes' normals, rad.
+  // Standard deviation of the angle between two planes' normals, rad.
   double AngleStddev(int plane_a, int plane_b) const;
-  // Of the distance between a plane and a fixed point of the model frame, m.
+  // Standard deviation of the distance between a plane and a fixed point of the model frame,
+  // m.
   double DistanceStddev(const Eigen::Vector3d& point, int plane) const;
-  // Of the distance of plane b from the point of plane a that is nearest to `point`, m:
-  // between two walls, wherever one likes to measure it.
+  // Standard deviation of the distance of plane b from the point of plane a that is nearest to
+  // `point`, m: between two walls, wherever one likes to measure it.
   double SeparationStddev(const Eigen::Vector3d& point, int plane_a, int plane_b) const;
 
-  // Two planes' parameters, their angles and their distances at the patches' centres, that
-  // depend on each other.
+  // A correlation between two planes' parameters: each the plane's angle, or its distance at
+  // the patch's centre.
   struct Correlation {
     int plane_a = 0;
     int plane_b = 0;
@@ -43,12 +44,13 @@ class PlaneCovariance {
     bool angle_b = false;
     double value = 0.0;
   };
-  // Those of largest absolute value, between different planes, largest first.
+  // Returns the correlations of largest absolute value between different planes, largest
+  // first.
   std::vector<Correlation> LargestCorrelations(size_t count) const;
 
  private:
   size_t Find(int plane) const;
-  // Derivative of the plane's signed distance from a point; of its angle.
+  // Derivatives by all parameters: of a plane's signed distance from a point, of its angle.
   Eigen::RowVectorXd DistanceRow(size_t plane, const Eigen::Vector3d& point) const;
   Eigen::RowVectorXd AngleRow(size_t plane) const;
   double Stddev(const Eigen::RowVectorXd& row) const;

@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-// One point of map.ply and map.pcd.
+// MapPoint is one point of map.ply and map.pcd.
 struct MapPoint {
   Eigen::Vector3f p_world;
   double time_s = 0.0;  // since the recording's first scan line
@@ -16,7 +16,7 @@ struct MapPoint {
   float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is -1
 };
 
-// Points as they lie in map.ply and map.pcd, one behind the other:
+// PackedPoints holds the bytes of points as they stand in map.ply and map.pcd:
 //   float x, y, z; double time; uint8 scanner; int32 plane_id; float residual
 class PackedPoints {
  public:

@@ -10,16 +10,16 @@
 #include <sstream>
 #include <utility>
 
+#include "core/geometry/angles.h"
 #include "core/util/error.h"
 
 namespace plumbline {
 
 namespace {
 
-constexpr double kRadiansPerDegree = M_PI / 180.0;
 // How far the length of a unit vector or quaternion may be off, given with few decimals.
 constexpr double kUnitTolerance = 1e-3;
-constexpr long double kMaxTimeS = 9.2e9L;  // int64 nanoseconds
+constexpr long double kMaxTimeS = 9.2e9L;  // the most that int64 nanoseconds hold
 
 // long double holds seconds since 1970 with 9 decimals, double does not.
 using Json = nlohmann::

@@ -8,13 +8,13 @@
 
 namespace plumbline {
 
-// The text files of a result (docs/outputs.md), read again. All throw Error with file and
-// line, or with file and element.
+// These functions read the text files of a result (docs/outputs.md). All throw Error with file
+// and line, or with file and element.
 
 std::vector<StampedPose> ReadTrajectory(const std::string& path);  // trajectory.tum
 std::vector<PlanePatch> ReadPlanes(const std::string& path);       // planes.json
 
-// planes.json and plane_covariance.csv of a result. Throws Error with file and line.
+// Reads planes.json and plane_covariance.csv.
 PlaneCovariance ReadPlaneCovariance(const std::string& result_directory);
 
 }  // namespace plumbline

@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/geometry/angles.h"
+
 namespace plumbline {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 // Exact: a double can not hold today's nanoseconds.
 std::string SecondsText(int64_t time_ns) {

@@ -8,29 +8,31 @@
 
 namespace plumbline {
 
-// The text files of a result (docs/outputs.md), whole. Same input, same bytes.
+// These functions make the text files of a result (docs/outputs.md). The same input gives the
+// same bytes.
 
-// One line "t x y z qx qy qz qw" per pose; t in seconds with 9 decimals, exact to the
-// nanosecond; unit quaternions with qw >= 0.
+// Makes trajectory.tum, one line "t x y z qx qy qz qw" per pose; t in seconds with 9 decimals,
+// exact to the nanosecond; unit quaternions with qw >= 0.
 std::string FormatTrajectory(const std::vector<StampedPose>& poses);
 
-// A head line and one line per pose: t and the upper triangle, row by row, of the covariance
-// of (px, py, pz, rx, ry, rz).
+// Makes trajectory_covariance.csv, a head line and one line per pose: t and the upper
+// triangle, row by row, of the covariance of (px, py, pz, rx, ry, rz).
 std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& poses);
 
-// JSON array with one object per line; times in seconds with 9 decimals, exact to the
-// nanosecond. Values that are not finite are written as null.
+// Makes planes.json, a JSON array with one object per line; times in seconds with 9 decimals,
+// exact to the nanosecond. Values that are not finite are written as null.
 std::string FormatPlanes(const std::vector<PlanePatch>& planes);
 
-// The outlines as polygons of an ASCII PLY file. A patch with fewer than three corners is left
-// out. Every plane has a colour of its own, which depends on its id only.
+// Makes planes.ply, the outlines as polygons of an ASCII PLY file. A patch with fewer than
+// three corners is left out. Every plane has a colour of its own, which depends on its id
+// only.
 std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes);
 
-// JSON object. The seconds of stages with the same name are added up.
+// Makes summary.json. The seconds of stages with the same name are added up.
 std::string FormatSummary(const Summary& summary);
 
-// plane_covariance.csv: a head line "plane,parameter,<id>:<parameter>,..." and one line for
-// each parameter.
+// Makes plane_covariance.csv: a head line "plane,parameter,<id>:<parameter>,..." and one line
+// for each parameter.
 std::string FormatPlaneCovariance(const PlaneCovariance& covariance);
 
 }  // namespace plumbline

@@ -10,15 +10,15 @@
 
 namespace plumbline {
 
-// What the mapper hands on: plain data, read by the writers and by whoever evaluates them.
+// The mapper hands these on as plain data, to the writers and to whoever evaluates them.
 
-// One line of trajectory.tum.
+// StampedPose is one line of trajectory.tum.
 struct StampedPose {
   int64_t time_ns = 0;
   Rigid3d world_from_body;
 };
 
-// One line of trajectory_covariance.csv.
+// StampedCovariance is one line of trajectory_covariance.csv.
 struct StampedCovariance {
   int64_t time_ns = 0;
   // Position (m) and rotation (rad, world frame) of the body.
@@ -29,8 +29,8 @@ enum class PlaneType { kHorizontal, kVertical, kGeneral };
 
 std::string PlaneTypeName(PlaneType type);  // "horizontal", "vertical", "general"
 
-// A plane n.x = d in the world (model) frame and where on it something was seen. The normal
-// points to the side that was seen.
+// PlanePatch is a plane n.x = d in the world (model) frame with the outline of its part that
+// was seen. The normal points to the side that was seen.
 struct PlanePatch {
   int id = 0;
   PlaneType type = PlaneType::kVertical;
@@ -39,8 +39,7 @@ struct PlanePatch {
   double sigma_angle_rad = 0.0;   // of the normal; 0 where the type fixes it
   double sigma_distance_m = 0.0;  // along the normal, at the centre
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d>
-      outline;  // closed polygon on the plane, first corner not repeated
+  std::vector<Eigen::Vector3d> outline;  // closed polygon, first corner not repeated
   int64_t num_points = 0;
   int num_segments = 0;
   int64_t first_time_ns = 0;
@@ -51,25 +50,25 @@ struct PlanePatch {
   }
 };
 
-// summary.json.
+// Summary holds the figures of summary.json.
 struct Summary {
   int scans = 0;
   int64_t points = 0;       // valid ranges in the recording
-  int64_t points_used = 0;  // that lie on segments of planes in the final estimate
+  int64_t points_used = 0;  // points on segments of planes in the final estimate
   int segments = 0;
   int planes = 0;
   int control_points = 0;
-  double residual_rms_m = 0.0;  // of signed point-to-plane distances
+  double residual_rms_m = 0.0;  // root mean square distance of the points from their planes
   double variance_factor = 0.0;
   double duration_s = 0.0;                             // of the recording
   std::vector<std::pair<std::string, double>> stages;  // name, seconds; in order
   double real_time_factor = 0.0;
   double peak_memory_mb = 0.0;
-  // Figures of how well the unknowns are determined: what, and a number.
+  // Figures of how well the unknowns are determined: a description, and a number.
   std::vector<std::pair<std::string, double>> largest_correlations;  // between planes
   std::vector<std::pair<std::string, double>> weakest_directions;    // smallest eigenvalues
   std::string motion;                                                // "spatial" or "planar"
-  // The accelerations' standard deviations as the recording shows them, which the final
+  // Standard deviations of the accelerations as the recording shows them, which the final
   // estimate assumes: name with its unit, and the value.
   std::vector<std::pair<std::string, double>> motion_noise;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame

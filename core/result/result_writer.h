@@ -11,10 +11,10 @@
 
 namespace plumbline {
 
-// The output directory of one run. Everything is written under temporary names inside it and
-// moved to the names of docs/outputs.md by Commit(), all or nothing: files of an earlier
-// result with these names are replaced only then. Without Commit() the temporary files are
-// removed. Throws Error naming the file that could not be written.
+// ResultWriter writes the output directory of one run. Everything is written under temporary
+// names inside it and moved to the names of docs/outputs.md by Commit(), all or nothing: files
+// of an earlier result with these names are replaced only then. Without Commit() the temporary
+// files are removed. Throws Error naming the file that could not be written.
 class ResultWriter {
  public:
   explicit ResultWriter(const std::string& directory);  // created where it is missing

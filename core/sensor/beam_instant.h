@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-// Instant of a beam with the scanner's time offset.
+// Returns the instant of a beam on the rig's clock, the scanner's time offset included.
 inline int64_t BeamInstant(const ScanLine& scan_line, int beam, const Rig& rig) {
   const auto scanner = static_cast<size_t>(scan_line.scanner_index);
   return scan_line.BeamTime(beam) +

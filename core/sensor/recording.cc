@@ -30,8 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 namespace serialization = ros::serialization;
 
-// Scan lines that the reader holds back at most while it brings messages into the order of
-// their stamps; beyond that it fetches single messages out of turn.
+// The reader holds back at most so many scan lines while it brings messages into the order of
+// their stamps, a few MB; beyond that it fetches single messages out of turn.
 constexpr size_t kMaxBufferedScanLines = 512;
 
 // Where rosbag copies the bytes of one serialized message to.
@@ -44,7 +44,7 @@ struct MessageBytes {
   }
 };
 
-// No scanner takes longer for a scan line; infinity and NaN are not less either.
+// No scanner takes longer for a scan line. Infinity and NaN fail the comparison too.
 constexpr float kMaxScanSeconds = 2.0f;
 
 // The fields that LaserScan and MultiEchoLaserScan begin with.

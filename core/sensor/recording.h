@@ -12,8 +12,7 @@ namespace plumbline {
 
 // Reads the scan lines of a rig's scanners from a ROS 1 bag (sensor_msgs/LaserScan, or the
 // first echo of MultiEchoLaserScan), in the order of their header stamps; scan lines of the
-// same stamp come in the order of the rig's scanners. rosbag's headers stay inside the .cc
-// file.
+// same stamp come in the order of the rig's scanners.
 class RecordingReader {
  public:
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or
@@ -33,7 +32,8 @@ class RecordingReader {
   int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;
-  // What was passed over or looks wrong, one sentence each: for the user and summary.json.
+  // Sentences about scan lines that were passed over or look wrong, for the user and
+  // summary.json.
   const std::vector<std::string>& warnings() const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-// One 2D laser scanner of the rig: where it sits, how well it measures.
+// Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures.
 struct Scanner {
   std::string name;
   std::string topic;  // of its sensor_msgs/LaserScan messages
@@ -21,7 +21,7 @@ struct Scanner {
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
 
-  // What only the simulator needs; when mapping, the recording's own values count.
+  // Only the simulator needs these three; in a recording each message carries its own.
   int beams = 270;
   double field_of_view_deg = 270.0;
   double scan_rate_hz = 40.0;
@@ -35,6 +35,7 @@ struct Scanner {
 // in the body frame (height, roll and pitch can not be observed then), spatial otherwise.
 enum class MotionModel { kAutomatic, kSpatial, kPlanar };
 
+// Rig holds the scanners that move together, and how they can move.
 struct Rig {
   MotionModel motion = MotionModel::kAutomatic;
   std::vector<Scanner> scanners;
@@ -46,13 +47,13 @@ Rig ReadRig(const std::string& path);
 // Writes a rig file that ReadRig understands.
 void WriteRig(const Rig& rig, const std::string& path);
 
-// Whether only the planar motion is estimated: by the rig file, or because all scan planes are
-// horizontal and see no heights.
+// True when only planar motion is to be estimated: the rig file says so, or all scan planes
+// are horizontal and see no heights.
 bool IsPlanar(const Rig& rig);
 // True when every scan plane is horizontal in the body frame to within tolerance_rad.
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
-// The largest range noise of a rig's scanners.
+// Returns the largest range noise of a rig's scanners, m.
 double MaxRangeNoise(const Rig& rig);
 
 }  // namespace plumbline

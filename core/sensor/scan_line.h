@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// One revolution of one scanner as it stands in the recording. Beam i points along
+// ScanLine is one revolution of one scanner as it stands in the recording. Beam i points along
 // (cos a, sin a, 0), a = angle_min + i * angle_increment, in the scanner frame and was taken
 // at stamp_ns + i * time_increment_s. Ranges in metres; no return is NaN, infinite, zero,
 // negative or outside the scanner's limits (Scanner::IsValidRange).
@@ -22,8 +22,8 @@ struct ScanLine {
   double angle_increment = 0.0;   // rad
   double time_increment_s = 0.0;  // between neighbouring beams
   std::vector<float> ranges;      // m
-  // Unit vectors along the beams, as the angles say: a scanner's lines share them. Those that
-  // are not there are computed when asked for.
+  // Unit vectors along the beams, which the lines of a scanner share; BeamDirection() computes
+  // a direction that is missing here from the beam's angle.
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions;
 
   int num_beams() const { return static_cast<int>(ranges.size()); }

@@ -10,10 +10,10 @@ namespace plumbline {
 
 namespace {
 
-constexpr double kMinGapS = 0.5;
-constexpr double kMinAbsenceS = 1.0;
-constexpr double kMinPeriods = 10.0;
-constexpr int kMaxGapWarnings = 10;
+constexpr double kMinGapS = 0.5;      // in which a walking rig leaves what it has seen
+constexpr double kMinAbsenceS = 1.0;  // drivers start one after the other
+constexpr double kMinPeriods = 10.0;  // slow scanners may lose some scan lines
+constexpr int kMaxGapWarnings = 10;   // more of them would bury the others
 
 std::string SecondsText(double seconds) {
   char text[64];

@@ -9,17 +9,17 @@
 
 namespace plumbline {
 
-// What one message of a recording says about itself before its ranges are read.
+// ScanStamp holds the parts of a message that decide whether and when its scan line is used.
 struct ScanStamp {
   int64_t stamp_ns = 0;
   int scanner_index = 0;
   bool usable = true;  // false: no ranges, or angles or times that make no sense
 };
 
-// Which messages of a recording to use, and in which order.
+// ScanOrder says which messages of a recording to use, and in which order.
 struct ScanOrder {
-  // Indices of messages, ordered by stamp, at equal stamps by scanner. Strictly increasing
-  // stamps for each scanner.
+  // Indices of messages, ordered by stamp, at equal stamps by scanner. The stamps of each
+  // scanner increase strictly.
   std::vector<size_t> positions;
   double scan_period_s = 0.0;  // median over all scanners; 0 if none has two scan lines
   std::vector<std::string> warnings;

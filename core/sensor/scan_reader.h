@@ -11,12 +11,13 @@
 
 namespace plumbline {
 
-// The scan lines that the scanners take at about the same time.
+// A scan holds the scan lines that the scanners take at about the same time.
 struct Scan {
   std::vector<ScanLine> scan_lines;
   std::vector<int> scan_line_indices;  // position of each in the recording
-  int64_t start_ns = 0;                // instants of the first and last beam of all, scanners'
-  int64_t end_ns = 0;                  // time offsets included
+  // Instants of the first and the last beam, the scanners' time offsets included.
+  int64_t start_ns = 0;
+  int64_t end_ns = 0;
 };
 
 // Groups a recording's scan lines into scans: a scan ends where a scanner would occur twice or

@@ -7,9 +7,9 @@
 
 namespace plumbline {
 
-// A Gaussian on consecutive control points about the values they had. Rows: 6 for each control
-// point, rotation (rad, world frame) and position (m); for planar rigs the rows of roll, pitch
-// and height are zero.
+// PoseGaussian is a Gaussian on consecutive control points about the values that they had.
+// Each control point has 6 rows, rotation (rad, world frame) and position (m); for planar rigs
+// the rows of roll, pitch and height are zero.
 struct PoseGaussian {
   int first = 0;
   std::vector<ControlPoint> mean;

@@ -12,29 +12,30 @@
 
 namespace plumbline {
 
-// Joint covariance of the newest control points, from which that of a pose follows.
+// PoseUncertainty holds the joint covariance of the newest control points and gives that of
+// poses.
 class PoseUncertainty {
  public:
   PoseUncertainty() = default;
   PoseUncertainty(int first, Eigen::MatrixXd covariance)
       : first_(first), covariance_(std::move(covariance)) {}
 
-  // World-frame rotation (rad) and position (m) of the body.
+  // Covariance of the body's rotation (rad, world frame) and position (m) at an instant.
   Matrix6d At(const Trajectory& trajectory, int64_t time_ns) const;
-  // The same of two poses together.
+  // Joint covariance of the poses at two instants, six rows each.
   Eigen::Matrix<double, 12, 12> AtBoth(const Trajectory& trajectory,
                                        int64_t first_ns,
                                        int64_t second_ns) const;
 
  private:
-  // A pose by the control points that it depends on.
+  // Local says how a pose depends on its control points.
   struct Local {
-    // Of each, the first column; nothing for one that is given.
+    // First column of each in the covariance; nothing for a control point that is held fixed.
     std::array<std::optional<Eigen::Index>, kSplineOrder> columns;
     SplinePoseJacobian spline;
   };
   Local LocalAt(const Trajectory& trajectory, int64_t time_ns) const;
-  // Covariance of one pose (rows) with another one.
+  // Covariance of pose a (rows) with pose b (columns).
   Matrix6d Between(const Local& a, const Local& b) const;
 
   int first_ = 0;  // control point of the first six rows

@@ -11,8 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kOrder = 4;
-
 ControlPoint ControlPointAt(const Eigen::Quaterniond& rotation,
                             const Eigen::Vector3d& position) {
   ControlPoint control_point;
@@ -28,13 +26,13 @@ Trajectory::Trajectory(int64_t start_ns,
                        const Rigid3d& world_from_body)
     : start_ns_(start_ns),
       knot_interval_ns_(knot_interval_ns),
-      control_points_(kOrder,
+      control_points_(kSplineOrder,
                       ControlPointAt(world_from_body.rotation, world_from_body.translation)) {
   CHECK_GT(knot_interval_ns, 0);
 }
 
 int64_t Trajectory::end_ns() const {
-  return start_ns_ + (num_control_points() - (kOrder - 1)) * knot_interval_ns_;
+  return start_ns_ + (num_control_points() - (kSplineOrder - 1)) * knot_interval_ns_;
 }
 
 Trajectory::Location Trajectory::Locate(int64_t time_ns) const {
@@ -53,13 +51,13 @@ Trajectory::Location Trajectory::Locate(int64_t time_ns) const {
 namespace {
 
 struct Support {
-  const double* rotations[kOrder];
-  const double* positions[kOrder];
+  const double* rotations[kSplineOrder];
+  const double* positions[kSplineOrder];
 };
 
 Support SupportAt(const Trajectory& trajectory, int first) {
   Support support;
-  for (int j = 0; j < kOrder; ++j) {
+  for (int j = 0; j < kSplineOrder; ++j) {
     const ControlPoint& control_point = trajectory.control_point(first + j);
     support.rotations[j] = control_point.rotation.data();
     support.positions[j] = control_point.position.data();

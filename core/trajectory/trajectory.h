@@ -9,14 +9,14 @@
 
 namespace plumbline {
 
-// One control point of the pose spline. Solvers hold pointers into it.
+// ControlPoint is one control point of the pose spline. Solvers hold pointers into it.
 struct ControlPoint {
   std::array<double, 4> rotation = {0.0, 0.0, 0.0, 1.0};  // world_from_body, x y z w
   std::array<double, 3> position = {0.0, 0.0, 0.0};       // m, world
 };
 
-// The rig's pose as a function of time: a uniform cubic B-spline, position in R^3, rotation as
-// a cumulative spline on SO(3). Interval i spans
+// Trajectory is the rig's pose as a function of time: a uniform cubic B-spline, position in
+// R^3, rotation as a cumulative spline on SO(3). Interval i spans
 //   [start + i * knot_interval, start + (i + 1) * knot_interval)
 // and depends on control points i .. i+3 only. Control points keep their addresses as it
 // grows.
@@ -27,7 +27,7 @@ class Trajectory {
     double u = 0.0;  // in [0, 1)
   };
 
-  // Every control point at the given pose: at rest.
+  // Starts at rest: every control point has the given pose.
   Trajectory(int64_t start_ns, int64_t knot_interval_ns, const Rigid3d& world_from_body);
 
   int64_t start_ns() const { return start_ns_; }
@@ -61,13 +61,13 @@ class Trajectory {
   std::deque<ControlPoint> control_points_;
 };
 
-// Poses at instants near each other: keeps what the last one's knot interval needs. The
-// trajectory stays as it is meanwhile.
+// PoseSampler computes poses at instants near each other: it keeps the terms of the last knot
+// interval. The trajectory must not change meanwhile.
 class PoseSampler {
  public:
   explicit PoseSampler(const Trajectory& trajectory) : trajectory_(trajectory) {}
 
-  // As Trajectory::WorldFromBody.
+  // Returns the pose at an instant. Throws Error outside the trajectory.
   Rigid3d WorldFromBody(int64_t time_ns);
 
  private:

@@ -13,6 +13,7 @@
 #include "core/estimation/ceres_solver.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
+#include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
 #include "core/map/plane_patches.h"
@@ -27,9 +28,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
-constexpr double kSamePlane = 1e-6;  // rad and m: rounding of the building's geometry
 
 // Faces that are one plane get the same number.
 std::vector<int> PlaneOfFace(const Building& building) {
@@ -82,7 +80,7 @@ std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
 
 class BoundComputer {
  public:
-  // Without a seed, for errorless beams.
+  // seed: of the noise; errorless beams without one.
   BoundComputer(const Experiment& experiment,
                 const MapperOptions& options,
                 std::optional<uint64_t> seed)
@@ -124,7 +122,7 @@ class BoundComputer {
   }
 
  private:
-  // Beams that an observation was made of.
+  // The beams that an observation was made from.
   struct Source {
     std::shared_ptr<const ScanLine> scan_line;
     Segment segment;
@@ -151,7 +149,7 @@ class BoundComputer {
 
   // Least squares with the true associations. Lever arms and weights follow the estimate.
   void Estimate() {
-    constexpr int kRounds = 3;
+    constexpr int kRounds = 3;  // another one changes weights by less than they are known to
     const CeresSolver<ArrowheadEquations> solver({});
     for (int round = 0; round < kRounds; ++round) {
       solver.Solve(MakeProblem().get());
@@ -197,8 +195,8 @@ class BoundComputer {
     Add(scan_line, std::move(runs));
   }
 
-  // The model frame from the wall that the scan lines so far see with most beams, once every
-  // scanner has had its turn.
+  // Sets the model frame by the wall that the scan lines so far see with most beams, once
+  // every scanner has taken one.
   bool Start() {
     const int64_t first_ns = first_lines_.front().first.stamp_ns;
     const int64_t last_ns = first_lines_.back().first.stamp_ns;
@@ -220,7 +218,7 @@ class BoundComputer {
         Eigen::AngleAxisd(-std::atan2(normal.y(), normal.x()), Eigen::Vector3d::UnitZ()));
     const Path& path = simulator_.path();
     model_from_world_ = {heading, -(heading * path.PoseAt(path.start_ns()).translation)};
-    // Its control points where the path is at the instant at which each counts most: close
+    // The control points lie where the path is at the instant at which each counts most: close
     // enough to the true motion for derivatives.
     const double interval_s = std::max(options_.trajectory.knot_interval_s,
                                        options_.trajectory.min_scans_per_knot / MaxScanRate());

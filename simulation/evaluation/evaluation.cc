@@ -7,13 +7,12 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/angles.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 double Yaw(const Eigen::Quaterniond& rotation) {
   const Eigen::Vector3d x = rotation * Eigen::Vector3d::UnitX();
@@ -76,9 +75,9 @@ Rigid3d Align(const std::vector<PosePair>& pairs, bool about_z) {
   const Eigen::Vector3d spread =
       Eigen::JacobiSVD<Eigen::Matrix3d>(moments).singularValues().cwiseSqrt();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  // Positions on one line tell nothing about the rotation around it, those of a rig that
-  // stands still nothing at all.
-  constexpr double kMinSpread = 0.01;
+  // Positions on one line leave the rotation around it open, and those of a rig that stands
+  // still leave every rotation open.
+  constexpr double kMinSpread = 0.01;  // m; less is noise
   if (spread(0) >= kMinSpread && (about_z || spread(1) < kMinSpread)) {
     rotation = RotationFromYaw(
         std::atan2(moments(1, 0) - moments(0, 1), moments(0, 0) + moments(1, 1)));
@@ -92,7 +91,7 @@ Rigid3d Align(const std::vector<PosePair>& pairs, bool about_z) {
 // Errors of the motion between poses that lie one metre of the true path apart.
 PoseErrors ComputeRelativeErrors(const std::vector<PosePair>& pairs,
                                  const std::vector<double>& path_length) {
-  constexpr double kStep = 1.0;
+  constexpr double kStep = 1.0;  // m, as PoseErrors relative_1m says
   std::vector<PosePair> motions;
   size_t j = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {

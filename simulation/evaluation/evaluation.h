@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// What of summary.json the evaluation needs.
+// ResultFigures are the parts of summary.json that the evaluation needs.
 struct ResultFigures {
   std::string motion = "spatial";  // "planar": heights, roll and pitch are not compared
   int reference_plane_id = -1;     // -1: the mapper found no reference wall
@@ -19,8 +19,9 @@ struct ResultFigures {
   double variance_factor = 0.0;
 };
 
-// A result of the mapper and the truth it is held against. The result is in the model frame,
-// the truth in the simulator's own world frame ("truth" below); both have z up.
+// EvaluationInput holds a result of the mapper and the truth to compare it with. The result is
+// in the model frame, the truth in the simulator's own world frame ("truth" below); both have
+// z up.
 struct EvaluationInput {
   std::vector<StampedPose> trajectory;  // model_from_body
   std::vector<PlanePatch> planes;
@@ -29,8 +30,8 @@ struct EvaluationInput {
   std::vector<PlanePatch> truth_planes;       // num_points = beams that hit the face
 };
 
-// Of a list of errors that are not negative. stddev is the spread about the mean:
-// rmse^2 = mean^2 + stddev^2.
+// ErrorStatistics summarise a list of errors that are not negative. stddev is the spread about
+// the mean: rmse^2 = mean^2 + stddev^2.
 struct ErrorStatistics {
   double rmse = 0.0;
   double mean = 0.0;
@@ -56,7 +57,7 @@ struct TrajectoryEvaluation {
   Rigid3d alignment;            // that rigid motion
 };
 
-// How the truth was brought into the model frame.
+// ModelFrame says how the truth was brought into the model frame.
 struct ModelFrame {
   Rigid3d model_from_truth;
   int reference_face_id = -1;  // the true wall that gives the heading; -1: the first pose does
@@ -67,14 +68,14 @@ struct Evaluation {
   ModelFrame frame;
   TrajectoryEvaluation trajectory;
   PlaneEvaluation planes;
-  // The planes moved by the trajectory's alignment: the error of the model frame's origin,
-  // which is the first pose, taken out.
+  // Errors of the planes after the trajectory's alignment, which takes out the error of the
+  // model frame's origin, the first pose.
   PlaneEvaluation planes_aligned;
 };
 
-// Poses between the samples of a dense trajectory: cubic through the four nearest samples, for
-// the rotation in the tangent space of one of them. At 5 ms sampling the interpolation error
-// of indoor motion is below a micrometre.
+// Interpolates poses between the samples of a dense trajectory: cubic through the four nearest
+// samples, for the rotation in the tangent space of one of them. At 5 ms sampling the
+// interpolation error of indoor motion is below a micrometre.
 class InterpolatedTrajectory {
  public:
   // Throws Error for fewer than two poses or instants that do not increase.
@@ -87,7 +88,7 @@ class InterpolatedTrajectory {
   std::vector<StampedPose> poses_;
 };
 
-// The model frame of a result (docs/terms.md), found in the truth: z up, origin at the true
+// Finds the model frame of a result (docs/terms.md) in the truth: z up, origin at the true
 // position at the first pose, x axis along the normal of the true face that the reference wall
 // shows. Without reference wall, or when no true face fits it, heading and origin are those
 // that make the first poses agree.
@@ -95,18 +96,19 @@ ModelFrame FindModelFrame(const EvaluationInput& input,
                           const InterpolatedTrajectory& truth,
                           const PlaneMatchingOptions& options);
 
-// Throws Error when the result is empty or begins outside the time span of the truth.
+// Computes the errors of a result. Throws Error when the result is empty or begins outside the
+// time span of the truth.
 Evaluation Evaluate(const EvaluationInput& input, const PlaneMatchingOptions& options);
 
-// trajectory.tum, planes.json and summary.json of a result, truth_trajectory.tum and
+// Reads trajectory.tum, planes.json and summary.json of a result, truth_trajectory.tum and
 // truth_planes.json of a simulation. Throws Error naming the file at fault.
 EvaluationInput ReadEvaluationInput(const std::string& result_directory,
                                     const std::string& truth_directory);
 
-// For people, lengths in millimetres; ends with a line break.
+// Prints the errors for people, lengths in millimetres; ends with a line break.
 std::string EvaluationTable(const Evaluation& evaluation);
 
-// evaluation.json as docs/outputs.md describes it. The file appears whole or not at all; Error
+// Writes evaluation.json as docs/outputs.md describes it, whole or not at all. Throws Error
 // when it can not be written.
 void WriteEvaluation(const Evaluation& evaluation, const std::string& path);
 

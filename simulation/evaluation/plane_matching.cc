@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/geometry/angles.h"
+
 namespace plumbline {
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
@@ -52,7 +52,7 @@ bool Contains(const Polygon& polygon, const Eigen::Vector2d& p) {
 // Centres of the cells of a raster that lie in the polygon; its corners' mean where it is too
 // thin for any.
 Polygon SampleInside(const Polygon& polygon) {
-  constexpr int kCells = 64;
+  constexpr int kCells = 64;  // overlaps to a few per cent, well below the least that counts
   Eigen::Vector2d min = polygon.front();
   Eigen::Vector2d max = polygon.front();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -115,37 +115,37 @@ bool Coplanar(const PlanePatch& a, const PlanePatch& b, const PlaneMatchingOptio
          std::abs(a.SignedDistance(b.centre)) <= options.coplanar_distance_m;
 }
 
-// An estimate with the faces that it shows; its place in the evaluation's list.
-struct Candidate {
+// The true faces that an estimate shows.
+struct ShownFaces {
   const PlanePatch* estimate = nullptr;
   std::vector<size_t> faces;  // positions, the best fitting one first
-  size_t list_index = 0;
+  size_t list_index = 0;      // of the estimate in the evaluation's list
 };
 
-Candidate FindFaces(const PlanePatch& estimate,
-                    const std::vector<PlanePatch>& faces,
-                    bool planar,
-                    const PlaneMatchingOptions& options) {
-  Candidate candidate;
-  candidate.estimate = &estimate;
+ShownFaces FindFaces(const PlanePatch& estimate,
+                     const std::vector<PlanePatch>& faces,
+                     bool planar,
+                     const PlaneMatchingOptions& options) {
+  ShownFaces shown;
+  shown.estimate = &estimate;
   const int best = FindBestFace(estimate, faces, planar, options);
-  if (best < 0) return candidate;
+  if (best < 0) return shown;
   const size_t best_index = static_cast<size_t>(best);
   const auto add = [&](size_t i) {
     const Overlap overlap = MatchOverlap(estimate, faces[i], planar, options);
-    if (overlap.OfSmaller() > 0.0) candidate.faces.push_back(i);
+    if (overlap.OfSmaller() > 0.0) shown.faces.push_back(i);
   };
   add(best_index);
   for (size_t i = 0; i < faces.size(); ++i) {
     if (i != best_index && Coplanar(faces[best_index], faces[i], options)) add(i);
   }
-  return candidate;
+  return shown;
 }
 
 // True when a and b show the same face and overlap there, and b is the one to keep: it has
 // more points, or as many and comes first.
-bool IsDoubleOf(const Candidate& a,
-                const Candidate& b,
+bool IsDoubleOf(const ShownFaces& a,
+                const ShownFaces& b,
                 const std::vector<PlanePatch>& faces,
                 bool planar,
                 const PlaneMatchingOptions& options) {
@@ -162,16 +162,16 @@ bool IsDoubleOf(const Candidate& a,
   return overlap.OfSmaller() >= options.min_overlap;
 }
 
-PlaneMatch MakeMatch(const Candidate& candidate, const std::vector<PlanePatch>& faces) {
-  const PlanePatch& estimate = *candidate.estimate;
+PlaneMatch MakeMatch(const ShownFaces& shown, const std::vector<PlanePatch>& faces) {
+  const PlanePatch& estimate = *shown.estimate;
   PlaneMatch match;
   match.plane_id = estimate.id;
   match.sigma_angle_deg = estimate.sigma_angle_rad * kDegreesPerRadian;
   match.sigma_distance_m = estimate.sigma_distance_m;
-  if (candidate.faces.empty()) return match;
+  if (shown.faces.empty()) return match;
   match.status = MatchStatus::kMatched;
-  for (const size_t face : candidate.faces) match.face_ids.push_back(faces[face].id);
-  const PlanePatch& best = faces[candidate.faces.front()];
+  for (const size_t face : shown.faces) match.face_ids.push_back(faces[face].id);
+  const PlanePatch& best = faces[shown.faces.front()];
   match.angle_deg = AngleBetweenDeg(estimate.normal, best.normal);
   match.distance_m = best.SignedDistance(estimate.centre);
   return match;
@@ -183,12 +183,12 @@ double RootMeanSquare(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-void SummariseErrors(const std::vector<Candidate>& candidates, PlaneEvaluation* evaluation) {
+void SummariseErrors(const std::vector<ShownFaces>& all_shown, PlaneEvaluation* evaluation) {
   std::vector<double> angles;
   std::vector<double> distances;
   std::vector<double> whitened_angles;
   std::vector<double> whitened_distances;
-  for (size_t i = 0; i < candidates.size(); ++i) {
+  for (size_t i = 0; i < all_shown.size(); ++i) {
     const PlaneMatch& match = evaluation->list[i];
     evaluation->num_matched += match.status == MatchStatus::kMatched;
     evaluation->num_wrong += match.status == MatchStatus::kWrong;
@@ -199,7 +199,7 @@ void SummariseErrors(const std::vector<Candidate>& candidates, PlaneEvaluation* 
     if (match.sigma_distance_m > 0.0) {
       whitened_distances.push_back(match.distance_m / match.sigma_distance_m);
     }
-    if (match.sigma_angle_deg > 0.0 && candidates[i].estimate->type == PlaneType::kVertical) {
+    if (match.sigma_angle_deg > 0.0 && all_shown[i].estimate->type == PlaneType::kVertical) {
       whitened_angles.push_back(match.angle_deg / match.sigma_angle_deg);
     }
   }
@@ -215,14 +215,14 @@ void SummariseErrors(const std::vector<Candidate>& candidates, PlaneEvaluation* 
   }
 }
 
-// Missed faces and completeness.
+// Finds the faces that no estimate shows, and the completeness.
 void SummariseFaces(const std::vector<PlanePatch>& faces,
-                    const std::vector<Candidate>& candidates,
+                    const std::vector<ShownFaces>& all_shown,
                     const PlaneMatchingOptions& options,
                     PlaneEvaluation* evaluation) {
   std::vector<bool> found(faces.size(), false);
-  for (const Candidate& candidate : candidates) {
-    for (const size_t face : candidate.faces) found[face] = true;
+  for (const ShownFaces& shown : all_shown) {
+    for (const size_t face : shown.faces) found[face] = true;
   }
   double all_points = 0.0;
   double found_points = 0.0;
@@ -287,22 +287,22 @@ PlaneEvaluation MatchPlanes(const std::vector<PlanePatch>& estimates,
     if (!planar || IsVertical(face)) comparable_faces.push_back(face);
   }
   PlaneEvaluation evaluation;
-  std::vector<Candidate> candidates;
+  std::vector<ShownFaces> all_shown;
   for (const PlanePatch& estimate : estimates) {
     if (planar && !IsVertical(estimate)) continue;
-    candidates.push_back(FindFaces(estimate, comparable_faces, planar, options));
-    candidates.back().list_index = candidates.size() - 1;
-    evaluation.list.push_back(MakeMatch(candidates.back(), comparable_faces));
+    all_shown.push_back(FindFaces(estimate, comparable_faces, planar, options));
+    all_shown.back().list_index = all_shown.size() - 1;
+    evaluation.list.push_back(MakeMatch(all_shown.back(), comparable_faces));
   }
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    for (size_t j = 0; j < candidates.size(); ++j) {
-      if (IsDoubleOf(candidates[i], candidates[j], comparable_faces, planar, options)) {
+  for (size_t i = 0; i < all_shown.size(); ++i) {
+    for (size_t j = 0; j < all_shown.size(); ++j) {
+      if (IsDoubleOf(all_shown[i], all_shown[j], comparable_faces, planar, options)) {
         evaluation.list[i].status = MatchStatus::kDoubled;
       }
     }
   }
-  SummariseErrors(candidates, &evaluation);
-  SummariseFaces(comparable_faces, candidates, options, &evaluation);
+  SummariseErrors(all_shown, &evaluation);
+  SummariseFaces(comparable_faces, all_shown, options, &evaluation);
   return evaluation;
 }
 

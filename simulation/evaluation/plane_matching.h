@@ -7,16 +7,18 @@
 
 namespace plumbline {
 
-// When an estimated plane counts as the image of a true face. The bounds are generous: they
-// decide what is the same wall, not whether it was measured well.
+// An estimated plane counts as the image of a true face within these bounds. They are
+// generous: they decide what is the same wall, not whether it was measured well.
 struct PlaneMatchingOptions {
-  double max_angle_deg = 2.0;       // between the normals, which have to face the same way
-  double max_distance_m = 0.1;      // of the estimate's centre from the true face's plane
-  double min_overlap = 0.1;         // share of the smaller outline that lies in the other
-  double coplanar_angle_deg = 0.2;  // true faces within these two bounds are one plane, which
-  double coplanar_distance_m = 0.01;  // a single estimate may cover
-  int min_points = 200;               // a true face with fewer points can not be missed,
-  double min_point_share = 0.002;     // nor one with a smaller share of all points
+  double max_angle_deg = 2.0;   // between the normals, which have to face the same way
+  double max_distance_m = 0.1;  // of the estimate's centre from the true face's plane
+  double min_overlap = 0.1;     // share of the smaller outline that lies in the other
+  // True faces within these two bounds are one plane, which a single estimate may cover.
+  double coplanar_angle_deg = 0.2;
+  double coplanar_distance_m = 0.01;
+  // A true face with fewer points, or with a smaller share of all points, can not be missed.
+  int min_points = 200;
+  double min_point_share = 0.002;
 };
 
 enum class MatchStatus {
@@ -27,7 +29,7 @@ enum class MatchStatus {
 
 std::string MatchStatusName(MatchStatus status);  // "matched", "wrong", "doubled"
 
-// One estimated plane held against the truth.
+// PlaneMatch says what became of one estimated plane.
 struct PlaneMatch {
   int plane_id = 0;
   MatchStatus status = MatchStatus::kWrong;
@@ -38,40 +40,42 @@ struct PlaneMatch {
   double sigma_distance_m = 0.0;
 };
 
+// Errors of all planes of a map.
 struct PlaneEvaluation {
   int num_matched = 0;
   int num_wrong = 0;
   int num_doubled = 0;
   int num_missed = 0;
-  double completeness = 0.0;    // share of the true points that lie on faces found
-  double angle_rmse_deg = 0.0;  // these four over matched and doubled planes
+  double completeness = 0.0;  // share of the true points that lie on faces found
+  // Errors of the matched and the doubled planes.
+  double angle_rmse_deg = 0.0;
   double angle_max_deg = 0.0;
   double distance_rmse_m = 0.0;
   double distance_max_m = 0.0;
-  // Root mean square of error over stated standard deviation, where one is stated; near 1 for
-  // a trustworthy covariance. Angles: of vertical planes, whose angle has one degree of
-  // freedom.
+  // Root mean square of the errors over their stated standard deviations, where one is stated:
+  // near 1 for a trustworthy covariance. Angles are those of vertical planes, which have one
+  // degree of freedom.
   double angle_over_sigma_rms = 0.0;
   double distance_over_sigma_rms = 0.0;
   std::vector<PlaneMatch> list;      // in the order of the estimates
   std::vector<int> missed_face_ids;  // in the order of the faces
 };
 
-// Position in faces of the face that the estimate shows, -1 for none; both in the same frame.
-// Of several, the one is taken that holds most of the estimate and lies nearest to it. Planar:
-// outlines are compared from above, along the wall only.
+// Returns the index of the face that the estimate shows, -1 for none; both are given in the
+// same frame. Of several faces it takes the one that holds most of the estimate and lies
+// nearest to it. planar: outlines are compared from above, along the wall only.
 int FindBestFace(const PlanePatch& estimate,
                  const std::vector<PlanePatch>& faces,
                  bool planar,
                  const PlaneMatchingOptions& options);
 
-// Holds estimates against true faces given in the same frame. Planar: vertical planes only.
+// Compares estimates with true faces in the same frame. planar: vertical planes only.
 PlaneEvaluation MatchPlanes(const std::vector<PlanePatch>& estimates,
                             const std::vector<PlanePatch>& faces,
                             bool planar,
                             const PlaneMatchingOptions& options);
 
-// The patch in another frame.
+// Moves a patch into another frame.
 PlanePatch TransformPatch(const Rigid3d& b_from_a, const PlanePatch& patch_a);
 
 }  // namespace plumbline

@@ -3,15 +3,15 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/geometry/angles.h"
 #include "core/util/time.h"
 #include "core/util/yaml_node.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-constexpr double kMaxLength = 1e5;       // m
-constexpr double kDefaultStart = 1.4e9;  // s since 1970
+constexpr double kMaxLength = 1e5;       // m; a day on foot
+constexpr double kDefaultStart = 1.4e9;  // s since 1970; as large as those of recordings
 constexpr double kLatestStart = 4e9;     // s; a ROS 1 stamp holds no later instant
 
 std::string Resolve(const YamlNode& node, const std::string& experiment_path) {
@@ -50,12 +50,13 @@ void ReadWay(const YamlNode& node, double floor_height, PathOptions* path) {
 
 Oscillation ReadOscillation(const YamlNode& node, bool is_angle) {
   Oscillation oscillation;
-  oscillation.amplitude = is_angle ? node["amplitude_deg"].AsDouble(0.0, 45.0) * kDegree
-                                   : node["amplitude_m"].AsDouble(0.0, 10.0);
+  oscillation.amplitude = is_angle
+                              ? node["amplitude_deg"].AsDouble(0.0, 45.0) * kRadiansPerDegree
+                              : node["amplitude_m"].AsDouble(0.0, 10.0);
   oscillation.frequency_hz = node["frequency_hz"].AsDouble(0.0, 20.0);
   double phase_deg = 0.0;
   node.Optional("phase_deg", &phase_deg, -360.0, 360.0);
-  oscillation.phase_rad = phase_deg * kDegree;
+  oscillation.phase_rad = phase_deg * kRadiansPerDegree;
   node.RejectUnreadKeys();
   return oscillation;
 }

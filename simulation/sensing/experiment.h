@@ -10,12 +10,13 @@
 
 namespace plumbline {
 
+// NoiseOptions change the noise that the rig file states.
 struct NoiseOptions {
   double scale = 1.0;    // of the scanners' range noise; 0 switches it off
   double dropout = 0.0;  // probability that a beam has no return
 };
 
-// What one run of the simulator needs: where, with what, along which path, with what noise.
+// An experiment describes one run of the simulator: rig, building, path and noise.
 struct Experiment {
   Rig rig;
   Building building;
@@ -25,8 +26,8 @@ struct Experiment {
 };
 
 // Reads an experiment file (docs/inputs.md) with the building and the rig that it names,
-// relative to its own folder. The section "mapper" is the mapper's and left alone. Throws
-// Error with file and line.
+// relative to its own folder. The section "mapper" holds the mapper's options, which this
+// function does not check. Throws Error with file and line.
 Experiment ReadExperiment(const std::string& path);
 
 }  // namespace plumbline

@@ -31,10 +31,10 @@ double Random::Gaussian() {
     const double y = 2 * Uniform() - 1;
     const double square = x * x + y * y;
     if (square >= 1.0 || square == 0.0) continue;
-    const double factor = std::sqrt(-2 * std::log(square) / square);
-    spare_ = factor * y;
+    const double scale = std::sqrt(-2 * std::log(square) / square);
+    spare_ = scale * y;
     has_spare_ = true;
-    return factor * x;
+    return scale * x;
   }
 }
 

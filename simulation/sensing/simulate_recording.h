@@ -9,22 +9,22 @@
 
 namespace plumbline {
 
-// Counts which beams with a return hit which face.
+// TruthPlanes counts, for every face, the beams that hit it and have a return.
 class TruthPlanes {
  public:
   explicit TruthPlanes(const Building& building);
 
-  // ranges: of the scan line as recorded, with noise.
+  // Counts the beams of one scan line. recorded: the same line with noise.
   void Add(const PerfectScanLine& perfect, const ScanLine& recorded, double time_offset_s);
 
-  // The faces that were hit, with the id they have in the building.
+  // Returns the faces that were hit, with the ids that they have in the building.
   std::vector<PlanePatch> Patches() const;
 
  private:
   std::vector<PlanePatch> patches_;
 };
 
-// world_from_body every 5 ms, from the first to the last instant of the path.
+// Samples world_from_body every 5 ms, from the first to the last instant of the path.
 std::vector<StampedPose> TruthTrajectory(const Path& path);
 
 // Reads the experiment, simulates it and writes recording.bag, rig.yaml, truth_trajectory.tum

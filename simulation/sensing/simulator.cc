@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kCheckStep = 0.02;  // m along the path
+constexpr double kCheckStep = 0.02;  // m along the path; a fifth of the clearance
 
 // LaserScan messages hold angles and time increments in single precision: take the beams
 // exactly where the recording will say they were. Not inlined, because GCC 12 drops the

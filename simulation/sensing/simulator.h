@@ -12,16 +12,16 @@
 
 namespace plumbline {
 
-// One scan line as an errorless scanner with unlimited range takes it.
+// PerfectScanLine is a scan line as an errorless scanner with unlimited range takes it.
 struct PerfectScanLine {
   ScanLine scan_line;                        // its ranges are empty
   int line_index = 0;                        // among the scan lines of its scanner
   std::vector<std::optional<RayHit>> beams;  // nullopt where the beam meets nothing
 };
 
-// Adds what the scanner does to ranges: Gaussian noise, lost returns, and +infinity where a
-// range is beyond the scanner's limits. The random numbers depend only on the seed, the
-// scanner and the line.
+// Adds the errors of a scanner to the ranges: Gaussian noise, lost returns, and +infinity
+// where a range is beyond the scanner's limits. The random numbers depend only on the seed,
+// the scanner and the line.
 ScanLine AddNoise(const PerfectScanLine& perfect,
                   const Scanner& scanner,
                   const NoiseOptions& noise,
@@ -35,7 +35,8 @@ class Simulator {
   // or comes closer to a face than kMinClearance.
   explicit Simulator(const Experiment& experiment);
 
-  static constexpr double kMinClearance = 0.1;  // m
+  // m; people and their rigs keep farther away, and a scanner inside a wall is a mistake.
+  static constexpr double kMinClearance = 0.1;
 
   // Calls the sink with every scan line, in the order of their stamps; those of the same stamp
   // come in the order of the scanners.

@@ -12,7 +12,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kMinEdge = 1e-3;         // m; shorter ones are a mistake in the file
-constexpr double kSamePlane = 1e-6;       // m, and as a difference of unit normals
 constexpr double kCoordinateStep = 1e-9;  // m; makes coordinates along a wall comparable
 
 // Between two heights the free space is the same at every height.

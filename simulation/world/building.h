@@ -10,7 +10,11 @@
 
 namespace plumbline {
 
-// A connected piece of a plane that borders free space: what the mapper should find.
+// Planes whose normals (unit vectors) and distances (m) differ by less are one: far above what
+// rounding leaves, far below what a building file tells apart.
+inline constexpr double kSamePlane = 1e-6;
+
+// A face is a connected piece of a plane that borders free space: what the mapper should find.
 struct Face {
   int id = 0;  // position in Building::faces
   PlaneType type = PlaneType::kVertical;
@@ -19,13 +23,13 @@ struct Face {
   // Closed polygons on the plane; counter-clockwise, holes clockwise, seen from free space.
   std::vector<Eigen::Vector3d> outline;
   std::vector<std::vector<Eigen::Vector3d>> holes;
-  std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // that cover it
+  std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // cover the face, counter-clockwise
 
   double Area() const;
   Eigen::Vector3d Centroid() const;
 };
 
-// The faces of one storey: floor, ceiling, walls, lintels.
+// Building holds the faces of one storey: floor, ceiling, walls, lintels.
 struct Building {
   double floor_height = 0.0;
   double ceiling_height = 0.0;
@@ -38,7 +42,7 @@ struct Building {
 // leave a face of less than a millimetre.
 Building MakeBuilding(const FloorPlan& plan);
 
-// ReadFloorPlan and MakeBuilding.
+// Reads a building file and builds its faces. Throws Error with file and line.
 Building ReadBuilding(const std::string& path);
 
 }  // namespace plumbline

@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxCoordinate = 10000.0;  // m
+constexpr double kMaxCoordinate = 10000.0;  // m; larger ones are millimetres by mistake
 
 Eigen::Vector2d ReadPoint(const YamlNode& node) {
   const std::vector<double> xy = node.AsDoubles(2, -kMaxCoordinate, kMaxCoordinate);

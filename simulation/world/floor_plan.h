@@ -7,26 +7,26 @@
 
 namespace plumbline {
 
-// A door or passage, over the wall's whole thickness, from the floor up.
+// An opening is a door or passage through the wall's whole thickness, from the floor up.
 struct Opening {
   double position_m = 0.0;  // of its middle, along the wall
   double width_m = 0.0;
   double height_m = 0.0;  // above the floor; up to the ceiling there is no lintel
 };
 
-// A straight wall seen from both sides; from and to are the ends of its centre line.
+// A straight wall can be seen from both sides; from and to are the ends of its centre line.
 struct Wall {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   double thickness_m = 0.0;
   std::vector<Opening> openings;
 
-  // The part of the wall between two positions along it, seen from above.
+  // Returns the outline of the wall between two positions along it, seen from above.
   Polygon2 Footprint(double begin_m, double end_m) const;
 };
 
-// One storey as a building file describes it. Heights and positions are metres in the
-// building's frame, which is the world of the simulation.
+// FloorPlan is one storey as a building file describes it. Heights and positions are metres in
+// the building's frame, which is the world of the simulation.
 struct FloorPlan {
   std::string location;  // "file:line", for messages
   double floor_height = 0.0;

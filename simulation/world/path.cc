@@ -52,15 +52,15 @@ Eigen::Vector2d UnitCorner(double turn) {
 }
 
 // Seconds from full speed to a stand, v = speed * cos^2(pi t / 2 ramp). It costs half a ramp
-// of distance, and half a ramp of time more than going on.
+// of distance, and half a ramp of time more than going on. A person stops within a second.
 constexpr double kRampS = 1.0;
 
 // Travelled after a time since the ramp's begin, as a share of speed * ramp.
 double RampTravel(double share) { return share / 2 + std::sin(M_PI * share) / (2 * M_PI); }
 
-constexpr double kMaxTurn = 170.0 * M_PI / 180.0;
-constexpr double kMinTurn = 1e-9;
-constexpr double kFit = 1e-9;  // m
+constexpr double kMaxTurn = 170.0 * M_PI / 180.0;  // beyond, the corner's ends run to infinity
+constexpr double kMinTurn = 1e-9;                  // rad; what rounding makes of straight on
+constexpr double kFit = 1e-9;                      // m; corners that just meet may round so
 
 }  // namespace
 

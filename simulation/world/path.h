@@ -9,7 +9,8 @@
 
 namespace plumbline {
 
-// amplitude * sin(2 pi frequency t + phase), t since the start of the path.
+// An oscillation adds amplitude * sin(2 pi frequency t + phase), t since the start of the
+// path.
 struct Oscillation {
   double amplitude = 0.0;  // rad or m
   double frequency_hz = 1.0;
@@ -25,16 +26,18 @@ struct Pause {
   std::string location;  // "file:line", for messages
 };
 
+// The rig passes near a way point: it turns there, along a corner, into the next direction.
 struct WayPoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // building frame, m
   std::string location;                                // "file:line", for messages
 };
 
+// PathOptions are an experiment's description of the path.
 struct PathOptions {
   std::string location;  // "file:line", for messages
   std::vector<WayPoint> way_points;
   bool closed = false;          // back to the first way point, and on
-  double laps = 1.0;            // to travel; of closed paths, when length_m is 0
+  double laps = 1.0;            // to travel; counts for closed paths, when length_m is 0
   double length_m = 0.0;        // to travel; 0: the laps, or to the last way point
   double start_fraction = 0.0;  // of one lap or of the whole way, where the rig starts
   double corner_radius_m = 0.5;
@@ -45,8 +48,9 @@ struct PathOptions {
   int64_t start_ns = 0;
 };
 
-// Motion of the rig along way points at constant speed, heading along the path, as an analytic
-// function of time. Straight stretches are joined by corners along which the curvature is
+// A path moves the rig along way points at constant speed, heading along the path, as an
+// analytic function of time. Straight stretches are joined by corners along which the
+// curvature is
 //   k(s) = 2 turn / length * sin^2(pi s / length) ,
 // so that the yaw rate is continuous and smooth, and no polynomial spline can follow exactly.
 // A corner begins and ends where a circular arc of corner_radius_m would.
@@ -61,17 +65,18 @@ class Path {
 
   int64_t start_ns() const { return options_.start_ns; }
   int64_t end_ns() const { return end_ns_; }
-  double lap_length_m() const { return lap_length_m_; }  // or of the whole way, where open
+  // Length of one lap; for open paths, of the whole way.
+  double lap_length_m() const { return lap_length_m_; }
 
   // Metres travelled at an instant.
   double TravelledAt(int64_t time_ns) const;
   // Place and heading (rad) at a distance from the first way point, without oscillations.
   Eigen::Vector3d PlaceAndHeadingAt(double distance_m) const;
-  // Of the way point last passed at an instant.
+  // The way point that was passed last at an instant, as "file:line".
   const std::string& LocationAt(int64_t time_ns) const;
 
  private:
-  // A straight stretch (turn 0) or a corner.
+  // A piece is a straight stretch (turn 0) or a corner.
   struct Piece {
     double begin_m = 0.0;  // distance of its begin along the path
     double length_m = 0.0;

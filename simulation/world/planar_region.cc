@@ -21,8 +21,8 @@ using ExactPolygon = CGAL::Polygon_2<ExactKernel>;
 using ExactPolygonWithHoles = CGAL::Polygon_with_holes_2<ExactKernel>;
 using ExactRegion = CGAL::Polygon_set_2<ExactKernel>;
 
-constexpr double kSamePoint = 1e-6;      // m
-constexpr double kSameDirection = 1e-7;  // rad
+constexpr double kSamePoint = 1e-6;      // m; far below what a building file tells apart
+constexpr double kSameDirection = 1e-7;  // rad; a micrometre over 10 m
 
 ExactPolygon ToExact(const Polygon2& polygon) {
   ExactPolygon exact;

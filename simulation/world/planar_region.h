@@ -9,8 +9,8 @@ namespace plumbline {
 
 using Polygon2 = std::vector<Eigen::Vector2d>;  // closed, first corner not repeated
 
-// One connected piece of a region: the outer boundary runs counter-clockwise, holes clockwise,
-// so that the region is always to the left.
+// PolygonWithHoles is one connected piece of a region: its outer boundary runs
+// counter-clockwise, its holes clockwise, so that the region is always to the left.
 struct PolygonWithHoles {
   Polygon2 outer;
   std::vector<Polygon2> holes;
@@ -19,7 +19,7 @@ struct PolygonWithHoles {
 // True when the polygon has three corners or more and does not touch or cross itself.
 bool IsSimplePolygon(const Polygon2& polygon);
 
-// A part of the plane on which Boolean operations are exact (CGAL).
+// PlanarRegion is a part of the plane with exact Boolean operations (CGAL).
 class PlanarRegion {
  public:
   PlanarRegion();
@@ -27,13 +27,13 @@ class PlanarRegion {
   PlanarRegion& operator=(const PlanarRegion& other);
   ~PlanarRegion();
 
-  // The polygon is simple; its direction does not matter.
+  // The polygon has to be simple; its direction does not matter.
   void Join(const Polygon2& polygon);
   void Subtract(const Polygon2& polygon);
   void Subtract(const PlanarRegion& other);
 
-  // The connected pieces without redundant corners (collinear, or closer than a micrometre),
-  // in an order that depends on the geometry only.
+  // Returns the connected pieces without redundant corners (collinear, or closer than a
+  // micrometre), in an order that depends on the geometry only.
   std::vector<PolygonWithHoles> Polygons() const;
 
  private:

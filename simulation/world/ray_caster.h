@@ -8,22 +8,25 @@
 
 namespace plumbline {
 
+// A ray ends at a hit.
 struct RayHit {
   double range = 0.0;  // m
   int face_id = 0;
 };
 
-// Finds what rays and points meet in a building, with CGAL's tree of bounding boxes.
+// RayCaster finds the faces of a building that rays meet and points are near to, with CGAL's
+// tree of bounding boxes.
 class RayCaster {
  public:
   explicit RayCaster(const Building& building);
   ~RayCaster();
 
-  // The first face along the ray, seen from either side. direction_world has unit length.
+  // Finds the first face along the ray, seen from either side. direction_world has unit
+  // length.
   std::optional<RayHit> Cast(const Eigen::Vector3d& origin_world,
                              const Eigen::Vector3d& direction_world) const;
 
-  // Distance in metres from the point to the nearest face.
+  // Returns the distance in metres from the point to the nearest face.
   double Clearance(const Eigen::Vector3d& p_world) const;
 
   // True when the point lies in free space: straight below it is a face that faces up.

@@ -63,8 +63,9 @@ TEST_F(BoundTest, KnowsEveryPlaneAndEveryScan) {
   EXPECT_LT(origin_variance.sum(), 1e-6);
 }
 
-// All measurements are ranges: twice the noise, twice the standard deviations (but for the
-// weak motion prior and the noise of the beams' directions).
+// All measurements are ranges: twice the noise, twice the standard deviations, but for the
+// weak motion prior and the noise of the beams' directions. That of 0.005 degrees moves a
+// point 4 m away by 0.35 mm, which adds 0.03 % to the variance of 20 mm.
 TEST_F(BoundTest, ScalesWithTheRangeNoise) {
   const double sigma_rad = LargestWall(Compute()).sigma_angle_rad;
   for (ScenarioScanner& scanner : scenario_.scanners) scanner.range_noise_m *= 2.0;
@@ -72,8 +73,8 @@ TEST_F(BoundTest, ScalesWithTheRangeNoise) {
 }
 
 TEST_F(BoundTest, FourTimesTheBeamsHalveTheStandardDeviation) {
-  MapperOptions
-      options;  // the motion prior, which does not depend on the beams, as good as off
+  // The motion prior, which does not depend on the beams, is as good as off.
+  MapperOptions options;
   options.trajectory.acceleration_stddev_m_s2 *= 100.0;
   options.trajectory.angular_acceleration_stddev_deg_s2 *= 100.0;
   const double sigma_m = FloorSigma(Compute(options));

@@ -151,6 +151,10 @@ TEST_F(ConsistencyTest, ErrorsAreAsLargeAsStated) {
     sum_variance_factors += summary_.variance_factor;
     num_points += static_cast<double>(summary_.points_used);
   }
+  // For --gtest_output=xml.
+  RecordProperty("planes", std::to_string(planes.PerDegreeOfFreedom()));
+  RecordProperty("poses", std::to_string(poses.PerDegreeOfFreedom()));
+  RecordProperty("variance_factor", std::to_string(sum_variance_factors / kNumMaps));
   EXPECT_TRUE(planes.AreConsistent()) << planes.PerDegreeOfFreedom();
   EXPECT_TRUE(poses.AreConsistent()) << poses.PerDegreeOfFreedom();
   // These series are long enough to tell covariances that are wrong by half.

@@ -86,7 +86,7 @@ TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
   }
 }
 
-TEST_F(MappingEstimateTest, WindowsStatementsAreKeptWhereAskedFor) {
+TEST_F(MappingEstimateTest, WindowsEstimatesAreKeptWhereAskedFor) {
   Scenario scenario = Base();
   Run(scenario);
   EXPECT_FALSE(std::filesystem::exists(Path("result/window_trajectory.tum")));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "test/testing/temporary_directory.h"
 
@@ -130,6 +131,18 @@ TEST_F(ConfigTest, ValuesOutOfRangeAreErrorsWithTheirLine) {
                            "trajectory:\n  knot_interval_s: -0.1\n"}) {
     EXPECT_THAT(ReadError(text), HasSubstr(File() + ":2: ")) << text;
   }
+}
+
+TEST_F(ConfigTest, OptionsThatNoFileGaveCheckThemselves) {
+  EXPECT_EQ(ErrorOf([] { MapperOptions().Check(); }), "no error");
+  EXPECT_EQ(ErrorOf([] { UnusualOptions().Check(); }), "no error");
+  MapperOptions options;
+  options.window.num_scans = 1;
+  EXPECT_THAT(ErrorOf([&] { options.Check(); }),
+              AllOf(HasSubstr("window.num_scans"), HasSubstr("not 1")));
+  options = {};
+  options.association.significance = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ErrorOf([&] { options.Check(); }), HasSubstr("association.significance"));
 }
 
 TEST_F(ConfigTest, MissingFileIsNamed) {

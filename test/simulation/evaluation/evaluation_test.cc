@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/geometry/angles.h"
 #include "core/result/result_text.h"
 #include "core/result/result_writer.h"
 #include "core/util/atomic_file.h"
@@ -16,8 +17,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kRadiansPerDegree = M_PI / 180.0;
 
 // A rig that weaves and nods on a round path; no polynomial.
 Rigid3d TruePose(double time_s) {
