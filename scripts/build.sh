@@ -1,12 +1,12 @@
 #!/bin/bash
-# Sets up and builds everything into build/, the programs into build/bin/.
+# Sets up and builds everything, or the targets named, into build/, the programs into build/bin/.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build"
 
 if [[ "${1:-}" == "--help" ]]; then
-  echo "Usage: scripts/build.sh [NINJA_ARGUMENT...]"
+  echo "Usage: scripts/build.sh [TARGET_OR_NINJA_ARGUMENT...]    for example plumbline_map"
   exit 0
 fi
 

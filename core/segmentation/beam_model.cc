@@ -14,8 +14,8 @@ struct BeamModel::FourIntersections {
   Eigen::Array4d is_met;            // positive if f and V make sense
 };
 
-inline BeamModel::FourIntersections BeamModel::IntersectFour(int i,
-                                                             const Eigen::Vector2d& q) const {
+EIGEN_ALWAYS_INLINE BeamModel::FourIntersections BeamModel::IntersectFour(
+    int i, const Eigen::Vector2d& q) const {
   using Four = Eigen::Map<const Eigen::Array4d>;
   const Four ux(direction_x_ + i), uy(direction_y_ + i);
   const Four ox(origin_x_ + i), oy(origin_y_ + i);
