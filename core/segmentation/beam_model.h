@@ -95,8 +95,8 @@ class BeamModel {
     double range;
     double variance;
   };
-  // Of a beam and a scaled line q = (x, y) / scale; each times scale to the power at which it
-  // contains q (N and e: the first).
+  // A beam's intersection with a scaled line q = (x, y) / scale: each number is multiplied by
+  // scale to the power at which it contains q (N and e: the first).
   struct LineIntersection {
     double slope;      // s
     double numerator;  // N
@@ -119,7 +119,8 @@ class BeamModel {
   double range_variance() const { return range_variance_; }
   double outlier_threshold() const { return outlier_threshold_; }
 
-  // False when the beam does not meet the line or does so far outside the scanner's range.
+  // Predict returns false when the beam does not meet the line, or only far outside the
+  // scanner's range.
   bool Predict(int i, const Eigen::Vector2d& q, Prediction* prediction) const {
     const double slope = q.x() * direction_x_[i] + q.y() * direction_y_[i];
     const double numerator = 1.0 - (q.x() * origin_x_[i] + q.y() * origin_y_[i]);
@@ -133,7 +134,7 @@ class BeamModel {
     return true;
   }
 
-  // Likewise. Without a return the excess is NaN.
+  // Intersect returns false where Predict does. Without a return the excess is NaN.
   bool Intersect(int i, const ScaledLine& line, LineIntersection* meeting) const {
     const double slope = line.x * direction_x_[i] + line.y * direction_y_[i];
     const double numerator = line.scale - (line.x * origin_x_[i] + line.y * origin_y_[i]);
@@ -159,22 +160,23 @@ class BeamModel {
     return Intersect(i, {q.x(), q.y(), 1.0}, &at) && IsOnLine(at);
   }
 
-  // Leaves out beams at both ends that are not on the line, and the few on it that more beams
-  // off it part from the rest: a face seen at a grazing angle, continued, meets the wall far
-  // behind it somewhere, for a beam or two. One beam stays.
+  // TrimToLine leaves out beams at both ends that are not on the line, and the few on it that
+  // more beams off it part from the rest: a face seen at a grazing angle, continued, meets the
+  // wall far behind it somewhere, for a beam or two. One beam stays.
   void TrimToLine(const Eigen::Vector2d& q, int* first, int* last) const {
     *first = TrimmedEnd(*first, *last, q);
     *last = TrimmedEnd(*last, *first, q);
   }
 
-  // Normal equations for a change of q from the beams first .. last that are on the line.
+  // SumOnLine returns the normal equations for a change of q from the beams first .. last that
+  // are on the line.
   LineEquations SumOnLine(int first,
                           int last,
                           const Eigen::Vector2d& q,
                           int* num_points) const;
 
-  // Squared whitened range residuals of the beams first .. first + kBlock - 1, each at most
-  // the outlier threshold; 0 without a return and past the last beam.
+  // Deviations returns the squared whitened range residuals of the beams first .. first +
+  // kBlock - 1, each at most the outlier threshold; 0 without a return and past the last beam.
   static constexpr int kBlock = 4;
   Eigen::Array4d Deviations(int first, const Eigen::Vector2d& q) const;
 

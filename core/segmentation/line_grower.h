@@ -61,7 +61,7 @@ class LineGrower {
   // As long as there are beams. What follows the points is of no account.
   std::unique_ptr<int[]> point_beams_;
   std::unique_ptr<LineEquations[]> sums_;  // [k]: of the first k points
-  std::unique_ptr<double[]> chi2_;         // likewise
+  std::unique_ptr<double[]> chi2_;         // [k]: of the first k points
 };
 
 }  // namespace plumbline

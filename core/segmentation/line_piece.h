@@ -13,7 +13,7 @@ struct LinePiece {
   bool starts_at_change = false;  // a test has proved that the line before ends there
   Eigen::Vector2d q = Eigen::Vector2d::Zero();
   LineEquations information{};  // of the last fit or, while growing, of the points taken up
-  int num_points = 0;           // likewise
+  int num_points = 0;           // of the last fit or taken up
   double chi2 = 0.0;            // after the last fit
 };
 

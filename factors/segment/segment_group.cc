@@ -348,7 +348,7 @@ SegmentGroup::SegmentGroup(int num_control_points,
       CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
     }
   }
-  // Those with the same nodes one after the other.
+  // Segments with the same nodes stand one after the other.
   std::stable_sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
     return std::tie(a.nodes[0].first, a.nodes[0].u) < std::tie(b.nodes[0].first, b.nodes[0].u);
   });

@@ -63,7 +63,7 @@ class SegmentGroup {
   // parameters: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | planes ]. Gauss-Newton, each segment
   // weighted by its loss' first derivative.
   void Linearise(double const* const* parameters, Quadratic* quadratic) const;
-  // The same with the planes held: the rows of the poses alone.
+  // LinearisePoses holds the planes: the model has the rows of the poses alone.
   void LinearisePoses(double const* const* parameters, Quadratic* quadratic) const;
 
  private:

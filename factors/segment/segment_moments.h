@@ -56,8 +56,9 @@ class SegmentMoments {
   double half_span_ns_;
   double inverse_half_span_;  // 0 if all points are of one instant
   int num_points_ = 0;
-  std::array<std::array<double, 6>, 5> products_{};        // by the power of tau
-  Eigen::Matrix3d with_offset_ = Eigen::Matrix3d::Zero();  // columns: likewise; a, b, 1
+  std::array<std::array<double, 6>, 5> products_{};  // by the power of tau
+  Eigen::Matrix3d with_offset_ =
+      Eigen::Matrix3d::Zero();  // columns: by the power of tau; rows: a, b, 1
   double offset2_ = 0.0;
 };
 
