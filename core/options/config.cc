@@ -120,6 +120,7 @@ struct FieldChecker {
   void Flag(const char*, bool) {}
   template <typename Enum>
   void Choice(const char*, Enum, const std::vector<std::string>&) {}
+  void Removed(const char*, const char*) {}
   void Renamed(const char*, const char*) {}
 };
 

@@ -119,7 +119,6 @@ TEST_F(BatchTest, RoundsUndoWrongAssociations) {
 }
 
 TEST_F(BatchTest, CalmMotionIsFoundToBeCalm) {
-  options_.batch.estimate_motion_noise = true;
   const BatchReport report = Estimate();
   // The rig moves straight on; the options allow for metres per second squared.
   EXPECT_LT(report.motion_noise.horizontal_m_s2,
