@@ -92,4 +92,26 @@ MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
   return {found[kHorizontal], found[kVertical], found[kAngular]};
 }
 
+void CorrectForMotion(const MotionNoise& assumed,
+                      const MotionNoise& found,
+                      const EstimationProblem& problem,
+                      ArrowheadEquations* equations) {
+  std::array<double, kNumKinds> weights;
+  for (size_t kind = 0; kind < kNumKinds; ++kind) {
+    const double rho = std::pow(StddevsOf(found)[kind] / StddevsOf(assumed)[kind], 2);
+    weights[kind] = rho < 1.0 ? 1.0 - rho : 1.0 / rho - 1.0;
+  }
+  ForEachPrior(
+      problem,
+      [&](const std::array<Kind, 3>& kinds,
+          const std::vector<int>& columns,
+          const Eigen::MatrixXd& jacobian,
+          const Eigen::VectorXd&) {
+        const Eigen::Vector3d by_row(weights[kinds[0]], weights[kinds[1]], weights[kinds[2]]);
+        const Eigen::MatrixXd product = jacobian.transpose() * by_row.asDiagonal() * jacobian;
+        equations->hessian.AddBlock(columns, product);
+        equations->diagonal(columns) += product.diagonal();
+      });
+}
+
 }  // namespace plumbline

@@ -26,4 +26,17 @@ MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
                                   const EstimationProblem& problem,
                                   const ArrowheadCholesky& factor);
 
+// Adds to the normal matrix of an estimate, and its diagonal, what makes the matrix' inverse
+// the covariance of the estimate's errors where the motion has other noise than its prior
+// assumes. With H the matrix, P the prior's share in it, and a motion of rho times the
+// variance assumed, that covariance is
+//   H^-1 (H - P + rho P) H^-1 = H^-1 - H^-1 D H^-1,   D = (1 - rho) P
+// (White 1982, for a misspecified likelihood), to first order the inverse of H + D. Of a rig
+// rougher than assumed D is (1 / rho - 1) P, the same to first order, so that the information
+// left never becomes negative.
+void CorrectForMotion(const MotionNoise& assumed,
+                      const MotionNoise& found,
+                      const EstimationProblem& problem,
+                      ArrowheadEquations* equations);
+
 }  // namespace plumbline

@@ -53,7 +53,6 @@ class Batch {
       if (options_.batch.resegment && (round == 1 || is_last)) Resegment(is_last);
       if (!is_last) estimator_.StepRobustly();
     }
-    estimator_.EstimateMotionNoise();
     BatchReport report{estimator_.EstimateFinally(), round, num_changed};
     RebuildLandmarks(rig_, state_);
     return report;

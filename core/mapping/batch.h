@@ -23,10 +23,10 @@ double ChangesToCome(int now, int before);
 // Estimates all control points and planes together from all segments; nothing is marginalised.
 // Estimates and associates anew until the associations hardly change, merges planes that turn
 // out to be one, drops planes that the rules of core/mapping/batch_policies.h refute, cuts the
-// segments anew where the planes intersect (a pass over the recording), estimates how
-// steadily the rig moves, and ends with plain weighted least squares over
-// the segments that agree with their planes. Leaves each landmark's covariance (absolute, in
-// the model frame), extent and counts as they follow from the final associations.
+// segments anew where the planes intersect (a pass over the recording), and ends with
+// plain weighted least squares over the segments that agree with their planes. Leaves each
+// landmark's covariance (absolute, in the model frame), extent and counts as they follow from
+// the final associations.
 BatchReport EstimateBatch(const Rig& rig,
                           bool planar,
                           const MapperOptions& options,

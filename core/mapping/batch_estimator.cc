@@ -25,10 +25,6 @@ constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
 // The last estimate ends within a seventh of a standard deviation of the solution, all its
 // thousands of unknowns together: half the square of that is the cost.
 constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
-// Steps to the noise of the motion (ReestimateMotionNoise). A third moves it by less
-// than a hundredth, but where there is no motion at all: that stays too large, which is the
-// safe side.
-constexpr int kNoiseSteps = 2;
 // Groups of two take more memory, of six hardly less; see also kTileControlPoints.
 constexpr int kIntervalsPerGroup = 4;
 
@@ -69,18 +65,6 @@ void BatchEstimator::StepRobustly() {
   TakeGaussNewtonStep(BuildProblem(FactorKind::kSegment, kHuberWidth).get());
 }
 
-void BatchEstimator::EstimateMotionNoise() {
-  for (int i = 0; i < kNoiseSteps; ++i) {
-    const auto problem = BuildProblem(FactorKind::kSegment, 0.0);
-    const BlockLayout layout = problem->Layout();
-    ArrowheadEquations equations = LineariseArrowhead(*problem, layout);
-    const ArrowheadCholesky cholesky(std::move(equations.hessian));
-    const Eigen::VectorXd step = -cholesky.Solve(equations.gradient);
-    problem->Move(layout, step(layout.FreeColumns()));
-    motion_noise_ = ReestimateMotionNoise(motion_noise_, *problem, cholesky);
-  }
-}
-
 FinalEstimate BatchEstimator::EstimateFinally() {
   groups_.set_validity(LinearisedGroup::kFine);
   const auto problem = BuildProblem(options_.batch.factor, 0.0);
@@ -92,7 +76,9 @@ FinalEstimate BatchEstimator::EstimateFinally() {
   estimate.variance_factor = VarianceFactor(*problem, equations.cost);
   {
     const Stopwatch::Running running(&estimate.covariance_watch);
-    estimate.covariance = SetCovariances(*problem, std::move(equations));
+    estimate.motion_found = ReestimateMotionNoise(
+        motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
+    estimate.covariance = SetCovariances(*problem, estimate.motion_found);
   }
   return estimate;
 }
@@ -130,7 +116,9 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double c
 }
 
 MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem,
-                                             ArrowheadEquations equations) {
+                                             const MotionNoise& found) {
+  ArrowheadEquations equations = LineariseArrowhead(problem, problem.Layout());
+  CorrectForMotion(motion_noise_, found, problem, &equations);
   MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
   const std::vector<int>& offsets = covariance.offsets();
   for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {

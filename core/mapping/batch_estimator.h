@@ -15,7 +15,8 @@ namespace plumbline {
 
 // What the last estimation gives besides the values in the state.
 struct FinalEstimate {
-  MotionNoise motion_noise;      // as the recording shows it: what the estimate assumes
+  MotionNoise motion_noise;      // that the estimate assumes
+  MotionNoise motion_found;      // that the recording shows, which the covariance is for
   double variance_factor = 0.0;  // weighted sum of squares / redundancy
   MapCovariance covariance;
   Stopwatch covariance_watch;  // the time that the covariance took, part of the estimation's
@@ -34,10 +35,6 @@ class BatchEstimator {
   // Between rounds little changes: what one step leaves is less than the next associations
   // will move.
   void StepRobustly();
-  // Estimates the noise of the motion that the last estimation is to assume. The options' own
-  // is wide enough for any rig that they are meant for: most rigs are calmer, and their poses
-  // are known better.
-  void EstimateMotionNoise();
   // Estimates by plain least squares, and gives the landmarks their covariances (absolute, in
   // the model frame).
   FinalEstimate EstimateFinally();
@@ -46,15 +43,15 @@ class BatchEstimator {
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
   double VarianceFactor(const EstimationProblem& problem, double cost) const;
-  // The covariance of the estimate that these equations are of; gives the landmarks their
-  // parts of it.
-  MapCovariance SetCovariances(const EstimationProblem& problem, ArrowheadEquations equations);
+  // The covariance of the estimate where the problem stands, for a motion with the noise
+  // found; gives the landmarks their parts of it.
+  MapCovariance SetCovariances(const EstimationProblem& problem, const MotionNoise& found);
 
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  MotionNoise motion_noise_;
+  const MotionNoise motion_noise_;  // that the estimates assume
   SegmentGroupCache groups_;
 };
 

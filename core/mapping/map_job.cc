@@ -137,6 +137,7 @@ Summary Summarise(const RecordingReader& recording,
   Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
+  summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
   for (const auto* warnings : {&recording.warnings(), &result.warnings, &points.warnings}) {
     summary.warnings.insert(summary.warnings.end(), warnings->begin(), warnings->end());

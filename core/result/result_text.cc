@@ -195,6 +195,7 @@ std::string FormatSummary(const Summary& summary) {
     return named;
   };
   json["motion_noise"] = object(summary.motion_noise);
+  json["motion_found"] = object(summary.motion_found);
   json["reference_plane_id"] = summary.reference_plane_id;
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.

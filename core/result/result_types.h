@@ -68,9 +68,12 @@ struct Summary {
   std::vector<std::pair<std::string, double>> largest_correlations;  // between planes
   std::vector<std::pair<std::string, double>> weakest_directions;    // smallest eigenvalues
   std::string motion;                                                // "spatial" or "planar"
-  // Standard deviations of the accelerations as the recording shows them, which the final
-  // estimate assumes: name with its unit, and the value.
+  // Standard deviations of the accelerations that the final estimate assumes: name with its
+  // unit, and the value.
   std::vector<std::pair<std::string, double>> motion_noise;
+  // Standard deviations of the accelerations that the recording shows; the covariances are for
+  // these.
+  std::vector<std::pair<std::string, double>> motion_found;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   std::vector<std::string> warnings;
 };

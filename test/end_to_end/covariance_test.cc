@@ -267,6 +267,46 @@ TEST_F(CovarianceTest, FindsTheSmallestEigenvalue) {
   EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
 }
 
+// A motion of rho times the variance assumed gives errors with the covariance C - C D C.
+TEST_F(CovarianceTest, IsForTheMotionFound) {
+  MapScenario(TiltedRig());
+  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
+  const NormalEquations equations = Linearise();
+  const Eigen::MatrixXd covariance = InverseOf(equations);
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(equations.size(), equations.size());
+  for (const bool of_rotations : {true, false}) {
+    VisitFactors(*problem_,
+                 problem_->Layout(),
+                 of_rotations ? FactorTerm::Kind::kRotationAcceleration
+                              : FactorTerm::Kind::kPositionAcceleration,
+                 [&](const std::vector<int>& columns,
+                     const Eigen::MatrixXd& jacobian,
+                     const Eigen::VectorXd&) {
+                   prior(columns, columns) += jacobian.transpose() * jacobian;
+                 });
+  }
+  const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
+  const double given = PositionAt(time_ns, equations, covariance)(2, 2);
+  for (const double rho : {0.99, 1.01, 0.01}) {
+    const double ratio = std::sqrt(rho);
+    const MotionNoise found = {ratio * assumed.horizontal_m_s2,
+                               ratio * assumed.vertical_m_s2,
+                               ratio * assumed.angular_rad_s2};
+    ArrowheadEquations corrected = LineariseArrowhead(*problem_, problem_->Layout());
+    CorrectForMotion(assumed, found, *problem_, &corrected);
+    const double stated = MapCovariance::Of(*problem_, std::move(corrected))
+                              .PoseAt(result_->state.trajectory, time_ns)(5, 5);
+    const Eigen::MatrixXd exact = covariance - (1.0 - rho) * covariance * prior * covariance;
+    const double expected = PositionAt(time_ns, equations, exact)(2, 2);
+    if (rho > 0.9) {  // to first order
+      EXPECT_NEAR((stated - given) / (expected - given), 1.0, 0.02) << rho;
+    } else {
+      EXPECT_LT(stated, 0.99 * given);
+      EXPECT_GT(stated, expected) << "on the safe side";
+    }
+  }
+}
+
 TEST_F(CovarianceTest, AFewCombinationsShowTheNoiseOfTheMotion) {
   MapScenario(TiltedRig(), 6.0);
   const MotionNoise assumed = MotionNoise::Of(options_.trajectory);

@@ -117,7 +117,7 @@ TEST_F(ConfigTest, RenamedKeysAreErrorsThatNameTheNewOne) {
 
 TEST_F(ConfigTest, RemovedKeysAreErrorsThatSayWhy) {
   EXPECT_THAT(ReadError("batch:\n  estimate_motion_noise: true\n"),
-              AllOf(HasSubstr(File() + ":2: "), HasSubstr("always estimated")));
+              AllOf(HasSubstr(File() + ":2: "), HasSubstr("that the recording shows")));
 }
 
 TEST_F(ConfigTest, ValuesOutOfRangeAreErrorsWithTheirLine) {
