@@ -44,8 +44,8 @@ class PatchExtent {
   bool OthersAreNear(const Eigen::Vector3d& a_world,
                      const Eigen::Vector3d& b_world,
                      double max_gap_m) const;
-  // Whether the bounding rectangles come so near to each other: quick, and true wherever
-  // IsNear() is.
+  // Whether the bounding rectangles may come within max_gap_m of each other: quick, and true
+  // wherever IsNear() is.
   bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
   // Whether a point in the extent's axes lies within the bounding rectangle, or at most
   // margin_m beyond it.
