@@ -79,7 +79,6 @@ class PatchExtent {
   // The bounding rectangle, and a sphere around it.
   Eigen::Vector2d min_corner() const { return min_; }
   Eigen::Vector2d max_corner() const { return max_; }
-  Eigen::Vector2d size() const { return max_ - min_; }
   Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
   double radius_m() const { return 0.5 * (max_ - min_).norm(); }
   // A polygon in (u, v) around all that has been seen, counter-clockwise: of an upright patch
