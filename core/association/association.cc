@@ -16,10 +16,12 @@ namespace {
 // The coarse test compares one distance with bounds on its variance; what it neglects may add
 // to the distance.
 constexpr double kCoarseMargin = 4.0;
-// For the motion during a scan and cells that reach beyond what was seen.
+// A reach allows this much for the motion during a scan and for cells that reach beyond what
+// was seen.
 constexpr double kReachMargin = 1.0;  // m
-constexpr double kRounding = 1e-6;    // m
-// Of squared deviations, two of which are expected: planes have 0.9 to 3.7, slants 4 to 18.
+constexpr double kRounding = 1e-6;    // m, of the distances computed
+// The mean squared deviation of a landmark's segments, where two is expected, is at most this:
+// planes have 0.9 to 3.7, oblique false planes 4 to 18.
 constexpr double kMaxMeanDeviation = 4.0;
 
 // The centroid on the straight line between the ends, where they were measured.
@@ -33,8 +35,8 @@ Eigen::Vector3d CentroidWorld(const Observation& observation,
   return start_world + share * (end_world - start_world);
 }
 
-// At most this much of a deviation's variance comes from the pose; squared distance from the
-// body.
+// An upper bound of the part of a deviation's variance that comes from the pose; distance2:
+// the squared distance from the body.
 double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
   return pose_covariance.bottomRightCorner<3, 3>().trace() +
          pose_covariance.topLeftCorner<3, 3>().trace() * distance2;
@@ -58,14 +60,14 @@ bool MayBeTakenUp(const Landmark& landmark,
 std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
                                          int scan_index,
                                          const LoopClosureOptions& options) {
-  std::vector<LandmarkView> candidates;
-  candidates.reserve(landmarks.size());
+  std::vector<LandmarkView> views;
+  views.reserve(landmarks.size());
   for (const Landmark& landmark : landmarks) {
     if (landmark.num_segments > 0 && IsWithinGap(landmark, scan_index, options)) {
-      candidates.emplace_back(landmark);
+      views.emplace_back(landmark);
     }
   }
-  return candidates;
+  return views;
 }
 
 Reach::Reach(const Eigen::Vector3d& p_world,
@@ -120,11 +122,11 @@ Reach ReachOfScan(const Rig& rig,
 }
 
 std::vector<LandmarkView> ViewsWithin(const Reach& reach,
-                                      const std::vector<LandmarkView>& candidates) {
+                                      const std::vector<LandmarkView>& views) {
   std::vector<LandmarkView> within;
-  within.reserve(candidates.size());
-  for (const LandmarkView& candidate : candidates) {
-    if (reach.Takes(candidate)) within.push_back(candidate);
+  within.reserve(views.size());
+  for (const LandmarkView& view : views) {
+    if (reach.Takes(view)) within.push_back(view);
   }
   return within;
 }
@@ -151,12 +153,12 @@ Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m) {
 
 namespace {
 
-// Calls visit(possible) for the candidates that the observation may lie on.
+// Calls visit(hypothesis) for the landmarks that the observation may lie on.
 template <typename Visit>
 void VisitHypotheses(const Observation& observation,
                      const ObservationPoses& poses,
                      const Matrix6d& pose_covariance,
-                     const std::vector<LandmarkView>& candidates,
+                     const std::vector<LandmarkView>& views,
                      const AssociationOptions& options,
                      const Visit& visit) {
   const Eigen::Vector3d& scanner_world = poses.world_from_scanner.translation;
@@ -174,25 +176,25 @@ void VisitHypotheses(const Observation& observation,
       2.0 * (pose_variance + observation.sigma_offset_m * observation.sigma_offset_m) +
       flatness(0, 0);
   const double gate = TwoDegreesQuantile(options.significance);
-  for (const LandmarkView& candidate : candidates) {
-    if (candidate.SignedDistance(scanner_world) <= 0.0) continue;
+  for (const LandmarkView& view : views) {
+    if (view.SignedDistance(scanner_world) <= 0.0) continue;
     // Cheap first: a distance that no covariance can explain.
-    const double offset = candidate.SignedDistance(centroid_world);
-    const double max_variance = own_variance + candidate.DistanceVariance(centroid_world);
+    const double offset = view.SignedDistance(centroid_world);
+    const double max_variance = own_variance + view.DistanceVariance(centroid_world);
     if (offset * offset > kCoarseMargin * gate * max_variance) continue;
-    if (!candidate.landmark->extent.IsNear(start_world, end_world, options.max_gap_m)) {
+    if (!view.landmark->extent.IsNear(start_world, end_world, options.max_gap_m)) {
       continue;
     }
-    const LineDeviation deviation = DeviationFromPlane(observation, poses, candidate);
+    const LineDeviation deviation = DeviationFromPlane(observation, poses, view);
     const Eigen::Matrix2d noise =
         deviation.covariance + flatness +
-        deviation.by_plane * candidate.covariance * deviation.by_plane.transpose();
+        deviation.by_plane * view.covariance * deviation.by_plane.transpose();
     const Eigen::Matrix<double, 2, 6> by_pose = deviation.by_pose.lazyProduct(pose_covariance);
     const Eigen::Matrix2d covariance =
         noise + by_pose.lazyProduct(deviation.by_pose.transpose());
     const double distance2 = deviation.value.dot(covariance.inverse() * deviation.value);
     if (!(distance2 < gate)) continue;
-    visit(Hypothesis{candidate.landmark->id,
+    visit(Hypothesis{view.landmark->id,
                      deviation,
                      noise,
                      distance2,
@@ -205,35 +207,29 @@ void VisitHypotheses(const Observation& observation,
 std::vector<Hypothesis> HypothesesOf(const Observation& observation,
                                      const ObservationPoses& poses,
                                      const Matrix6d& pose_covariance,
-                                     const std::vector<LandmarkView>& candidates,
+                                     const std::vector<LandmarkView>& views,
                                      const AssociationOptions& options) {
   std::vector<Hypothesis> all;
-  VisitHypotheses(observation,
-                  poses,
-                  pose_covariance,
-                  candidates,
-                  options,
-                  [&](const Hypothesis& possible) { all.push_back(possible); });
+  VisitHypotheses(
+      observation, poses, pose_covariance, views, options, [&](const Hypothesis& hypothesis) {
+        all.push_back(hypothesis);
+      });
   return all;
 }
 
 int FindLandmark(const Observation& observation,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::vector<LandmarkView>& candidates,
+                 const std::vector<LandmarkView>& views,
                  const AssociationOptions& options) {
   double best_score = std::numeric_limits<double>::infinity();
   int best_id = -1;
-  VisitHypotheses(observation,
-                  poses,
-                  pose_covariance,
-                  candidates,
-                  options,
-                  [&](const Hypothesis& possible) {
-                    if (possible.score >= best_score) return;
-                    best_score = possible.score;
-                    best_id = possible.id;
-                  });
+  VisitHypotheses(
+      observation, poses, pose_covariance, views, options, [&](const Hypothesis& hypothesis) {
+        if (hypothesis.score >= best_score) return;
+        best_score = hypothesis.score;
+        best_id = hypothesis.id;
+      });
   return best_id;
 }
 

@@ -18,23 +18,26 @@
 
 namespace plumbline {
 
-// Which landmarks an observation may belong to, by the gap rule: with loop closure switched
-// off, a landmark that was unseen for more than max_gap_scans scans is not taken up again.
+// Whether an observation of a scan may lie on the landmark by the gap rule: with loop closure
+// switched off, a landmark that was unseen for more than max_gap_scans scans is not taken up
+// again.
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
-// Likewise on the way, where a pose may rest on few segments: one that was unseen for longer
-// is taken up again only if its segments agreed with it.
+// Whether an observation may lie on the landmark while the rig is tracked, where a pose may
+// rest on few segments: a landmark that was unseen for longer than the gap is taken up again
+// only if its segments agreed with it.
 bool MayBeTakenUp(const Landmark& landmark, int scan_index, const LoopClosureOptions& options);
 
-// The landmarks with segments that observations of a scan may belong to. For a single scan,
-// which reaches a few of hundreds: no more is computed of the others than how far they are.
+// The landmarks with segments that observations of a single scan may lie on by the gap rule.
+// The scan reaches a few of hundreds: of the others nothing but the distance is computed.
 struct LandmarksWithinGap {
   const std::deque<Landmark>& landmarks;
   int scan_index;
   const LoopClosureOptions& options;
 };
 
-// The same as candidates: for many scans.
+// Views of the landmarks with segments that observations of a scan may lie on by the gap rule;
+// they serve many scans where loop closure is on.
 std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
                                          int scan_index,
                                          const LoopClosureOptions& options);
@@ -42,15 +45,15 @@ std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
 // A ball that planes have to have been seen in to matter.
 class Reach {
  public:
-  // farthest_m: of what is looked at from the point; the ball adds a margin for
-  // options.max_gap_m and the motion during a scan.
+  // farthest_m: the distance of the farthest thing seen from the point; the ball adds a margin
+  // for options.max_gap_m and the motion during a scan.
   Reach(const Eigen::Vector3d& p_world, double farthest_m, const AssociationOptions& options);
 
   // Whether the extent comes into the ball; centre and radius of a sphere around the extent
-  // tell most that do not.
+  // rule most others out.
   bool Takes(const PatchExtent& extent, const Eigen::Vector3d& centre, double radius_m) const;
-  bool Takes(const LandmarkView& candidate) const {
-    return Takes(candidate.landmark->extent, candidate.centre_world, candidate.radius_m);
+  bool Takes(const LandmarkView& view) const {
+    return Takes(view.landmark->extent, view.centre_world, view.radius_m);
   }
 
  private:
@@ -58,17 +61,18 @@ class Reach {
   double reach_m_;
 };
 
-// Where the beams of a scan line pass, the scanner's motion included: a slab around its plane.
+// A slab around a scan plane that holds the beams of its scan line, the scanner's motion
+// included.
 class ScanSlab {
  public:
-  // Of beams up to this long; it is wider by a margin on both sides.
+  // farthest_m: the longest beam. The slab is wider by the margin on both sides.
   ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m);
 
-  // Whether the rectangle around what was seen of a plane comes into it.
-  bool Touches(const LandmarkView& candidate) const {
-    const double across = normal_.dot(candidate.centre_world - origin_);
+  // Whether the rectangle around what was seen of a plane comes into the slab.
+  bool Touches(const LandmarkView& view) const {
+    const double across = normal_.dot(view.centre_world - origin_);
     const double half =
-        std::abs(normal_.dot(candidate.half_u)) + std::abs(normal_.dot(candidate.half_v));
+        std::abs(normal_.dot(view.half_u)) + std::abs(normal_.dot(view.half_v));
     return std::abs(across) <= half + half_width_m_;
   }
 
@@ -78,8 +82,8 @@ class ScanSlab {
   double half_width_m_;
 };
 
-// Takes all that HypothesesOf may find for the observations of one scan: that of
-// observations[first] and those that follow it; body_world: where the rig was then.
+// The ball that holds all planes which HypothesesOf may find for the observations of one scan:
+// observations[first] and those of its scan that follow. body_world: position of the rig.
 // pose_covariance: at least that of any pose in the scan.
 Reach ReachOfScan(const Rig& rig,
                   const std::deque<Observation>& observations,
@@ -88,12 +92,12 @@ Reach ReachOfScan(const Rig& rig,
                   const Matrix6d& pose_covariance,
                   const AssociationOptions& options);
 
-// Those that it takes.
+// Selects the landmarks whose extents come into the ball.
 std::vector<LandmarkView> ViewsWithin(const Reach& reach,
-                                      const std::vector<LandmarkView>& candidates);
+                                      const std::vector<LandmarkView>& views);
 std::vector<LandmarkView> ViewsWithin(const Reach& reach, const LandmarksWithinGap& landmarks);
 
-// Covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
+// The covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);
 
 // A landmark that an observation may lie on.
@@ -106,14 +110,14 @@ struct Hypothesis {
   double score = 0.0;               // -2 ln of the deviation's density, up to a constant
 };
 
-// Those of the candidates that the observation may lie on; see FindLandmark.
+// The hypotheses of an observation among the views, by the tests of FindLandmark.
 std::vector<Hypothesis> HypothesesOf(const Observation& observation,
                                      const ObservationPoses& poses,
                                      const Matrix6d& pose_covariance,
-                                     const std::vector<LandmarkView>& candidates,
+                                     const std::vector<LandmarkView>& views,
                                      const AssociationOptions& options);
 
-// The landmark whose plane an observation most probably lies on, or -1. A candidate must face
+// The landmark whose plane an observation most probably lies on, or -1. A landmark must face
 // the scanner, have been seen near the segment, and agree with it in distance and direction:
 // the squared Mahalanobis distance of the two stays below the quantile of the significance,
 // where the covariance takes in the segment's noise, the pose's (pose_covariance: world-frame
@@ -121,7 +125,7 @@ std::vector<Hypothesis> HypothesesOf(const Observation& observation,
 int FindLandmark(const Observation& observation,
                  const ObservationPoses& poses,
                  const Matrix6d& pose_covariance,
-                 const std::vector<LandmarkView>& candidates,
+                 const std::vector<LandmarkView>& views,
                  const AssociationOptions& options);
 
 }  // namespace plumbline

@@ -12,17 +12,18 @@
 namespace plumbline {
 namespace {
 
-// Observations whose pairings are tried as starts: that all of these are clutter is unlikely.
+// Observations whose hypotheses are tried as starts: that all of these are clutter is
+// unlikely.
 constexpr size_t kMaxStartObservations = 6;
 
 // Small products below are lazy: general ones cost more than they compute.
 
-// Estimated error of the prediction after some pairings, and how likely these are.
+// Estimated error of the prediction after some hypotheses, and how likely these are.
 class Chain {
  public:
   explicit Chain(const MotionCovariance& covariance) : covariance_(covariance) {}
 
-  // -2 ln of the pairing's density, infinite beyond the gate.
+  // -2 ln of the hypothesis's density, infinite beyond the gate.
   double Cost(const JointHypothesis& hypothesis, double gate) const {
     const Eigen::Vector2d value = hypothesis.value + hypothesis.by_motion.lazyProduct(error_);
     const Eigen::Matrix2d total = Total(hypothesis);
@@ -114,7 +115,7 @@ JointChoice ChooseJointly(const std::vector<JointHypothesis>& hypotheses,
   double best_cost = clutter_cost * static_cast<double>(groups.size());
   for (size_t g = 0; g < std::min(groups.size(), kMaxStartObservations); ++g) {
     for (size_t i = groups[g].first; i < groups[g].second; ++i) {
-      // From a pairing of the best chain so far one would come to the same chain again.
+      // From a hypothesis of the best chain so far one would come to the same chain again.
       const std::vector<size_t>& known = best.chosen();
       if (std::find(known.begin(), known.end(), i) != known.end()) continue;
       Chain chain(covariance);

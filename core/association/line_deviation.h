@@ -9,8 +9,9 @@
 
 namespace plumbline {
 
-// How far an observed line deviates from a plane: signed distance at the centroid (m) and its
-// change along the tangent (rad), estimated from the compressed beams, with their covariance.
+// The deviation of an observed line from a plane: the signed distance at the centroid (m) and
+// its change along the tangent (rad), estimated from the compressed beams, and their
+// covariance.
 struct LineDeviation {
   Eigen::Vector2d value = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
@@ -19,6 +20,7 @@ struct LineDeviation {
   double chi2 = 0.0;                    // of all the whitened residuals, deviation included
 };
 
+// Estimates the deviation of an observation's line from a plane.
 LineDeviation DeviationFromPlane(const Observation& observation,
                                  const ObservationPoses& poses,
                                  const LandmarkView& plane);

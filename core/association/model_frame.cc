@@ -21,7 +21,7 @@ constexpr double kMaxZSigma = 0.03;                        // rad, of the z axis
 constexpr double kSigmas = 3.5;
 constexpr double kSignificance = 1e-4;
 
-struct Line {
+struct BodyLine {
   int observation = 0;
   int scanner = 0;
   Eigen::Vector3d point_body;
@@ -41,8 +41,8 @@ struct Level {
   std::vector<size_t> lines;  // that it was found from: one, or one of each of two scanners
 };
 
-std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& scan) {
-  std::vector<Line> lines;
+std::vector<BodyLine> LinesInBody(const Rig& rig, const std::vector<Observation>& scan) {
+  std::vector<BodyLine> lines;
   for (size_t i = 0; i < scan.size(); ++i) {
     const Observation& observation = scan[i];
     if (observation.num_points < kMinPoints || observation.sigma_direction_rad > kMaxSigma) {
@@ -50,7 +50,7 @@ std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& sc
     }
     const Rigid3d& body_from_scanner =
         rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-    Line line;
+    BodyLine line;
     line.observation = static_cast<int>(i);
     line.scanner = observation.scanner_index;
     line.point_body =
@@ -67,12 +67,12 @@ std::vector<Line> LinesInBody(const Rig& rig, const std::vector<Observation>& sc
   return lines;
 }
 
-// Floor and ceiling traces, and normals of planes that two scanners see; among them are wrong
-// ones, which the vote leaves alone.
-std::vector<Level> FindLevels(const std::vector<Line>& lines) {
+// Lists the traces that may be those of floor and ceiling, and the normals of planes that two
+// scanners may see; among them are wrong ones, which the vote leaves alone.
+std::vector<Level> FindLevels(const std::vector<BodyLine>& lines) {
   std::vector<Level> levels;
   for (size_t i = 0; i < lines.size(); ++i) {
-    const Line& line = lines[i];
+    const BodyLine& line = lines[i];
     const double tilt_sine = line.scan_normal_body.head<2>().norm();
     if (tilt_sine < kMinCrossing) continue;
     levels.push_back({line.scanner,
@@ -113,9 +113,9 @@ bool Agrees(const Level& level, const Eigen::Vector3d& z) {
   return std::abs(level.direction_body.dot(z)) < kSigmas * level.sigma_rad;
 }
 
-// Those that speak for z. What lies on a wall is no trace of floor or ceiling: mirrored
-// scanners have parallel traces on the walls of a corridor, and these would agree with the
-// walls' normals on a wrong z axis.
+// Selects the levels that speak for z. A segment on a wall is no trace of floor or ceiling:
+// mirrored scanners have parallel traces on the walls of a corridor, and these would agree
+// with the walls' normals on a wrong z axis.
 std::vector<const Level*> FindWitnesses(const std::vector<Level>& levels,
                                         const Eigen::Vector3d& z) {
   std::set<size_t> lines_on_walls;
@@ -198,7 +198,7 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
 std::optional<ModelFrame> FindModelFrame(const Rig& rig,
                                          bool planar,
                                          const std::vector<Observation>& scan) {
-  const std::vector<Line> lines = LinesInBody(rig, scan);
+  const std::vector<BodyLine> lines = LinesInBody(rig, scan);
   const Eigen::Vector3d z_body =
       planar ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : FindZ(FindLevels(lines));
   if (z_body.isZero()) return std::nullopt;
@@ -208,7 +208,7 @@ std::optional<ModelFrame> FindModelFrame(const Rig& rig,
   double best_sigma = kMaxSigma;
   ModelFrame frame;
   Eigen::Vector3d wall_normal = Eigen::Vector3d::Zero();
-  for (const Line& line : lines) {
+  for (const BodyLine& line : lines) {
     const Observation& observation = scan[static_cast<size_t>(line.observation)];
     const Rigid3d& body_from_scanner =
         rig.scanners[static_cast<size_t>(line.scanner)].body_from_scanner;

@@ -1,8 +1,9 @@
+#include "core/association/plane_candidates.h"
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "core/association/plane_candidates.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
@@ -15,7 +16,7 @@ namespace {
 // Below this tilt of the scan plane a horizontal plane is met at so flat an angle that a
 // horizontal segment speaks for a wall.
 const double kMinTiltSine = std::sin(15.0 * M_PI / 180.0);
-// A segment closer to the vertical than this does not tell its wall's direction.
+// A segment closer to the vertical than this does not show its wall's direction.
 const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
 // Body motion after which one scanner alone can tell a horizontal plane from a wall whose
 // segments happen to be horizontal.

@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-// A plane that segments without a landmark agree on, not yet trusted.
+// A tentative plane: segments without a landmark agree on it, and it is not trusted yet.
 struct TentativePlane {
   Landmark landmark;              // covariance given the poses
   std::vector<int> observations;  // indices
@@ -25,35 +25,37 @@ struct TentativePlane {
   int64_t last_time_ns = 0;
 };
 
-// What a single segment says of the type of its plane (paper, section 4.4).
+// The types that a single segment leaves to its plane (paper, section 4.4).
 struct TypeEvidence {
   bool can_be_horizontal = false;
   bool can_be_vertical = false;
 };
 
-// direction_sigma_rad: of the segment's direction in the world.
+// Judges the type of a segment's plane by the segment's direction in the world, which is known
+// to direction_sigma_rad.
 TypeEvidence JudgeType(const Observation& observation,
                        const Eigen::Quaterniond& world_from_scanner,
                        double direction_sigma_rad,
                        double significance);
 
-// Collects segments without a landmark into candidates and tells which of these have become
-// planes: seen in several scans, direction known well, type beyond doubt. That a plane is a
-// wall takes several scans, too.
+// Collects segments without a landmark into tentative planes, and gives up those that are to
+// become landmarks: seen in several scans, direction known well, type beyond doubt. That a
+// plane is a wall takes several scans, too.
 class TentativePlanes {
  public:
   TentativePlanes(bool planar, const MapperOptions& options);
 
-  // Gives the observation to the candidates it agrees with, or starts new ones.
+  // Gives the observation to the tentative planes that it agrees with, or starts a new one.
   void Offer(const Observation& observation,
              int observation_index,
              const ObservationPoses& poses,
              const Matrix6d& pose_covariance);
 
-  // Removes and returns the candidates that have become planes. min_scans: see PlaneOptions.
+  // Removes and returns the tentative planes that are to become landmarks. min_scans: see
+  // PlaneOptions.
   std::vector<TentativePlane> TakeReady(int min_scans);
 
-  // Drops candidates that nothing has confirmed for a while.
+  // Drops tentative planes that nothing has confirmed for a while.
   void DropStale(int64_t now_ns);
 
  private:

@@ -12,7 +12,10 @@
 namespace plumbline {
 namespace {
 
-// Of two planes of one type that face the same side.
+// The normals of planes that face the same side have at least this cosine.
+constexpr double kMinFacingCosine = 0.8;
+
+// Whether two planes of one type that face the same side are one.
 bool AreOnePlane(const Landmark& a,
                  const Landmark& b,
                  double range_noise_m,
@@ -49,7 +52,8 @@ struct Compared {
   bool is_recent;  // seen since the scan in question
 
   bool FacesLike(const Compared& other) const {
-    return landmark->model == other.landmark->model && normal.dot(other.normal) >= 0.8;
+    return landmark->model == other.landmark->model &&
+           normal.dot(other.normal) >= kMinFacingCosine;
   }
 };
 
@@ -89,9 +93,10 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 }
 
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
-  constexpr double kMinOverlap = 0.5;
-  constexpr double kRangeSigmas = 5.0;
-  if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < 0.8) return false;
+  constexpr double kMinOverlap = 0.5;   // of the weak one's cells
+  constexpr double kRangeSigmas = 5.0;  // within which single ranges do not tell planes apart
+  if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < kMinFacingCosine)
+    return false;
   const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;
   int count = 0;

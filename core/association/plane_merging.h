@@ -9,20 +9,20 @@
 
 namespace plumbline {
 
-// Pairs (older, newer) of landmarks that are one plane: same type and side, seen next to each
-// other, no statistically significant difference in position and direction where they meet,
-// and that difference known to better than the scanners' range noise. Only pairs with a
-// landmark seen since scan `since_scan`, and, with loop closure off, only within the allowed
-// gap.
+// Finds pairs (older, newer) of landmarks that are one plane: of the same type and facing the
+// same side, seen next to each other, without a statistically significant difference in
+// position and direction where they meet, that difference being known to better than the
+// scanners' range noise. Only pairs with a landmark seen since scan `since_scan` are compared,
+// and, with loop closure off, only within the allowed gap.
 std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
                                                      const MapState& state,
                                                      const MapperOptions& options,
                                                      int since_scan);
 
-// Whether `weak` only repeats what `strong` shows: it faces the same side, lies for the most
-// part where `strong` has been seen too, and differs from it by no more than single ranges can
-// tell. Two surfaces can not both be seen there; segments that took in beams of a neighbouring
-// surface (an open door's jamb, seen along the wall) make such planes.
+// Whether `weak` is redundant, a plane that only repeats `strong`: it faces the same side,
+// lies for the most part where `strong` has been seen too, and differs from it by no more than
+// single ranges can tell. Two surfaces can not both be seen there; segments that took in beams
+// of a neighbouring surface (an open door's jamb, seen along the wall) make redundant planes.
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
 // Makes landmark `from` part of `into`: its observations, extent and times.

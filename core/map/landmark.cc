@@ -11,13 +11,13 @@
 
 namespace plumbline {
 bool Landmark::IsJudged() const {
-  constexpr int kMaxJudged = 200;
+  constexpr int kMaxJudged = 200;  // their mean is known to a fourteenth
   return num_judged >= kMaxJudged;
 }
 
 bool Landmark::AgreesWithin(double mean_deviation) const {
-  constexpr double kExpected = 2.0;  // so that one alone, or none, does not decide
-  return sum_deviations <= mean_deviation * num_judged + kExpected;
+  // One more segment, as good as expected: so that one alone, or none, does not decide.
+  return sum_deviations <= mean_deviation * num_judged + kExpectedDeviation;
 }
 
 Eigen::Vector3d Landmark::Normal() const {

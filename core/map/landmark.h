@@ -12,8 +12,12 @@
 
 namespace plumbline {
 
-// Planes whose normals' cosine is larger form no corner: their crossing says hardly where.
+// Planes whose normals' cosine is larger form no corner: where they intersect is hardly known.
 inline constexpr double kMaxCornerCosine = 0.7;
+
+// The squared deviation of a segment from its plane that is expected where the noise is as
+// stated: it has two degrees of freedom.
+inline constexpr double kExpectedDeviation = 2.0;
 
 // A plane of the building that is being estimated, and what is known of it.
 struct Landmark {
@@ -23,7 +27,8 @@ struct Landmark {
   std::array<double, 4> parameters = {};  // see factors/manifold/plane_model.h
   bool heading_fixed = false;             // the gauge's wall: its angle is not estimated
   PatchExtent extent;
-  // Of the parameters, given the rig's current pose: what association tests need.
+  // The covariance of the parameters, given the rig's current pose, as association tests need
+  // it.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   int first_scan = 0;
   int last_scan = 0;
@@ -31,18 +36,21 @@ struct Landmark {
   int64_t last_time_ns = 0;
   int num_segments = 0;
   int64_t num_points = 0;
-  // How the first segments that were found on it agreed with it: the sum of their squared
-  // deviations over the variances then stated, two degrees of freedom each.
+  // The sum of the squared deviations of the first segments that were found on the plane, each
+  // over its variance as stated then, with two degrees of freedom; and their number.
   double sum_deviations = 0.0;
   int num_judged = 0;
 
-  bool IsJudged() const;  // enough of them are known
+  // Whether the deviations of enough segments are known.
+  bool IsJudged() const;
+  // Takes in the deviation of one more segment.
   void Judge(double squared_deviation) {
     sum_deviations += squared_deviation;
     ++num_judged;
   }
-  // Whether they agree by no more than this mean, where two is expected. A slant across a
-  // corner, which short segments make believe, lies elsewhere as soon as the rig does.
+  // Whether the mean of the deviations is at most this, where kExpectedDeviation is expected.
+  // An oblique false plane across a corner, which short segments suggest, lies elsewhere as
+  // soon as the rig does.
   bool AgreesWithin(double mean_deviation) const;
   // An empty extent with its axes on the plane as it is estimated now.
   PatchExtent EmptyExtent() const;
@@ -52,8 +60,8 @@ struct Landmark {
   double SignedDistance(const Eigen::Vector3d& p_world) const {
     return Normal().dot(p_world) - Distance();
   }
-  // Derivative of n.p - d (at a point, per metre along a direction) by the parameters; columns
-  // beyond num_parameters() are zero.
+  // The derivative of n.p - d (at a point, per metre along a direction) by the parameters;
+  // columns beyond num_parameters() are zero.
   Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
                                     const Eigen::Vector3d& direction_world) const;
 };

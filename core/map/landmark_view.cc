@@ -10,8 +10,8 @@ LandmarkView::LandmarkView(const Landmark& of)
       distance(of.Distance()),
       centre_world(of.extent.Centre()),
       radius_m(of.extent.radius_m()),
-      half_u(0.5 * of.extent.size().x() * of.extent.u_axis()),
-      half_v(0.5 * of.extent.size().y() * of.extent.v_axis()),
+      half_u(0.5 * (of.extent.max_corner() - of.extent.min_corner()).x() * of.extent.u_axis()),
+      half_v(0.5 * (of.extent.max_corner() - of.extent.min_corner()).y() * of.extent.v_axis()),
       is_vertical(of.model == PlaneModel::kVertical),
       heading_fixed(of.heading_fixed),
       covariance(of.covariance) {}

@@ -6,17 +6,17 @@
 
 namespace plumbline {
 
-// A landmark as tests of many observations look at it: what they ask for at hand, in one
-// place. Valid while the landmark stands still.
+// A landmark as the tests of many observations look at it: the values that they need, computed
+// once. Valid as long as the landmark does not change.
 struct LandmarkView {
   const Landmark* landmark;
   Eigen::Vector3d normal;
   double distance;
-  // A sphere around all that has been seen of it: of hundreds of planes a scan reaches a few,
-  // and most others are told by it, without a look at the landmark itself.
+  // A sphere around all that has been seen of the plane. A scan reaches a few of hundreds of
+  // planes, and the sphere rules out most others without a look at the landmark itself.
   Eigen::Vector3d centre_world;
   double radius_m;
-  // Halves of the sides of the rectangle around it.
+  // Halves of the sides of the bounding rectangle, as vectors in the world.
   Eigen::Vector3d half_u;
   Eigen::Vector3d half_v;
   bool is_vertical;
@@ -34,7 +34,7 @@ struct LandmarkView {
         heading_fixed ? 0.0 : normal.x() * p_world.y() - normal.y() * p_world.x();
     return along * (along * covariance(0, 0) - 2.0 * covariance(0, 1)) + covariance(1, 1);
   }
-  // See Landmark::DeviationJacobian.
+  // The derivative of the deviation by the parameters: see Landmark::DeviationJacobian.
   Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
                                     const Eigen::Vector3d& direction_world) const;
 };

@@ -18,9 +18,9 @@ struct MapState {
   std::deque<Landmark> landmarks;        // position = id; merged ones stay, without segments
   std::deque<Observation> observations;  // by time
   int64_t origin_time_ns = 0;            // instant whose position is the model frame's origin
-  // Beams of planes that no segment on them has: too few for one of their own, or parts of one
-  // on no plane (core/visibility/resegmentation.h). With their landmarks; by scan line and
-  // beam.
+  // Sub-minimum segments: beams on a plane that no segment on it has, too few for a segment of
+  // their own or parts of one on no plane (core/visibility/resegmentation.h). Each has its
+  // landmark; they are ordered by scan line and beam.
   std::deque<Observation> sub_minimum_segments = {};
 };
 

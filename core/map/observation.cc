@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/map/observation_poses.h"
 #include "core/util/time.h"
 #include "factors/segment/segment_measurement.h"
 #include "factors/segment/segment_moments.h"
@@ -13,8 +14,8 @@
 namespace plumbline {
 namespace {
 
-// normal . p = distance
-struct Line {
+// A line in the scan plane: normal . p = distance.
+struct ScanPlaneLine {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
   double distance = 0.0;
 };
@@ -35,9 +36,9 @@ void VisitStretches(const Segment& segment, const Visit& visit) {
   CHECK_EQ(index, segment.num_points) << "segment and its beams disagree";
 }
 
-// The line nearest to the segment's points, each weighted by the slant at which its beam meets
+// The line nearest to the segment's points, each weighted by the angle at which its beam meets
 // the segment's line.
-Line FitLine(const ScanLine& scan_line, const Segment& segment) {
+ScanPlaneLine FitLine(const ScanLine& scan_line, const Segment& segment) {
   const Eigen::Vector2d origin = scan_line.ranges[static_cast<size_t>(segment.first_beam)] *
                                  scan_line.BeamDirection(segment.first_beam);
   const double origin_x = origin.x();
@@ -69,26 +70,23 @@ Line FitLine(const ScanLine& scan_line, const Segment& segment) {
   yy -= sum_y * mean.y();
   // The direction of largest scatter, of the two the one nearer to the segment's.
   const double twice = std::atan2(2.0 * xy, xx - yy);
-  Line line;
+  ScanPlaneLine line;
   line.normal = {-std::sin(0.5 * twice), std::cos(0.5 * twice)};
   if (line.normal.dot(segment.normal) < 0.0) line.normal = -line.normal;
   line.distance = line.normal.dot(origin + mean);
   return line;
 }
 
-// Up to this duration all segments of a scan line share its nodes, so that the poses there are
-// computed once. What a quadratic misses of the motion grows with the span's third power: for
-// 20 ms and a jerk of 100 rad/s^3 it is 0.007 mrad.
-constexpr int64_t kMaxSharedSpanNs = 25'000'000;
-
+// The nodes of a segment: those of the whole scan line, as far as that lasts short enough, so
+// that the poses there are computed once for all of its segments.
 std::array<int64_t, 3> Nodes(const ScanLine& scan_line,
                              int64_t offset_ns,
                              int64_t start_ns,
                              int64_t end_ns) {
   const int64_t first_ns = scan_line.BeamTime(0) + offset_ns;
   const int64_t last_ns = scan_line.BeamTime(scan_line.num_beams() - 1) + offset_ns;
-  return last_ns - first_ns <= kMaxSharedSpanNs ? NodesOfSpan(first_ns, last_ns)
-                                                : NodesOfSpan(start_ns, end_ns);
+  return last_ns - first_ns <= kMaxQuadraticSpanNs ? NodesOfSpan(first_ns, last_ns)
+                                                   : NodesOfSpan(start_ns, end_ns);
 }
 
 // Beams of a segment side by side, so that loops over them become vector instructions.
@@ -222,10 +220,10 @@ Observation ObserveBeams(const ScanLine& scan_line,
     one.size = 1;
     one.since_start[0] = beam - segment.first_beam;
     set_lines(&one);
-    return Line{{one.normal_x[0], one.normal_y[0]}, one.distance[0]};
+    return ScanPlaneLine{{one.normal_x[0], one.normal_y[0]}, one.distance[0]};
   };
   const auto point_of = [&](int beam) -> Eigen::Vector2d {
-    const Line line = line_of(beam);
+    const ScanPlaneLine line = line_of(beam);
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const double measured = scan_line.ranges[static_cast<size_t>(beam)];
     return RangeAt(line.distance, line.normal.dot(direction), measured) * direction;
@@ -275,7 +273,7 @@ Observation MakeObservation(const ScanLine& scan_line,
                             const Scanner& scanner,
                             const Segment& segment,
                             bool keep_points) {
-  const Line line = FitLine(scan_line, segment);
+  const ScanPlaneLine line = FitLine(scan_line, segment);
   const auto set_lines = [&](BeamBlock* beams) {
     for (size_t i = 0; i < beams->size; ++i) {
       beams->normal_x[i] = line.normal.x();

@@ -23,9 +23,9 @@ struct ObservedPoint {
   double offset;     // whitened, see SegmentMeasurement
 };
 
-// What is kept of one segment of one scan line: its beams compressed to a matrix of at most
-// nine rows (factors/cost/segment_factor.h), a line for association, and its landmark. A long
-// recording has millions of them: no more is kept than is needed.
+// One segment of one scan line as the map keeps it: its beams compressed to a matrix of at
+// most nine rows (factors/cost/segment_factor.h), a line for association, and its landmark. A
+// long recording has millions of observations: no more is kept than is needed.
 struct Observation {
   StoredMeasurement measurement;
   Eigen::Vector2f first_point = Eigen::Vector2f::Zero();  // scanner frame, m
@@ -47,7 +47,7 @@ struct Observation {
   CompactArray<int> excluded_beams;
   CompactArray<ObservedPoint> points;  // kept only for the per-point factor
 
-  // Of its line, scanner frame, m.
+  // End points, centroid and direction of the line, scanner frame, m.
   Eigen::Vector2d start() const { return first_point.cast<double>(); }
   Eigen::Vector2d end() const { return last_point.cast<double>(); }
   Eigen::Vector2d centroid() const { return measurement.frame().origin.cast<double>(); }
@@ -60,14 +60,14 @@ struct Observation {
   double length_m() const { return (end() - start()).norm(); }
 };
 
-// Compresses a segment. keep_points also stores the single beams.
+// Compresses a segment to an observation. keep_points also stores the single beams.
 Observation MakeObservation(const ScanLine& scan_line,
                             const Scanner& scanner,
                             const Segment& segment,
                             bool keep_points);
 
-// The same, with the beams taken to the trace of a plane that is known better than the line of
-// the segment: lever arms and weights then carry none of the segment's own noise, whose
+// Compresses a segment with its beams taken to the trace of a plane that is known better than
+// the segment's own line: lever arms and weights then carry none of the segment's noise, whose
 // products with itself would turn the plane.
 Observation MakeObservationOn(const PlaneTrace& trace,
                               const ScanLine& scan_line,
@@ -75,10 +75,10 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Segment& segment,
                               bool keep_points);
 
-// Factors from the whitening in the scan plane to that of point-to-plane distances. With c the
-// length of the plane normal's part in the scan plane, a distance's standard deviation is c
-// times the one in the scan plane (the beam meets the plane at a slant), plus what the beams'
-// angular noise across the scan plane adds.
+// The weights that take the whitening in the scan plane to that of point-to-plane distances.
+// With c the length of the plane normal's part in the scan plane, a distance's standard
+// deviation is c times the one in the scan plane (the beam meets the plane obliquely), plus
+// what the beams' angular noise across the scan plane adds.
 SegmentWeights WeightsOn(const Observation& observation,
                          const Eigen::Quaterniond& world_from_scanner,
                          const Eigen::Vector3d& normal_world);

@@ -44,8 +44,8 @@ class PatchExtent {
   bool OthersAreNear(const Eigen::Vector3d& a_world,
                      const Eigen::Vector3d& b_world,
                      double max_gap_m) const;
-  // Whether the bounding rectangles come so near to each other: quick, and true wherever
-  // IsNear() is.
+  // Whether the bounding rectangles may come within max_gap_m of each other: quick, and true
+  // wherever IsNear() is.
   bool MayBeNear(const PatchExtent& other, double max_gap_m) const;
   // Whether a point in the extent's axes lies within the bounding rectangle, or at most
   // margin_m beyond it.
@@ -79,7 +79,6 @@ class PatchExtent {
   // The bounding rectangle, and a sphere around it.
   Eigen::Vector2d min_corner() const { return min_; }
   Eigen::Vector2d max_corner() const { return max_; }
-  Eigen::Vector2d size() const { return max_ - min_; }
   Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
   double radius_m() const { return 0.5 * (max_ - min_).norm(); }
   // A polygon in (u, v) around all that has been seen, counter-clockwise: of an upright patch

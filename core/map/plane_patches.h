@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-// The landmarks with observations as plane patches, ids as in the state.
+// Converts the landmarks that have observations to plane patches, with the ids of the state.
 std::vector<PlanePatch> PlanePatches(const MapState& state);
 
 }  // namespace plumbline

@@ -42,7 +42,8 @@ bool LineBlockReader::Next(ScanLineBatch* block) {
   block->end_index = next_index_;
   if (num_lines > 0) return true;
   CHECK_EQ(next_observation_, state_.observations.size()) << "observations out of order";
-  CHECK_EQ(next_run_, state_.sub_minimum_segments.size()) << "short runs out of order";
+  CHECK_EQ(next_run_, state_.sub_minimum_segments.size())
+      << "sub-minimum segments out of order";
   return false;
 }
 

@@ -9,14 +9,14 @@
 
 namespace plumbline {
 
-// Some scan lines that follow each other in a recording, and what a map's state holds of each:
-// positions [first, last) in observations and sub_minimum_segments.
+// A few scan lines that follow each other in a recording, and the positions [first, last) of
+// their observations and sub-minimum segments in a map's state.
 struct ScanLineBatch {
   struct Line {
     ScanLine scan_line;
     size_t first_observation = 0;
     size_t last_observation = 0;
-    size_t first_run = 0;
+    size_t first_run = 0;  // of the sub-minimum segments
     size_t last_run = 0;
   };
 
@@ -24,13 +24,13 @@ struct ScanLineBatch {
   int end_index = 0;  // of the recording's scan line after these
 };
 
-// Goes through a recording once more, from its beginning, a block at a time: much for a thread
-// to work on, and little to be kept.
+// Reads a recording once more, from its beginning, a batch of scan lines at a time: enough for
+// a thread to work on, and little to be kept.
 class LineBlockReader {
  public:
   LineBlockReader(RecordingReader* recording, const MapState& state);
 
-  // False at the end. The block's memory is used again.
+  // Reads the next batch; false at the end. The batch's memory is used again.
   bool Next(ScanLineBatch* block);
 
  private:

@@ -23,9 +23,6 @@ constexpr int64_t kMaxSubMinimumRatio = 3;
 // A plane's segments deviate by at most this many times what is expected: furniture's, on a
 // real robot, by two and a half.
 constexpr double kMaxDeviationRatio = 3.0;
-// The squared deviation of a segment from its plane that is expected where the noise is as
-// stated: it has two degrees of freedom.
-constexpr double kExpectedDeviation = 2.0;
 
 // Whether an observation is the only one of its landmark where it lies.
 bool IsAlone(const Observation& observation,

@@ -73,7 +73,7 @@ std::vector<std::pair<std::string, double>> NamedStddevs(const MotionNoise& nois
 
 std::string PlaneName(int id) { return "plane " + std::to_string(id); }
 
-// What the covariance says of how well the unknowns are determined.
+// Adds to the summary how well the covariance shows the unknowns to be determined.
 void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* summary) {
   constexpr size_t kNumCorrelations = 5;
   for (const auto& correlation : planes.LargestCorrelations(kNumCorrelations)) {

@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// What plumbline_map does: one recording in, one directory of results out.
+// The job of plumbline_map: one recording in, one directory of results out.
 struct MapJob {
   std::string recording;  // ROS 1 bag
   std::string rig;        // YAML
@@ -15,7 +15,7 @@ struct MapJob {
   int threads = 1;        // 0: as many as the machine has
 };
 
-// Maps and writes all files of docs/outputs.md, or none of them. Throws Error.
+// Maps the recording and writes all files of docs/outputs.md, or none of them. Throws Error.
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress);
 
 }  // namespace plumbline

@@ -75,7 +75,7 @@ void FollowRecording(const Rig& rig,
   }
 }
 
-// The planes of the last statement, as they are estimated now.
+// The planes of the last window estimate, as they are estimated now.
 PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const MapState& state) {
   if (estimates.empty()) return {};
   const WindowEstimate& last = estimates.back();
@@ -145,8 +145,8 @@ MapResult MapRecording(const Rig& rig,
 }
 
 std::optional<std::string> JudgeVarianceFactor(double variance_factor) {
-  constexpr double kDoubtful = 3.0;
-  constexpr double kAstray = 25.0;
+  constexpr double kDoubtful = 3.0;  // the square of 1.7
+  constexpr double kAstray = 25.0;   // the square of 5
   if (variance_factor < kDoubtful) return std::nullopt;
   char ratio[32];
   std::snprintf(ratio, sizeof(ratio), "%.1f", std::sqrt(variance_factor));

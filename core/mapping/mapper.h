@@ -17,7 +17,7 @@
 
 namespace plumbline {
 
-// What mapping a recording gives, before it is written.
+// The result of mapping a recording, before it is written.
 struct MapResult {
   explicit MapResult(MapState state) : state(std::move(state)) {}
 
@@ -31,17 +31,18 @@ struct MapResult {
   std::vector<std::string> warnings;
 };
 
-// From the scan lines of a recording to the trajectory and the planes: initialisation, scan by
-// scan tracking with the window, final batch (docs/architecture.md). Works on the threads of
-// the caller's tbb::task_arena, by default all of the machine: they change the time it takes,
-// never the result. Throws Error when the motion can not be followed.
+// Estimates the trajectory and the planes from the scan lines of a recording: initialisation,
+// tracking scan by scan with the window, final batch (docs/architecture.md). Works on the
+// threads of the caller's tbb::task_arena, by default all of the machine: their number changes
+// the time that the mapping takes, never the result. Throws Error when the motion can not be
+// followed.
 MapResult MapRecording(const Rig& rig,
                        const MapperOptions& options,
                        const ProgressCallback& progress,
                        RecordingReader* recording);
 
-// What the variance factor says of a map: a warning where its standard deviations are too
-// small by more than 1.7. Throws Error where the scans contradict the map.
+// Judges a map by its variance factor: returns a warning where the standard deviations are too
+// small by more than 1.7, and throws Error where the scans contradict the map.
 std::optional<std::string> JudgeVarianceFactor(double variance_factor);
 
 }  // namespace plumbline

@@ -21,10 +21,6 @@
 namespace plumbline {
 namespace {
 
-// Points in such a span are placed by the quadratic through three poses, to better than
-// float's resolution.
-constexpr int64_t kMaxSpanNs = 25'000'000;
-
 // Share of points on planes over time, to tell where the pose is doubtful: where the estimate
 // went astray, segments no longer lie on the planes.
 class SupportOverTime {
@@ -75,7 +71,7 @@ class SupportOverTime {
   std::vector<Bin> bins_;
 };
 
-// What has come of a scan line.
+// How many of a scan line's points came into the map.
 struct LineCount {
   double time_s = 0.0;     // of its middle, since the recording's start
   int64_t num_points = 0;  // valid ranges
@@ -84,7 +80,7 @@ struct LineCount {
   double sum_squares = 0.0;  // of the residuals, m^2
 };
 
-// Some scan lines on their way into the map.
+// A few scan lines on their way into the map.
 struct Item {
   ScanLineBatch block;
   std::vector<LineCount> counts;  // of the block's lines
@@ -145,8 +141,9 @@ class LinePlacer {
       if (time_ns < map_start_ns || time_ns >= map_end_ns) continue;
       if (time_ns > span_end_ns) {
         const int last = scan_line.num_beams() - 1;
-        span_end_ns = std::min(
-            {BeamInstant(scan_line, last, rig_), time_ns + kMaxSpanNs, map_end_ns - 1});
+        span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
+                                time_ns + kMaxQuadraticSpanNs,
+                                map_end_ns - 1});
         motion = ObservationPoses(
                      NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
                      .motion;

@@ -12,16 +12,16 @@
 
 namespace plumbline {
 
-// What the points of a recording say of a map.
+// How well the points of a recording agree with a map.
 struct PointReport {
   int64_t num_points = 0;       // valid ranges in the recording
-  int64_t num_used = 0;         // of these on segments and short runs of planes
+  int64_t num_used = 0;         // of these on planes' segments and sub-minimum segments
   double residual_rms_m = 0.0;  // of what is used
   std::vector<std::string> warnings;
 };
 
-// Reads the recording once more and places every valid point, so that none had to be kept.
-// Works on the threads of the caller's tbb::task_arena.
+// Reads the recording once more and writes every valid point at its place in the map, so that
+// no points had to be kept. Works on the threads of the caller's tbb::task_arena.
 PointReport ExportPoints(const Rig& rig,
                          const MapState& state,
                          const ProgressCallback& progress,

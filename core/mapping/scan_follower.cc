@@ -25,7 +25,8 @@ namespace plumbline {
 
 namespace {
 
-// Beyond these standard deviations, the planes given, the newest pose is lost.
+// A pose with larger standard deviations, the planes given, is lost: segments would find wrong
+// planes.
 constexpr double kLostPosition = 0.5;                  // m
 constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
 
@@ -103,7 +104,7 @@ bool ScanFollower::Start(const Scan& scan) {
   // One scan must do for a start: its segments become planes at once, the first wall first.
   const auto offer = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    candidates_.Offer(observation, index, poses_->Of(observation), Matrix6d::Zero());
+    tentative_planes_.Offer(observation, index, poses_->Of(observation), Matrix6d::Zero());
   };
   offer(frame->reference_observation);
   const int num_observations = static_cast<int>(state_->observations.size());
@@ -127,7 +128,6 @@ void ScanFollower::Accept(int observation_index, bool tracked) {
   if (!tracked) tracker_->Add(observation_index);
 }
 
-// Takes down how an observation agrees with its landmark.
 void ScanFollower::Judge(const Observation& observation) {
   Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
   if (landmark.IsJudged()) return;
@@ -141,29 +141,29 @@ void ScanFollower::Judge(const Observation& observation) {
   }
 }
 
-void ScanFollower::AddLandmark(TentativePlane candidate) {
-  candidate.landmark.id = static_cast<int>(state_->landmarks.size());
-  state_->landmarks.push_back(std::move(candidate.landmark));
-  for (const int index : candidate.observations) {
+void ScanFollower::AddLandmark(TentativePlane plane) {
+  plane.landmark.id = static_cast<int>(state_->landmarks.size());
+  state_->landmarks.push_back(std::move(plane.landmark));
+  for (const int index : plane.observations) {
     state_->observations[static_cast<size_t>(index)].landmark_id = state_->landmarks.back().id;
     Accept(index, false);
   }
 }
 
-bool ScanFollower::IsRedundantPlane(const TentativePlane& candidate) const {
+bool ScanFollower::IsRedundantPlane(const TentativePlane& plane) const {
   const int scan_index = static_cast<int>(scan_times_ns_.size()) - 1;
   return std::any_of(
       state_->landmarks.begin(), state_->landmarks.end(), [&](const Landmark& landmark) {
         return landmark.num_segments > 0 &&
                IsWithinGap(landmark, scan_index, options_.loop_closure) &&
-               IsRedundant(candidate.landmark, landmark, MaxRangeNoise(rig_));
+               IsRedundant(plane.landmark, landmark, MaxRangeNoise(rig_));
       });
 }
 
 void ScanFollower::StartPlanes(int min_scans) {
-  for (TentativePlane& candidate : candidates_.TakeReady(min_scans)) {
-    // An observation that served two candidates belongs to the one that came first.
-    std::vector<int>& indices = candidate.observations;
+  for (TentativePlane& plane : tentative_planes_.TakeReady(min_scans)) {
+    // An observation that served two tentative planes belongs to the one that came first.
+    std::vector<int>& indices = plane.observations;
     indices.erase(
         std::remove_if(indices.begin(),
                        indices.end(),
@@ -172,8 +172,8 @@ void ScanFollower::StartPlanes(int min_scans) {
                                 0;
                        }),
         indices.end());
-    if (static_cast<int>(indices.size()) < min_scans || IsRedundantPlane(candidate)) continue;
-    AddLandmark(std::move(candidate));
+    if (static_cast<int>(indices.size()) < min_scans || IsRedundantPlane(plane)) continue;
+    AddLandmark(std::move(plane));
   }
 }
 
@@ -224,7 +224,7 @@ void ScanFollower::Follow(const Scan& scan) {
   const int last = static_cast<int>(state_->observations.size()) - 1;
   tracker_->Track(first, last, {state_->landmarks, scan_index, options_.loop_closure});
   CheckNotLost(scan.end_ns);
-  // Where an unsteady rig was, and so where planes meet, is hardly known.
+  // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
   if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
     ResegmentScan(rig_,
                   options_,
@@ -240,7 +240,7 @@ void ScanFollower::Follow(const Scan& scan) {
       Judge(observation);
       Accept(index, true);
     } else if (observation.num_points > 0) {  // has beams left
-      candidates_.Offer(
+      tentative_planes_.Offer(
           observation,
           index,
           poses_->Of(observation),
@@ -248,7 +248,7 @@ void ScanFollower::Follow(const Scan& scan) {
     }
   }
   StartPlanes(options_.planes.min_scans);
-  candidates_.DropStale(scan.end_ns);
+  tentative_planes_.DropStale(scan.end_ns);
   const int step =
       tracker_->FollowsWell(scan.end_ns) ? options_.window.knot_intervals_per_step : 1;
   if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {

@@ -27,7 +27,7 @@ class ScanFollower {
         planar_(planar),
         options_(options),
         scan_period_s_(scan_period_s),
-        candidates_(planar, options) {}
+        tentative_planes_(planar, options) {}
 
   bool started() const { return window_ != nullptr; }
   MapState& state() { return *state_; }
@@ -35,27 +35,35 @@ class ScanFollower {
   const std::vector<WindowEstimate>& estimates() const { return window_->estimates(); }
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
 
-  // Looks for the model frame in this scan; false when it does not show.
+  // Starts the map with this scan; false when the scan does not show the model frame.
   bool Start(const Scan& scan);
-  // Takes the next scan. Throws Error when the pose is lost.
+  // Follows the rig through the next scan. Throws Error when the pose is lost.
   void Follow(const Scan& scan);
 
  private:
+  // Finds the segments of a scan.
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
+  // Gives an observation that has a landmark to the window, and to the tracker unless the scan
+  // was tracked with it.
   void Accept(int observation_index, bool tracked);
+  // Takes the deviation of an observation into its landmark.
   void Judge(const Observation& observation);
+  // Makes landmarks of the tentative planes that enough scans have seen.
   void StartPlanes(int min_scans);
-  bool IsRedundantPlane(const TentativePlane& candidate) const;
-  void AddLandmark(TentativePlane candidate);
+  // Whether the plane only repeats a landmark (IsRedundant).
+  bool IsRedundantPlane(const TentativePlane& plane) const;
+  void AddLandmark(TentativePlane plane);
+  // Solves the window, passes the newest poses on to the tracker, and merges planes.
   void SolveWindow(int64_t now_ns);
+  // Throws Error when the newest pose has been unknown for too long.
   void CheckNotLost(int64_t now_ns);
 
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
   double scan_period_s_;
-  TentativePlanes candidates_;
+  TentativePlanes tentative_planes_;
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<Tracker> tracker_;

@@ -5,23 +5,17 @@
 
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
 
-// A beam counts within so many standard deviations of a range, on both sides of its plane: the
-// others' noise keeps its mean.
-constexpr double kOutlierSigmas = 3.0;
-// Beyond so many, one beam tells two surfaces apart, whatever its noise.
-constexpr double kFarSigmas = 9.0;
-// A plane so far in front of what a beam has measured has let it pass.
+// A plane that lies so far in front of what a beam has measured has let the beam pass.
 constexpr double kPassed = 0.5;  // m
 // Patches reach so far beyond what segments have shown of them.
 constexpr double kMargin = 0.02;  // m
-// By as much, and a little more, beams on what lies behind a free edge make the patch larger.
+// Beams on what lies behind a free edge make a patch larger by as much, and a little more.
 constexpr double kEdge = 0.07;  // m
-// How near the seen part of another plane has to come to an edge that it makes.
-constexpr double kReach = PatchExtent::kCellSize;
 
 }  // namespace
 
@@ -38,16 +32,16 @@ bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
 bool BeamAssociation::EndsBefore(const LandmarkView& plane,
                                  const Eigen::Vector3d& p_world) const {
   bool ends = false;
-  planes_.ForEachWithin(p_world, kReach, [&](const LandmarkView& other) {
+  planes_.ForEachWithin(p_world, kSeenReach, [&](const LandmarkView& other) {
     if (ends || other.landmark == plane.landmark) return;
     const double cosine = other.normal.dot(plane.normal);
     if (std::abs(cosine) > kMaxCornerCosine) return;
     const double in_front = other.SignedDistance(p_world);
     if (in_front <= 0.0) return;
-    if (!other.landmark->extent.IsNear(p_world, p_world, kReach)) return;
+    if (!other.landmark->extent.IsNear(p_world, p_world, kSeenReach)) return;
     const Eigen::Vector3d outwards = (other.normal - cosine * plane.normal).normalized();
     ends = IsSolidAt(plane, p_world - (in_front + kEdge) * outwards, kMargin) &&
-           !IsSolidAt(plane, p_world + kReach * outwards, 0.0);
+           !IsSolidAt(plane, p_world + kSeenReach * outwards, 0.0);
   });
   return ends;
 }
@@ -74,7 +68,7 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
   if (!scanner_.IsValidRange(measured)) return nullptr;
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-  const double off_m = kOutlierSigmas * scanner_.range_noise_m;
+  const double off_m = kStrictSigmas * scanner_.range_noise_m;
   const LandmarkView* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
   ranges_.ForEachBetween(
@@ -86,8 +80,8 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   return nearest > measured - off_m ? first : nullptr;
 }
 
-// Towards a plane that stands in front of it the plane falls back behind that; towards one
-// round an edge it comes out before it.
+// Towards the beams of a plane that stands in front of it, the plane falls back behind that
+// other plane; towards those of a plane round an edge, it comes out before it.
 bool BeamAssociation::IsMet(const LandmarkView& plane,
                             const LandmarkView* beyond,
                             int end,
@@ -103,8 +97,8 @@ bool BeamAssociation::IsMet(const LandmarkView& plane,
   return std::abs(at) < kFarSigmas * scanner_.range_noise_m && at > behind(end);
 }
 
-std::vector<BeamAssociation::Run> BeamAssociation::RunsWithin(int first_beam,
-                                                              int last_beam) const {
+std::vector<BeamAssociation::PlaneBeams> BeamAssociation::Associate(int first_beam,
+                                                                    int last_beam) const {
   std::vector<const LandmarkView*> planes;
   planes.reserve(static_cast<size_t>(std::max(0, last_beam - first_beam + 1)));
   for (int beam = first_beam; beam <= last_beam; ++beam) planes.push_back(PlaneOf(beam));
@@ -112,7 +106,7 @@ std::vector<BeamAssociation::Run> BeamAssociation::RunsWithin(int first_beam,
     const bool is_within = beam >= first_beam && beam <= last_beam;
     return is_within ? planes[static_cast<size_t>(beam - first_beam)] : PlaneOf(beam);
   };
-  std::vector<Run> runs;
+  std::vector<PlaneBeams> found;
   for (int beam = first_beam; beam <= last_beam;) {
     const LandmarkView* plane = plane_of(beam);
     int first = beam;
@@ -126,9 +120,9 @@ std::vector<BeamAssociation::Run> BeamAssociation::RunsWithin(int first_beam,
     if (!IsMet(*plane, plane_of(last + 1), last, 1)) {
       while (last >= first && !GoesOn(*plane, last, 1)) --last;
     }
-    if (first <= last) runs.push_back({plane, Trace(placement_, *plane), first, last});
+    if (first <= last) found.push_back({plane, Trace(placement_, *plane), first, last});
   }
-  return runs;
+  return found;
 }
 
 }  // namespace plumbline

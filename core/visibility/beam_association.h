@@ -13,12 +13,12 @@
 
 namespace plumbline {
 
-// What the known planes say of single beams of a scan line: each lies on the plane that it
-// meets first, or on none.
+// Associates the single beams of a scan line with the known planes: each lies on the plane
+// that it meets first, or on none.
 class BeamAssociation {
  public:
-  // Consecutive beams on one plane.
-  struct Run {
+  // Consecutive beams that lie on one plane.
+  struct PlaneBeams {
     const LandmarkView* plane;
     Trace trace;
     int first_beam;
@@ -38,27 +38,28 @@ class BeamAssociation {
         ranges_(planes, placement),
         openings_(openings) {}
 
-  // Of the beams first .. last those whose ranges agree with the plane that they meet first.
-  // Where a plane ends at an edge of which the other side has not been seen, those that meet
-  // it close to the edge are left out: they may lie on the face round the corner.
-  std::vector<Run> RunsWithin(int first_beam, int last_beam) const;
+  // Finds, among the beams first .. last, those whose ranges agree with the plane that they
+  // meet first. Where a plane ends at an edge of which the other side has not been seen, beams
+  // that meet it close to the edge are left out: they may lie on the face round the corner.
+  std::vector<PlaneBeams> Associate(int first_beam, int last_beam) const;
 
  private:
-  // nullptr where the range does not agree.
+  // The plane that the beam lies on; nullptr where the range agrees with none.
   const LandmarkView* PlaneOf(int beam) const;
-  // Whether it has been seen there, and no opening.
+  // Whether the plane has been seen at the point, and no opening there.
   bool IsSolidAt(const LandmarkView& plane,
                  const Eigen::Vector3d& p_world,
                  double margin_m) const;
   // Whether the plane ends close by at another one's edge, and the point lies beyond: in front
   // of the other, where nothing has been seen of the plane.
   bool EndsBefore(const LandmarkView& plane, const Eigen::Vector3d& p_world) const;
-  // Whether it is solid there, and the point not beyond its end; p: scanner frame.
+  // Whether the plane is solid at the point, and does not end before it; p: scanner frame.
   bool IsSeenAt(const LandmarkView& plane, const Eigen::Vector2d& p) const;
-  // Whether the plane does not end close beyond the beam, or at an edge that is known.
+  // Whether the plane goes on close beyond the beam, or ends there at an edge that is known.
   bool GoesOn(const LandmarkView& plane, int beam, int step) const;
-  // Whether that of the beam beyond its end stands in front of the plane and hides the rest of
-  // it. How far a plane was seen to a free edge is known to centimetres only.
+  // Whether the plane `beyond`, which the next beam beyond the end lies on, stands in front of
+  // the plane and hides the rest of it. How far a plane was seen to a free edge is known to
+  // centimetres only.
   bool IsMet(const LandmarkView& plane, const LandmarkView* beyond, int end, int step) const;
 
   const ScanLine& scan_line_;

@@ -14,17 +14,22 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMarginSigmas = 6.0;  // of range noise, on both sides of the plane
-constexpr double kMiddleShare = 0.6;   // of a wall's width: its rim may border an opening
-constexpr double kPassedShare = 0.5;   // of a landmark's cells
+// A beam passes a plane if it begins and ends this far from it, in standard deviations of a
+// range.
+constexpr double kMarginSigmas = 6.0;
+// The middle of a wall is this share of its width: its rim may border an opening.
+constexpr double kMiddleShare = 0.6;
+// A landmark is passed through if this share of its cells is.
+constexpr double kPassedShare = 0.5;
 // Beams that cross a cell for each segment on it. Well above one: railings and rows of chairs
 // are surfaces too, though many beams find their gaps.
 constexpr int kPassagesPerSegment = 10;
-// Of a segment's beams one is asked, the next scan another: it stands for the first, the one
-// in the middle and the last.
+// One of three beams of a segment is followed, in the next scan another: it stands for the
+// first, the one in the middle and the last.
 constexpr int kBeamsPerSegment = 3;
 
-Eigen::Vector2d AskedPoint(const Observation& observation) {
+// The end of the beam that is followed.
+Eigen::Vector2d PointFollowed(const Observation& observation) {
   switch (observation.scan_index % kBeamsPerSegment) {
     case 0:
       return observation.centroid();
@@ -64,7 +69,7 @@ void CountPassage(const LandmarkView& plane,
   if (cell) passages->Add(*cell, kBeamsPerSegment);
 }
 
-// Where on the floor plan the points of a plane lie that MiddleCell() may find on its patch.
+// A box on the floor plan around the points of a plane for which MiddleCell() may find a cell.
 Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
   constexpr double kRim = 0.5;  // m, more than a cell
   const PatchExtent& extent = plane.landmark->extent;
@@ -111,7 +116,7 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
     const ScanPlacement placement =
         poses.Of(observation).motion.At(observation.middle_time_ns());
     const Eigen::Vector3d start_world = placement.col(2);
-    const Eigen::Vector3d end_world = placement * AskedPoint(observation).homogeneous();
+    const Eigen::Vector3d end_world = placement * PointFollowed(observation).homogeneous();
     grid.ForEachNear(start_world.head<2>(), end_world.head<2>(), [&](int index) {
       const LandmarkView& plane = planes[static_cast<size_t>(index)];
       if (plane.landmark->id == observation.landmark_id) return;

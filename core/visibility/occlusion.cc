@@ -8,35 +8,35 @@
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
 #include "core/util/time.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
 
-// At less than this between beam and normal, the pose does not tell where on the plane the
-// beam lies: 1 mm across it is 20 mm along the beam.
+// Where the cosine between beam and normal is smaller than this, the pose does not determine
+// where on the plane the beam lies: 1 mm across the plane is 20 mm along the beam.
 constexpr double kMinCosine = 0.05;
-constexpr double kSafeCosine = 0.06;  // the plane's turn as the scanner moves left out
-// Down to this cosine it tells it to a quarter of a metre; farther from an opening than that
-// such a beam may count.
+// A cosine above the first one for sure, with the plane's turn as the scanner moves left out.
+constexpr double kSafeCosine = 0.06;
+// Down to this cosine the pose determines it to a quarter of a metre; farther from an opening
+// than that, such a beam may count.
 constexpr double kGrazingCosine = 0.004;
 constexpr double kGrazingReach = 0.25;  // m
-// How near the walls' seen parts have to come to what they hide.
-constexpr double kReach = PatchExtent::kCellSize;
-
-// Beams that are asked for openings together, before each alone.
-constexpr int kBeamsAtOnce = 16;
-// Beams on both sides of an end that may tell of an opening. Beyond them, beams go on telling
-// of it for as long as they go through: at a grazing angle those on its far jamb meet the
-// plane decimetres before it.
+// So many beams are looked up in the openings together, before each of them alone.
+constexpr int kBeamsPerLookUp = 16;
+// So many beams on both sides of an end may show an opening. Beams beyond them count for as
+// long as they go through: at a grazing angle those on the far jamb meet the plane decimetres
+// before it.
 constexpr int kNumBeams = 8;
-constexpr double kSpacing = 0.01;  // m, of those farther ones: half a cell of the openings
-constexpr int kNumHits = 8;        // of a segment's beams, count for all of them
-constexpr double kOutlierSigmas = 5.0;  // of a range, beyond which a beam is not on the plane
-// A beam that went through a plane ended so far behind it.
+// Beams beyond those count at this spacing: half a cell of the openings.
+constexpr double kSpacing = 0.01;  // m
+// So many of a segment's beams are counted, each for its share of all of them.
+constexpr int kNumHits = 8;
+// A beam that went through a plane ended at least so far behind it.
 constexpr double kMinPassageDepth = 0.05;  // m
 
-// Where a beam meets the plane at a segment's end, p in the scanner's frame; nothing where
-// that is out of range.
+// The point in the world where a beam meets the plane at a segment's end, p in the scanner's
+// frame; nothing where that is out of range.
 std::optional<Eigen::Vector3d> IntersectionPoint(const SegmentEnd& end,
                                                  const Eigen::Vector2d& p) {
   if (!end.scanner.IsValidRange(p.norm())) return std::nullopt;
@@ -98,37 +98,37 @@ std::vector<int> Occlusion::InOpenings(const PlaneOpenings& openings) const {
   return beams;
 }
 
-// Most segments pass no opening, of the others most beams: between ends that are not grazing
-// and have none along them no beam is in one.
+// Most segments pass no opening, and of the others most beams do not: between two ends that
+// meet the plane steeply enough, without an opening in between, no beam is in one.
 void Occlusion::AddOpen(const PlaneView& view,
                         const PlaneOpenings& openings,
-                        const Stretch& stretch,
+                        const BeamSpan& span,
                         std::vector<int>* beams) const {
-  if (stretch.start && stretch.end && !openings.MayBeAlong(*stretch.start, *stretch.end)) {
+  if (span.start && span.end && !openings.MayBeAlong(*span.start, *span.end)) {
     return;
   }
-  if (stretch.last - stretch.first >= kBeamsAtOnce) {
-    const int middle = (stretch.first + stretch.last) / 2;
+  if (span.last - span.first >= kBeamsPerLookUp) {
+    const int middle = (span.first + span.last) / 2;
     AddOpen(view,
             openings,
-            {stretch.first, middle, stretch.start, SafeIntersectionPoint(view, middle)},
+            {span.first, middle, span.start, SafeIntersectionPoint(view, middle)},
             beams);
     AddOpen(view,
             openings,
-            {middle + 1, stretch.last, SafeIntersectionPoint(view, middle + 1), stretch.end},
+            {middle + 1, span.last, SafeIntersectionPoint(view, middle + 1), span.end},
             beams);
     return;
   }
   // The scanner's motion over so few beams is even.
-  const int64_t start_ns = BeamInstantNs(stretch.first);
-  const int64_t end_ns = BeamInstantNs(stretch.last);
-  const double share = 1.0 / std::max(1, stretch.last - stretch.first);
+  const int64_t start_ns = BeamInstantNs(span.first);
+  const int64_t end_ns = BeamInstantNs(span.last);
+  const double share = 1.0 / std::max(1, span.last - span.first);
   Eigen::Vector3d line = view.trace.At(start_ns);
   const Eigen::Vector3d line_step = share * (view.trace.At(end_ns) - line);
   Eigen::Matrix<double, 2, 3> on_axes = openings.OnAxes(view.motion.At(start_ns));
   const Eigen::Matrix<double, 2, 3> on_axes_step =
       share * (openings.OnAxes(view.motion.At(end_ns)) - on_axes);
-  for (int beam = stretch.first; beam <= stretch.last; ++beam) {
+  for (int beam = span.first; beam <= span.last; ++beam) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const double cosine = line.head<2>().dot(direction);
     const bool is_open =
@@ -192,7 +192,7 @@ std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& other
       if (std::abs(first.wall->normal.dot(second.wall->normal)) > kMaxCornerCosine) continue;
       const Eigen::Vector3d middle = crossings.PointAt(0.5 * (first.at + second.at));
       const auto is_near = [&](const WallCrossing& crossing) {
-        return crossing.wall->landmark->extent.IsNear(middle, middle, kReach);
+        return crossing.wall->landmark->extent.IsNear(middle, middle, kSeenReach);
       };
       if (!is_near(first) || !is_near(second)) continue;
       // One beam more on both sides, for the motion within the scan line.
@@ -213,10 +213,10 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
   const WallCrossings crossings = FindCrossings(view, others);
   const auto is_hidden = [&](int beam, const LandmarkView& wall) {
     const auto at = IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kMinCosine);
-    return at && wall.SignedDistance(*at) > -kReach &&
-           wall.landmark->extent.IsNear(*at, *at, kReach);
+    return at && wall.SignedDistance(*at) > -kSeenReach &&
+           wall.landmark->extent.IsNear(*at, *at, kSeenReach);
   };
-  // From the crossing away from the wall, both ways along the segment.
+  // Goes from the crossing on, to the side of it that lies behind the wall.
   const auto add = [&](const WallCrossing& crossing, int step) {
     int beam = static_cast<int>(std::lround(BeamAt(crossings, crossing.at)));
     for (; beam >= first_beam && beam <= last_beam && is_hidden(beam, *crossing.wall);
@@ -229,7 +229,7 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
   return beams;
 }
 
-void Occlusion::CountHits(OccupancyGrids* openings) const {
+void Occlusion::CountHits(OccupancyGrids* grids) const {
   const PlaneView view = MakePlaneView();
   const double margin_m = kOutlierSigmas * scanner.range_noise_m;
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
@@ -242,22 +242,22 @@ void Occlusion::CountHits(OccupancyGrids* openings) const {
     const double on_plane_m = line.z() / cosine;
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!(std::abs(range - on_plane_m) < margin_m)) continue;
-    openings->CountHit(
+    grids->CountHit(
         *plane.landmark, view.motion.ToWorld(on_plane_m * direction, time_ns), stride);
   }
 }
 
-void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* openings) {
+void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* grids) {
   for (int k = 0; k < kNumBeams && end.step * (end.beam - end.middle) > k; ++k) {
     const Eigen::Vector2d direction = end.scan_line.BeamDirection(end.beam - k * end.step);
     const std::optional<Eigen::Vector3d> at =
         IntersectionPoint(end, end.trace.RangeAlong(direction) * direction);
     if (!at) break;
-    openings->CountHit(end.landmark, *at);
+    grids->CountHit(end.landmark, *at);
   }
 }
 
-void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
+void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
   const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   const PatchExtent& extent = end.landmark.extent;
   bool is_opening = false;
@@ -285,7 +285,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* openings) {
       if (!extent.Contains(extent.axes().Project(*at), 0.0)) break;
       if ((*at - last).norm() < kSpacing) continue;
     }
-    openings->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
+    grids->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
     last = *at;
     last_k = k;
   }

@@ -8,12 +8,15 @@ namespace {
 constexpr double kNarrowPerMetre = 50.0;  // cells of 0.02 m
 constexpr double kWidePerMetre = 4.0;     // cells of 0.25 m
 constexpr double kWide = 1.0 / kWidePerMetre;
-// What is farther than this from a plane's bounding rectangle says nothing of it.
-constexpr double kMargin = 1.0;
+// Beams farther than this from a plane's bounding rectangle show nothing of the plane.
+constexpr double kMargin = 1.0;  // m
+// A single beam may be wrong: so many have to agree.
 constexpr int kMinCount = 2;
+// An opening lets at least this share of the beams through...
 constexpr double kMinShare = 0.1;
+// ...and this share for a plane without height: level scan planes see furniture's gaps.
 constexpr double kMinShareLevel = 0.5;
-// Cells where more went through are open, whatever the other kind's cell tells.
+// Cells where more beams went through are open, whatever the cell of the other grid shows.
 constexpr double kMixedShare = 0.5;
 // An opening goes on along an upright edge where beams on the plane are fewer than this share
 // of those that went through.
@@ -33,7 +36,7 @@ bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || h
 
 size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
 
-// The cell so many further across the edges that cells of this kind tell.
+// The cell that lies so many cells further along the narrow side.
 CellGrid::Cell Beside(const CellGrid::Cell& cell, int aside, bool narrow_along_u) {
   return narrow_along_u ? CellGrid::Cell(cell.first + aside, cell.second)
                         : CellGrid::Cell(cell.first, cell.second + aside);

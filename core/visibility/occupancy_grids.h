@@ -12,34 +12,38 @@
 
 namespace plumbline {
 
-// The openings of one plane, ready to be asked for every beam.
+// The openings of one plane, in a form in which every beam can be looked up.
 class PlaneOpenings {
  public:
+  // Whether the plane has no openings.
   bool none() const { return nearby_.num_occupied() == 0; }
   // Whether the plane has been seen at different heights. Level scan planes alone see
   // furniture as often as walls, with gaps that are no openings.
   bool has_height() const { return has_height_; }
+  // Whether the point lies in an opening.
   bool IsAt(const Eigen::Vector3d& p_world) const { return IsAtLocal(axes_.Project(p_world)); }
-  // The same in the plane's axes, with what takes a point of the scan plane there:
-  // (u, v) = OnAxes(placement) (x, y, 1).
+  // Whether a point in the plane's axes lies in an opening.
   bool IsAtLocal(const Eigen::Vector2d& uv) const;
+  // The matrix that takes a point of the scan plane to the plane's axes:
+  // (u, v) = OnAxes(placement) (x, y, 1).
   Eigen::Matrix<double, 2, 3> OnAxes(const ScanPlacement& placement) const {
     Eigen::Matrix<double, 2, 3> on_axes;
     on_axes << axes_.u.transpose() * placement, axes_.v.transpose() * placement;
     on_axes.col(2) -= Eigen::Vector2d(axes_.u.dot(axes_.anchor), axes_.v.dot(axes_.anchor));
     return on_axes;
   }
-  // Quickly: false where none is within a quarter of a metre of the piece from a to b.
+  // Whether an opening may lie along the piece from a to b: quick, and false where none is
+  // within a quarter of a metre of it.
   bool MayBeAlong(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const;
 
  private:
   friend class OccupancyGrids;
-  // What has become of the beams that met the plane in a cell, as a grid's count.
+  // The state of a cell by the beams that met the plane there, kept as a grid's count.
   enum State {
     kUnknown = 0,
-    kSolid,  // all stayed on it, at the next cells too; close to openings only
-    kMixed,  // some did not
-    kOpen,   // most did not
+    kSolid,  // all beams lay on the plane, at the next cells too; close to openings only
+    kMixed,  // some beams did not
+    kOpen,   // most beams did not
   };
   void Mark(const CellGrid::Cell& cell, bool narrow_along_u, State state);
   // Whether any opening lies where this cell does, or beside it.
@@ -51,30 +55,33 @@ class PlaneOpenings {
   CellGrid nearby_;                 // wide cells in which any open or mixed one lies
 };
 
-// Counts the beams of segments that were taken to lie on a plane, those beside their ends that
-// went through and those that something in front of it stopped. Where a wall ends at a door,
-// beams on its jamb may pass for the wall's, or the floor's, seen from one place; from others
-// the beams go through, or are stopped.
+// The occupancy grids of the planes: counts of the beams of segments that lie on a plane
+// (hits), of beams beside the segments' ends that went through it (passages), and of those
+// that something in front of it stopped (blocks). Seen from one place, beams on the jamb of a
+// door may pass for beams on the wall, or on the floor; seen from others, the beams there go
+// through, or are stopped.
 //
-// Counted twice, on cells that are narrow along u and on cells that are narrow along v:
-// openings have upright and level edges, and few beams pass close to one of them. A cell that
-// lies across an edge is mixed: there the other kind's tells on which side a place is.
+// Each plane has two grids, of cells that are narrow along u and of cells that are narrow
+// along v: openings have upright and level edges, and few beams pass close to one of them. A
+// cell that lies across an edge is mixed: there the cell of the other grid shows on which side
+// a place is.
 class OccupancyGrids {
  public:
-  // num_beams: that one stands for.
+  // Counts a beam that lies on the plane, passes through it, or is stopped before it.
+  // num_beams: the number of beams that this one stands for.
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world, int num_beams = 1);
   void CountPassage(const Landmark& landmark,
                     const Eigen::Vector3d& p_world,
                     int num_beams = 1);
-  // What another has counted of the same landmarks.
+  // Adds the counts of another's grids of the same landmarks.
   void Add(OccupancyGrids other);
-  // Where more than a tenth of the beams (half of them, of a plane without height) went
-  // through here or at the next cell; not where most
-  // stayed and those that meet the plane in the other kind's cell all do. What is solid lets
-  // none through, whatever the noise; but most beams that seem to lie in an opening are the
-  // jambs'. Goes on along upright edges by one cell where hardly any beam tells otherwise.
+  // The openings of a plane: places where more than a tenth of the beams (half of them, for a
+  // plane without height) went through in this cell or the next, except where most beams hit,
+  // and all beams in the other grid's cell do. A solid plane lets no beam through, whatever
+  // the noise; but most beams that seem to lie in an opening lie on its jambs. An opening goes
+  // on along upright edges by one cell where hardly any beam hits.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
-  // The same of all of them, by id: a fraction of what the counts take.
+  // The openings of all landmarks, by id: they take a fraction of the counts' memory.
   std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks) const;
 
  private:
@@ -83,7 +90,7 @@ class OccupancyGrids {
     CellGrid passages;
   };
 
-  // Counts on the cells that are narrow along u, along v.
+  // The counts on the cells that are narrow along u, and along v.
   using CountsOfPlane = std::array<Counts, 2>;
   void Count(const Landmark& landmark,
              const Eigen::Vector3d& p_world,

@@ -6,13 +6,13 @@
 
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
 
-// How near a patch's seen part has to come to a crossing.
-constexpr double kReach = PatchExtent::kCellSize;
-// What lies farther behind a plane than this does not touch it: half of the thinnest wall.
+// A patch that lies farther behind a plane than this does not touch it: half of the thinnest
+// wall.
 constexpr double kMinDepth = 0.05;  // m
 // Planes farther than this from a segment's end do not bound it.
 constexpr double kMaxDistance = 1.0;  // m
@@ -31,7 +31,8 @@ bool IsBehind(const LandmarkView& other, const LandmarkView& own) {
   return true;
 }
 
-// Where the trace meets the other plane's patch; middle: direction of the segment's middle.
+// The intersection of the trace with the other plane's patch, if there is one; middle:
+// direction of the segment's middle.
 std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
                                       const LandmarkView& other,
                                       const FreeEnd& end,
@@ -40,14 +41,14 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   const Trace other_trace(own.placement, other);
   const std::optional<Eigen::Vector2d> at = Crossing(own.trace, other_trace);
   if (!at) return std::nullopt;
-  // No two points of a line are half a turn apart: the sign tells on which side of the middle.
+  // No two points of a line are half a turn apart: the sign shows the side of the middle.
   const double turn_from_middle = middle.x() * at->y() - middle.y() * at->x();
   if (turn_from_middle * end.step * scan_line.angle_increment < 0.0) return std::nullopt;
   const auto to_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
     return own.placement * p.homogeneous();
   };
   const Eigen::Vector3d at_world = to_world(*at);
-  if (!other.landmark->extent.IsNear(at_world, at_world, kReach)) return std::nullopt;
+  if (!other.landmark->extent.IsNear(at_world, at_world, kSeenReach)) return std::nullopt;
   const double turn =
       std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
   const double beyond = end.step * turn / scan_line.angle_increment;
@@ -59,8 +60,8 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   outwards.normalize();
   const PatchExtent& own_extent = own.plane.landmark->extent;
   if (IsBehind(other, own.plane)) {
-    // Unless this one ends where they would meet.
-    const Eigen::Vector3d beyond = at_world + kReach * outwards;
+    // It bounds the segment all the same where this plane ends at their intersection.
+    const Eigen::Vector3d beyond = at_world + kSeenReach * outwards;
     if (own_extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
   }
   // The middle beam of a segment that does not belong there may pass its plane by.

@@ -12,14 +12,14 @@
 
 namespace plumbline {
 
-// One end of a segment: its last beam, which way the beams leave it, and how far they are
-// free.
+// One end of a segment: its last beam, the direction in which the beams leave it, and how far
+// they are free.
 struct FreeEnd {
   int beam = 0;
   int step = 1;                 // +1 at the last beam, -1 at the first
-  int limit = 0;                // first beam beyond that is not the segment's to take
-  int middle = 0;               // of the segment: what lies beyond is the other end's
-  int neighbour_landmark = -1;  // of the segment that starts there
+  int limit = 0;                // first beam beyond that belongs to another segment
+  int middle = 0;               // beam in the middle of the segment
+  int neighbour_landmark = -1;  // of the segment that starts at the limit
 };
 
 // The trace of a segment's plane on its scan line.
@@ -30,7 +30,7 @@ struct PlaneOnScanLine {
   const Trace& trace;
 };
 
-// Where it meets another plane.
+// The place where the trace of a segment's plane meets another plane.
 struct PlaneIntersection {
   int last;  // beam before it, counted outwards from the segment's end; inside: negative
   Trace other;
@@ -38,15 +38,16 @@ struct PlaneIntersection {
   // Whether the segment's plane has been seen beyond, by more than segments that went on past
   // an edge for a few beams.
   bool goes_on;
-  // It ends there, and the scanner does not see the face round the corner: beams beyond pass
-  // both, to whatever lies behind.
+  // Whether the segment's plane ends there and the scanner does not see the face round the
+  // corner: beams beyond pass both planes, to whatever lies behind.
   bool is_edge;
 };
 
-// Where a segment's plane meets those of the others that have been seen there, beyond the
-// segment's middle; p_world: the segment's end. From outside inwards: where three planes meet,
-// what lies beyond the first may be far from the second. The other side of a thin wall is left
-// out: what was seen of it lies behind the plane, which goes on.
+// Finds the intersections of a segment's plane with the other planes, where these have been
+// seen and beyond the segment's middle; p_world: the segment's end. They are ordered from
+// outside inwards: where three planes meet, a place beyond the first may be far from the
+// second. The other side of a thin wall is left out: what was seen of it lies behind the
+// plane, which goes on.
 std::vector<PlaneIntersection> FindIntersections(const PlaneOnScanLine& own,
                                                  const Eigen::Vector3d& p_world,
                                                  const PlaneSet& others,

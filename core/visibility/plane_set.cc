@@ -10,28 +10,28 @@ namespace plumbline {
 PlaneSet::PlaneSet(std::vector<LandmarkView> planes) : planes_(std::move(planes)) {
   const Eigen::Array4d none = Eigen::Array4d::Zero();
   const Eigen::Array4d far = Eigen::Array4d::Constant(std::numeric_limits<double>::infinity());
-  blocks_.assign((planes_.size() + kBlock - 1) / kBlock, {none, none, none, far});
+  quads_.assign((planes_.size() + kQuadSize - 1) / kQuadSize, {none, none, none, far});
   for (size_t i = 0; i < planes_.size(); ++i) {
-    PlaneQuad& block = blocks_[i / kBlock];
-    const auto at = static_cast<Eigen::Index>(i % kBlock);
-    block.x[at] = planes_[i].normal.x();
-    block.y[at] = planes_[i].normal.y();
-    block.z[at] = planes_[i].normal.z();
-    block.distance[at] = planes_[i].distance;
+    NormalQuad& quad = quads_[i / kQuadSize];
+    const auto at = static_cast<Eigen::Index>(i % kQuadSize);
+    quad.x[at] = planes_[i].normal.x();
+    quad.y[at] = planes_[i].normal.y();
+    quad.z[at] = planes_[i].normal.z();
+    quad.distance[at] = planes_[i].distance;
   }
 }
 
 PlaneRanges::PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement)
     : planes_(planes.planes()) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  blocks_.reserve(planes.blocks_.size());
-  for (const PlaneSet::PlaneQuad& block : planes.blocks_) {
+  quads_.reserve(planes.quads_.size());
+  for (const PlaneSet::NormalQuad& quad : planes.quads_) {
     const auto along = [&](int axis) -> Eigen::Array4d {
-      return block.x * placement(0, axis) + block.y * placement(1, axis) +
-             block.z * placement(2, axis);
+      return quad.x * placement(0, axis) + quad.y * placement(1, axis) +
+             quad.z * placement(2, axis);
     };
-    const Eigen::Array4d height = along(2) - block.distance;
-    blocks_.push_back({-along(0), -along(1), (height > 0.0).select(height, kNever)});
+    const Eigen::Array4d height = along(2) - quad.distance;
+    quads_.push_back({-along(0), -along(1), (height > 0.0).select(height, kNever)});
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace plumbline {
 
-// Planes that many points ask which of them they lie near. The distances are kept side by
-// side: a few numbers of each plane answer for most, several planes at a time.
+// A set of planes in which those near a point are found quickly. Normals and distances are
+// kept side by side, so that several planes are tested at a time.
 class PlaneSet {
  public:
   PlaneSet() = default;
@@ -24,36 +24,36 @@ class PlaneSet {
   template <typename Visit>
   void ForEachWithin(const Eigen::Vector3d& p_world, double distance_m, Visit visit) const {
     size_t first = 0;
-    for (const PlaneQuad& block : blocks_) {
+    for (const NormalQuad& quad : quads_) {
       // As LandmarkView::SignedDistance sums it.
       const Eigen::Array4d away =
-          (block.x * p_world.x() + (block.y * p_world.y() + block.z * p_world.z()) -
-           block.distance)
+          (quad.x * p_world.x() + (quad.y * p_world.y() + quad.z * p_world.z()) -
+           quad.distance)
               .abs();
       if (away.minCoeff() <= distance_m) {
-        for (int i = 0; i < kBlock; ++i) {
+        for (int i = 0; i < kQuadSize; ++i) {
           if (away[i] <= distance_m) visit(planes_[first + static_cast<size_t>(i)]);
         }
       }
-      first += kBlock;
+      first += kQuadSize;
     }
   }
 
  private:
   friend class PlaneRanges;
 
-  static constexpr int kBlock = 4;
-  // Normals and distances; what is beyond the last plane is infinitely far away.
-  struct PlaneQuad {
+  static constexpr int kQuadSize = 4;
+  // Normals and distances of four planes; those beyond the last plane are infinitely far away.
+  struct NormalQuad {
     Eigen::Array4d x, y, z, distance;
   };
 
   std::vector<LandmarkView> planes_;
-  std::vector<PlaneQuad> blocks_;
+  std::vector<NormalQuad> quads_;
 };
 
-// At which ranges the beams of a scan plane meet the planes of a set: those that have the
-// scanner in front of them. Likewise several planes at a time. Valid while the set is.
+// The ranges at which the beams of a scan plane meet the planes of a set that have the scanner
+// in front of them, several planes at a time. Valid as long as the set is.
 class PlaneRanges {
  public:
   PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement);
@@ -66,30 +66,30 @@ class PlaneRanges {
                       double max_range,
                       Visit visit) const {
     size_t first = 0;
-    for (const PlaneQuad& block : blocks_) {
+    for (const SlopeQuad& quad : quads_) {
       // The range is height / slope.
-      const Eigen::Array4d slope = block.x * direction.x() + block.y * direction.y();
+      const Eigen::Array4d slope = quad.x * direction.x() + quad.y * direction.y();
       const Eigen::Array4d within =
-          (block.height - min_range * slope).min(max_range * slope - block.height);
+          (quad.height - min_range * slope).min(max_range * slope - quad.height);
       if (within.maxCoeff() > 0.0) {
-        for (int i = 0; i < PlaneSet::kBlock; ++i) {
+        for (int i = 0; i < PlaneSet::kQuadSize; ++i) {
           if (!(within[i] > 0.0 && slope[i] > 0.0)) continue;
-          visit(planes_[first + static_cast<size_t>(i)], block.height[i] / slope[i]);
+          visit(planes_[first + static_cast<size_t>(i)], quad.height[i] / slope[i]);
         }
       }
-      first += PlaneSet::kBlock;
+      first += PlaneSet::kQuadSize;
     }
   }
 
  private:
-  // The normals' parts in the scan plane, turned round; the scanner's height above the planes:
-  // infinite where it is behind.
-  struct PlaneQuad {
+  // The normals' parts in the scan plane, turned round, and the scanner's height above the
+  // planes, infinite where it is behind; of four planes.
+  struct SlopeQuad {
     Eigen::Array4d x, y, height;
   };
 
   const std::vector<LandmarkView>& planes_;
-  std::vector<PlaneQuad> blocks_;
+  std::vector<SlopeQuad> quads_;
 };
 
 }  // namespace plumbline

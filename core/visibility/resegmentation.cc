@@ -20,25 +20,25 @@
 #include "core/util/ordered_pipeline.h"
 #include "core/visibility/beam_association.h"
 #include "core/visibility/plane_trace.h"
-#include "core/visibility/segment_cutter.h"
+#include "core/visibility/scan_line_resegmenter.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {
 namespace {
 
-// A surface shows single beams long before it shows segments: with loop closure off, a plane
-// bounds segments for so many times the gap after which it is not taken up again.
+// With loop closure off, a plane bounds segments for so many times the gap after which it is
+// not taken up again: a surface shows single beams long before it shows segments.
 constexpr int kGapFactor = 10;
-// Of beams that no segment has, so many are placed together: a few milliseconds.
-constexpr int kBeamsAtOnce = 32;
-// Planes so far beside a scan line's beams have nothing to do with them: more than a cell of
-// what was seen, and how near a plane has to come to what it bounds.
+// So many beams that no segment has are placed with one pose: a few milliseconds' worth.
+constexpr int kBeamsPerPlacement = 32;
+// Planes so far beside a scan line's beams do not concern them: more than a cell, and than the
+// distance at which a plane bounds a segment.
 constexpr double kBesideBeams = 1.0;  // m
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
-using Range = SegmentCutter::Range;
-using NewEnd = SegmentCutter::NewEnd;
-using Ends = SegmentCutter::Ends;
+using BeamRange = ScanLineResegmenter::BeamRange;
+using NewEnd = ScanLineResegmenter::NewEnd;
+using Ends = ScanLineResegmenter::Ends;
 
 // The gap of planes that bound segments.
 LoopClosureOptions BoundingGap(const LoopClosureOptions& options) {
@@ -47,103 +47,104 @@ LoopClosureOptions BoundingGap(const LoopClosureOptions& options) {
   return gap;
 }
 
-// Of the beams that have returned.
+// The largest range of the beams that have returned.
 float FarthestRange(const ScanLine& scan_line, const Scanner& scanner) {
   constexpr size_t kSimdWidth = 8;  // side by side
   const auto limit = static_cast<float>(scanner.max_range_m);
   std::array<float, kSimdWidth> farthest = {};
   const std::vector<float>& ranges = scan_line.ranges;
-  const auto take = [&](size_t lane, float range) {
+  const auto take = [&](size_t column, float range) {
     const float valid = range <= limit ? range : 0.0f;
-    farthest[lane] = farthest[lane] < valid ? valid : farthest[lane];
+    farthest[column] = farthest[column] < valid ? valid : farthest[column];
   };
   size_t next = 0;
   for (; next + kSimdWidth <= ranges.size(); next += kSimdWidth) {
-    for (size_t lane = 0; lane < kSimdWidth; ++lane) take(lane, ranges[next + lane]);
+    for (size_t column = 0; column < kSimdWidth; ++column) take(column, ranges[next + column]);
   }
   for (; next < ranges.size(); ++next) take(0, ranges[next]);
   return *std::max_element(farthest.begin(), farthest.end());
 }
 
-// Around all beams of a scan line. The spans of a slow scanner's observations are shorter than
-// the line (Observation::measurement); front: one of them.
+// The slab around all beams of a scan line. The spans of a slow scanner's observations are
+// shorter than the line (Observation::measurement); front: one of the line's observations.
 ScanSlab SlabOf(const ScanLine& scan_line,
                 const Rig& rig,
                 const Observation& front,
                 double farthest_m,
-                SegmentCutter* cutter) {
+                ScanLineResegmenter* resegmenter) {
   const std::array<int64_t, 3> times_ns = NodesOfSpan(
       BeamInstant(scan_line, 0, rig), BeamInstant(scan_line, scan_line.num_beams() - 1, rig));
   if (front.measurement.node_times_ns() == times_ns) {
-    return {cutter->poses()->Of(front).motion, farthest_m, kBesideBeams};
+    return {resegmenter->poses()->Of(front).motion, farthest_m, kBesideBeams};
   }
   const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const ObservationPoses poses(times_ns, scanner.body_from_scanner, cutter->sampler());
+  const ObservationPoses poses(times_ns, scanner.body_from_scanner, resegmenter->sampler());
   return {poses.motion, farthest_m, kBesideBeams};
 }
 
-// Of those that for_each visits the planes that may bound the observations [first, last) of a
-// scan line: what lies beside all of its beams can not. Their own planes stay, wherever these
-// have been seen so far.
+// Selects, from the planes that for_each visits, those that may bound the observations
+// [first, last) of a scan line: planes beside all of its beams can not. The observations' own
+// planes stay, wherever these have been seen so far.
 template <typename ForEach>
-std::vector<LandmarkView> CandidatesOfLine(const ScanSlab& slab,
-                                           const std::deque<Observation>& observations,
-                                           size_t first,
-                                           size_t last,
-                                           const ForEach& for_each) {
-  const auto is_own = [&](const LandmarkView& candidate) {
+std::vector<LandmarkView> ViewsOfLine(const ScanSlab& slab,
+                                      const std::deque<Observation>& observations,
+                                      size_t first,
+                                      size_t last,
+                                      const ForEach& for_each) {
+  const auto is_own = [&](const LandmarkView& view) {
     for (size_t i = first; i < last; ++i) {
-      if (observations[i].landmark_id == candidate.landmark->id) return true;
+      if (observations[i].landmark_id == view.landmark->id) return true;
     }
     return false;
   };
-  std::vector<LandmarkView> candidates;
-  for_each([&](const LandmarkView& candidate) {
-    if (slab.Touches(candidate) || is_own(candidate)) candidates.push_back(candidate);
+  std::vector<LandmarkView> views;
+  for_each([&](const LandmarkView& view) {
+    if (slab.Touches(view) || is_own(view)) views.push_back(view);
   });
-  return candidates;
+  return views;
 }
 
-// ResegmentRecording' work on single scan lines. Serves one thread.
-class Resegmenter {
+// Does ResegmentRecording's work on single scan lines. Serves one thread.
+class RecordingResegmenter {
  public:
   // counts: whether openings are counted.
-  Resegmenter(const Rig& rig,
-              const MapperOptions& options,
-              const std::vector<PlaneOpenings>& openings,
-              bool counts,
-              MapState* state)
+  RecordingResegmenter(const Rig& rig,
+                       const MapperOptions& options,
+                       const std::vector<PlaneOpenings>& openings,
+                       bool counts,
+                       MapState* state)
       : rig_(rig),
         options_(options),
         counts_(counts),
         state_(state),
         openings_(openings),
-        cutter_(rig, options, state->trajectory, &openings_, counts ? &counted_ : nullptr) {}
-  Resegmenter(const Resegmenter&) = delete;
-  Resegmenter& operator=(const Resegmenter&) = delete;
+        resegmenter_(
+            rig, options, state->trajectory, &openings_, counts ? &counted_ : nullptr) {}
+  RecordingResegmenter(const RecordingResegmenter&) = delete;
+  RecordingResegmenter& operator=(const RecordingResegmenter&) = delete;
 
-  // The observations [first, last) of a scan line; returns how many changed. Adds the short
-  // runs found to these.
-  int Recut(const ScanLine& scan_line,
-            size_t first,
-            size_t last,
-            std::vector<Observation>* sub_minimum_segments);
+  // Resegments the observations [first, last) of a scan line and returns how many changed.
+  // Appends the sub-minimum segments found.
+  int Resegment(const ScanLine& scan_line,
+                size_t first,
+                size_t last,
+                std::vector<Observation>* sub_minimum_segments);
   OccupancyGrids TakeCounted() { return std::move(counted_); }
 
  private:
-  // For the observations [first, last) of a scan line.
+  // Selects the planes for the observations [first, last) of a scan line.
   void SetViews(const ScanLine& scan_line, size_t first, size_t last);
   bool ResegmentOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
-  void AddRuns(const ScanLine& scan_line,
-               const Observation& nearby,
-               int first_beam,
-               int last_beam,
-               std::vector<Observation>* sub_minimum_segments);
-  void AddRun(const ScanLine& scan_line,
-              const Observation& nearby,
-              int landmark_id,
-              const Ends& ends,
-              std::vector<Observation>* sub_minimum_segments);
+  void AddSubMinimumSegments(const ScanLine& scan_line,
+                             const Observation& nearby,
+                             int first_beam,
+                             int last_beam,
+                             std::vector<Observation>* sub_minimum_segments);
+  void AddSubMinimumSegment(const ScanLine& scan_line,
+                            const Observation& nearby,
+                            int landmark_id,
+                            const Ends& ends,
+                            std::vector<Observation>* sub_minimum_segments);
 
   const Rig& rig_;
   const MapperOptions& options_;
@@ -151,108 +152,111 @@ class Resegmenter {
   MapState* state_;
   const std::vector<PlaneOpenings>& openings_;
   OccupancyGrids counted_;
-  SegmentCutter cutter_;
+  ScanLineResegmenter resegmenter_;
   std::vector<LandmarkView> within_gap_;
-  int candidates_scan_ = -1;
+  int views_scan_ = -1;
 };
 
-void Resegmenter::SetViews(const ScanLine& scan_line, size_t first, size_t last) {
+void RecordingResegmenter::SetViews(const ScanLine& scan_line, size_t first, size_t last) {
   const Observation& front = state_->observations[first];
-  if (front.scan_index != candidates_scan_) {
+  if (front.scan_index != views_scan_) {
     const LoopClosureOptions gap = BoundingGap(options_.loop_closure);
-    if (candidates_scan_ < 0 || !gap.enabled) {
+    if (views_scan_ < 0 || !gap.enabled) {
       within_gap_ = ViewsWithinGap(state_->landmarks, front.scan_index, gap);
     }
-    candidates_scan_ = front.scan_index;
+    views_scan_ = front.scan_index;
   }
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double farthest_m = FarthestRange(scan_line, scanner);
-  const Reach reach(cutter_.poses()->Of(front).world_from_scanner.translation,
+  const Reach reach(resegmenter_.poses()->Of(front).world_from_scanner.translation,
                     farthest_m,
                     options_.association);
-  const ScanSlab slab = SlabOf(scan_line, rig_, front, farthest_m, &cutter_);
-  cutter_.SetViews(
-      CandidatesOfLine(slab, state_->observations, first, last, [&](const auto& visit) {
-        for (const LandmarkView& candidate : within_gap_) {
-          if (reach.Takes(candidate)) visit(candidate);
+  const ScanSlab slab = SlabOf(scan_line, rig_, front, farthest_m, &resegmenter_);
+  resegmenter_.SetViews(
+      ViewsOfLine(slab, state_->observations, first, last, [&](const auto& visit) {
+        for (const LandmarkView& view : within_gap_) {
+          if (reach.Takes(view)) visit(view);
         }
       }));
 }
 
-// Of beams that no segment has, adds those that the planes explain one by one.
-void Resegmenter::AddRuns(const ScanLine& scan_line,
-                          const Observation& nearby,
-                          int first_beam,
-                          int last_beam,
-                          std::vector<Observation>* sub_minimum_segments) {
+// Adds, from beams that no segment has, those that single planes explain.
+void RecordingResegmenter::AddSubMinimumSegments(
+    const ScanLine& scan_line,
+    const Observation& nearby,
+    int first_beam,
+    int last_beam,
+    std::vector<Observation>* sub_minimum_segments) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  for (int first = first_beam; first <= last_beam; first += kBeamsAtOnce) {
-    const int last = std::min(first + kBeamsAtOnce - 1, last_beam);
+  for (int first = first_beam; first <= last_beam; first += kBeamsPerPlacement) {
+    const int last = std::min(first + kBeamsPerPlacement - 1, last_beam);
     const int64_t time_ns = BeamInstant(scan_line, (first + last) / 2, rig_);
-    const ScanPlacement placement =
-        PlacementOf(cutter_.sampler()->WorldFromBody(time_ns) * scanner.body_from_scanner);
+    const ScanPlacement placement = PlacementOf(
+        resegmenter_.sampler()->WorldFromBody(time_ns) * scanner.body_from_scanner);
     const BeamAssociation planes(
-        scan_line, scanner, placement, cutter_.candidates(), openings_);
-    for (const BeamAssociation::Run& run : planes.RunsWithin(first, last)) {
-      const Landmark& landmark = *run.plane->landmark;
+        scan_line, scanner, placement, resegmenter_.views(), openings_);
+    for (const BeamAssociation::PlaneBeams& beams : planes.Associate(first, last)) {
+      const Landmark& landmark = *beams.plane->landmark;
       if (!IsWithinGap(landmark, nearby.scan_index, options_.loop_closure)) continue;
-      AddRun(scan_line,
-             nearby,
-             landmark.id,
-             {{run.first_beam, run.trace, true}, {run.last_beam, run.trace, true}},
-             sub_minimum_segments);
+      AddSubMinimumSegment(
+          scan_line,
+          nearby,
+          landmark.id,
+          {{beams.first_beam, beams.trace, true}, {beams.last_beam, beams.trace, true}},
+          sub_minimum_segments);
     }
   }
 }
 
-// Beams between these ends, as far as they pass as a segment of their plane would.
-void Resegmenter::AddRun(const ScanLine& scan_line,
-                         const Observation& nearby,
-                         int landmark_id,
-                         const Ends& ends,
-                         std::vector<Observation>* sub_minimum_segments) {
+// Adds the beams between these ends, as far as they would pass as a segment of their plane.
+void RecordingResegmenter::AddSubMinimumSegment(
+    const ScanLine& scan_line,
+    const Observation& nearby,
+    int landmark_id,
+    const Ends& ends,
+    std::vector<Observation>* sub_minimum_segments) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  Observation run;
-  run.landmark_id = landmark_id;
-  run.first_beam = ends.first.beam;
-  run.last_beam = ends.last.beam;
-  run.scan_index = nearby.scan_index;
-  run.scan_line_index = nearby.scan_line_index;
-  run.scanner_index = nearby.scanner_index;
-  run.sigma_offset_m = static_cast<float>(scanner.range_noise_m /
-                                          std::sqrt(run.last_beam - run.first_beam + 1));
-  run.sigma_direction_rad = static_cast<float>(M_PI);  // not known without the plane
+  Observation segment;
+  segment.landmark_id = landmark_id;
+  segment.first_beam = ends.first.beam;
+  segment.last_beam = ends.last.beam;
+  segment.scan_index = nearby.scan_index;
+  segment.scan_line_index = nearby.scan_line_index;
+  segment.scanner_index = nearby.scanner_index;
+  segment.sigma_offset_m = static_cast<float>(
+      scanner.range_noise_m / std::sqrt(segment.last_beam - segment.first_beam + 1));
+  segment.sigma_direction_rad = static_cast<float>(M_PI);  // not known without the plane
   SegmentMeasurement nodes;
-  nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, run.first_beam, rig_),
-                                    BeamInstant(scan_line, run.last_beam, rig_));
-  run.measurement = StoredMeasurement(nodes, {});
-  run.points = nearby.points;  // so that Replace keeps them too
-  Range beams;
-  cutter_.ExcludeOccluded(scan_line, ends, &beams, &run);
-  cutter_.Replace(scan_line, beams, Matrix6d::Zero(), &run);
-  if (run.landmark_id >= 0) sub_minimum_segments->push_back(std::move(run));
+  nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, segment.first_beam, rig_),
+                                    BeamInstant(scan_line, segment.last_beam, rig_));
+  segment.measurement = StoredMeasurement(nodes, {});
+  segment.points = nearby.points;  // so that Replace keeps them too
+  BeamRange beams;
+  resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
+  resegmenter_.Replace(scan_line, beams, Matrix6d::Zero(), &segment);
+  if (segment.landmark_id >= 0) sub_minimum_segments->push_back(std::move(segment));
 }
 
-// Whether it changed.
-bool Resegmenter::ResegmentOne(const ScanLine& scan_line,
-                               const Ends& ends,
-                               Observation* observation) {
-  Range range;
-  const bool is_another = cutter_.ExcludeOccluded(scan_line, ends, &range, observation);
+// Returns whether the observation changed.
+bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
+                                        const Ends& ends,
+                                        Observation* observation) {
+  BeamRange range;
+  const bool is_another = resegmenter_.ExcludeOccluded(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.
   if (is_another || (!counts_ && observation->taken_to != observation->landmark_id)) {
-    cutter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
+    resegmenter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
   }
   return is_another;
 }
 
-int Resegmenter::Recut(const ScanLine& scan_line,
-                       size_t first,
-                       size_t last,
-                       std::vector<Observation>* sub_minimum_segments) {
+int RecordingResegmenter::Resegment(const ScanLine& scan_line,
+                                    size_t first,
+                                    size_t last,
+                                    std::vector<Observation>* sub_minimum_segments) {
   const auto& observations = state_->observations;
   SetViews(scan_line, first, last);
-  const std::vector<Ends> ends = cutter_.FindEnds(scan_line, observations, first, last);
+  const std::vector<Ends> ends = resegmenter_.FindEnds(scan_line, observations, first, last);
   int num_changed = 0;
   int next = 0;  // beam that no segment has taken
   for (size_t i = 0; i < ends.size(); ++i) {
@@ -260,14 +264,14 @@ int Resegmenter::Recut(const ScanLine& scan_line,
     if (observation.landmark_id < 0) continue;
     if (ResegmentOne(scan_line, ends[i], &observation)) ++num_changed;
     if (observation.landmark_id < 0) continue;
-    AddRuns(scan_line,
-            observations[first],
-            next,
-            observation.first_beam - 1,
-            sub_minimum_segments);
+    AddSubMinimumSegments(scan_line,
+                          observations[first],
+                          next,
+                          observation.first_beam - 1,
+                          sub_minimum_segments);
     next = observation.last_beam + 1;
   }
-  AddRuns(
+  AddSubMinimumSegments(
       scan_line, observations[first], next, scan_line.num_beams() - 1, sub_minimum_segments);
   return num_changed;
 }
@@ -281,7 +285,7 @@ int ResegmentRecording(const Rig& rig,
                        OccupancyGrids* counted,
                        MapState* state) {
   CHECK_EQ(openings.size(), state->landmarks.size());
-  // None of the new runs is to be taken for an old one.
+  // None of the new sub-minimum segments is to be taken for an old one.
   const int revision = state->sub_minimum_segments.empty()
                            ? 1
                            : state->sub_minimum_segments.front().revision + 1;
@@ -291,35 +295,36 @@ int ResegmentRecording(const Rig& rig,
     std::vector<Observation> sub_minimum_segments;
     int num_changed = 0;
   };
-  tbb::enumerable_thread_specific<Resegmenter> resegmenters(
-      [&] { return Resegmenter(rig, options, openings, counted != nullptr, state); });
+  tbb::enumerable_thread_specific<RecordingResegmenter> resegmenters(
+      [&] { return RecordingResegmenter(rig, options, openings, counted != nullptr, state); });
   LineBlockReader reader(recording, *state);
   std::deque<Observation> sub_minimum_segments;
   int num_changed = 0;
   RunOrderedPipeline<Item>([&](Item* item) { return reader.Next(&item->block); },
                            [&](Item* item) {
-                             Resegmenter& resegmenter = resegmenters.local();
+                             RecordingResegmenter& resegmenter = resegmenters.local();
                              item->num_changed = 0;
                              for (const ScanLineBatch::Line& line : item->block.lines) {
                                if (line.first_observation == line.last_observation) continue;
                                item->num_changed +=
-                                   resegmenter.Recut(line.scan_line,
-                                                     line.first_observation,
-                                                     line.last_observation,
-                                                     &item->sub_minimum_segments);
+                                   resegmenter.Resegment(line.scan_line,
+                                                         line.first_observation,
+                                                         line.last_observation,
+                                                         &item->sub_minimum_segments);
                              }
                            },
                            [&](Item* item) {
                              num_changed += item->num_changed;
-                             for (Observation& run : item->sub_minimum_segments) {
-                               run.revision = revision;
-                               sub_minimum_segments.push_back(std::move(run));
+                             for (Observation& segment : item->sub_minimum_segments) {
+                               segment.revision = revision;
+                               sub_minimum_segments.push_back(std::move(segment));
                              }
                              item->sub_minimum_segments.clear();
                            });
   state->sub_minimum_segments = std::move(sub_minimum_segments);
   if (counted != nullptr) {
-    for (Resegmenter& resegmenter : resegmenters) counted->Add(resegmenter.TakeCounted());
+    for (RecordingResegmenter& resegmenter : resegmenters)
+      counted->Add(resegmenter.TakeCounted());
   }
   return num_changed;
 }
@@ -333,12 +338,12 @@ void ResegmentScan(const Rig& rig,
   std::deque<Observation>& observations = state->observations;
   if (first_observation >= observations.size()) return;
   const Observation& front = observations[first_observation];
-  SegmentCutter cutter(rig, options, state->trajectory, nullptr, nullptr);
+  ScanLineResegmenter resegmenter(rig, options, state->trajectory, nullptr, nullptr);
   const LoopClosureOptions gap = BoundingGap(options.loop_closure);
   const Reach reach = ReachOfScan(rig,
                                   observations,
                                   first_observation,
-                                  cutter.poses()->Of(front).world_from_body.translation,
+                                  resegmenter.poses()->Of(front).world_from_body.translation,
                                   pose_covariance,
                                   options.association);
   const std::vector<LandmarkView> of_scan =
@@ -354,18 +359,18 @@ void ResegmentScan(const Rig& rig,
     if (first == last) continue;
     const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const ScanSlab slab = SlabOf(
-        scan_line, rig, observations[first], FarthestRange(scan_line, scanner), &cutter);
-    cutter.SetViews(CandidatesOfLine(slab, observations, first, last, [&](const auto& visit) {
-      for (const LandmarkView& candidate : of_scan) visit(candidate);
+        scan_line, rig, observations[first], FarthestRange(scan_line, scanner), &resegmenter);
+    resegmenter.SetViews(ViewsOfLine(slab, observations, first, last, [&](const auto& visit) {
+      for (const LandmarkView& view : of_scan) visit(view);
     }));
-    const std::vector<Ends> ends = cutter.FindEnds(scan_line, observations, first, last);
+    const std::vector<Ends> ends = resegmenter.FindEnds(scan_line, observations, first, last);
     for (size_t i = first; i < last; ++i) {
       Observation& observation = observations[i];
-      // Before the pose was known as well, its plane may have seemed nearer.
-      if (cutter.Find(observation.landmark_id) == nullptr) continue;
-      Range range;
-      cutter.ExcludeOccluded(scan_line, ends[i - first], &range, &observation);
-      cutter.Replace(scan_line, range, pose_covariance, &observation);
+      // While the pose was less well known, the plane may have seemed nearer.
+      if (resegmenter.Find(observation.landmark_id) == nullptr) continue;
+      BeamRange range;
+      resegmenter.ExcludeOccluded(scan_line, ends[i - first], &range, &observation);
+      resegmenter.Replace(scan_line, range, pose_covariance, &observation);
     }
   }
 }

@@ -71,6 +71,10 @@ class BatchPoliciesTest : public testing::Test {
     state_.observations.push_back(observation);
   }
 
+  static double Width(const Landmark& landmark) {
+    return landmark.extent.max_corner().x() - landmark.extent.min_corner().x();
+  }
+
   std::vector<int> Ids() const {
     std::vector<int> ids;
     for (const Observation& observation : state_.observations) {
@@ -110,12 +114,12 @@ TEST_F(BatchPoliciesTest, RebuiltLandmarksKnowTheirSegmentsAlone) {
   AddSubMinimumSegment(1, 4);
   RebuildLandmarks(rig_, {true, false}, &state_);
   const Landmark& landmark = state_.landmarks[0];
-  EXPECT_NEAR(landmark.extent.size().x(), 4.0 * std::tan(20.0 * kDegree), 1e-5);
+  EXPECT_NEAR(Width(landmark), 4.0 * std::tan(20.0 * kDegree), 1e-5);
   EXPECT_EQ(landmark.num_segments, 2);
   EXPECT_EQ(landmark.num_points, 2 * 41 + 4);
   EXPECT_EQ(landmark.first_scan, 3);
   EXPECT_EQ(landmark.last_scan, 7);
-  EXPECT_NEAR(state_.landmarks[1].extent.size().x(), 10.0, 1e-9) << "it was not chosen";
+  EXPECT_NEAR(Width(state_.landmarks[1]), 10.0, 1e-9) << "it was not chosen";
   RebuildLandmarks(rig_, &state_);
   EXPECT_TRUE(state_.landmarks[1].extent.empty());
   EXPECT_EQ(state_.landmarks[1].num_points, 0) << "no segment, so no sub-minimum segments";

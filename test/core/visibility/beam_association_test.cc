@@ -39,21 +39,22 @@ class BeamAssociationTest : public ::testing::Test {
     }
   }
 
-  struct Run {
+  struct OnPlane {
     bool is_on_face;
     int first_beam;
     int last_beam;
   };
-  std::vector<Run> Runs(const Landmark& wall, Landmark face) const {
+  std::vector<OnPlane> Associate(const Landmark& wall, Landmark face) const {
     face.id = 1;
     const PlaneSet planes({LandmarkView(wall), LandmarkView(face)});
     const std::vector<PlaneOpenings> openings(2);
-    const BeamAssociation first_planes(line_, scanner_, placement_, planes, openings);
-    std::vector<Run> runs;
-    for (const BeamAssociation::Run& run : first_planes.RunsWithin(1, line_.num_beams() - 2)) {
-      runs.push_back({run.plane->landmark == &face, run.first_beam, run.last_beam});
+    const BeamAssociation association(line_, scanner_, placement_, planes, openings);
+    std::vector<OnPlane> found;
+    for (const BeamAssociation::PlaneBeams& beams :
+         association.Associate(1, line_.num_beams() - 2)) {
+      found.push_back({beams.plane->landmark == &face, beams.first_beam, beams.last_beam});
     }
-    return runs;
+    return found;
   }
 
   ScanLine line_;
@@ -71,14 +72,14 @@ TEST_F(BeamAssociationTest, RoundAnEdgeBeamsAreToldByWhereThePlanesMeet) {
   See([](double angle) { return std::max(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
   for (const double seen_from_x : {3.0, 4.0}) {
     const Landmark wall = Wall({0.0, -1.0, 0.0}, {seen_from_x, 1.0, -0.1}, {6.0, 1.0, -0.1});
-    const std::vector<Run> runs = Runs(wall, face);
-    ASSERT_EQ(runs.size(), 2u);
-    EXPECT_FALSE(runs[0].is_on_face);
-    EXPECT_TRUE(runs[1].is_on_face);
-    const double first_y = y_on_face(runs[1].first_beam);
+    const std::vector<OnPlane> found = Associate(wall, face);
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_FALSE(found[0].is_on_face);
+    EXPECT_TRUE(found[1].is_on_face);
+    const double first_y = y_on_face(found[1].first_beam);
     if (seen_from_x == 3.0) {
-      EXPECT_EQ(runs[0].last_beam + 1, runs[1].first_beam);
-      EXPECT_LT(y_on_face(runs[0].last_beam), 1.0);
+      EXPECT_EQ(found[0].last_beam + 1, found[1].first_beam);
+      EXPECT_LT(y_on_face(found[0].last_beam), 1.0);
       EXPECT_GT(first_y, 1.0);
     } else {
       EXPECT_GT(first_y, 1.04);
@@ -92,11 +93,11 @@ TEST_F(BeamAssociationTest, InACornerAllBeamsCount) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 1.0, -0.1}, {3.0, 1.0, -0.1});
   const Landmark face = Wall({-1.0, 0.0, 0.0}, {3.0, 0.0, -0.1}, {3.0, 1.0, -0.1});
   See([](double angle) { return std::min(1.0 / std::sin(angle), 3.0 / std::cos(angle)); });
-  const std::vector<Run> runs = Runs(wall, face);
-  ASSERT_EQ(runs.size(), 2u);
-  EXPECT_TRUE(runs[0].is_on_face);
-  EXPECT_FALSE(runs[1].is_on_face);
-  EXPECT_EQ(runs[0].last_beam + 1, runs[1].first_beam);
+  const std::vector<OnPlane> found = Associate(wall, face);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_TRUE(found[0].is_on_face);
+  EXPECT_FALSE(found[1].is_on_face);
+  EXPECT_EQ(found[0].last_beam + 1, found[1].first_beam);
 }
 
 // A beam that meets the wall at half a degree tells as much of it as thousands of others. The
@@ -107,12 +108,12 @@ TEST_F(BeamAssociationTest, ABeamAlmostAlongAWallCounts) {
   line_.ranges = {9.0f, static_cast<float>(0.02 / std::sin(0.5 * kDegree)), 9.0f};
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {1.0, 0.02, -0.1}, {4.0, 0.02, -0.1});
   const Landmark elsewhere = Wall({-1.0, 0.0, 0.0}, {20.0, 5.0, -0.1}, {20.0, 6.0, -0.1});
-  const std::vector<Run> runs = Runs(wall, elsewhere);
-  ASSERT_EQ(runs.size(), 1u);
-  EXPECT_EQ(runs[0].first_beam, 1);
-  EXPECT_EQ(runs[0].last_beam, 1);
+  const std::vector<OnPlane> found = Associate(wall, elsewhere);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].first_beam, 1);
+  EXPECT_EQ(found[0].last_beam, 1);
   const Landmark ends_there = Wall({0.0, -1.0, 0.0}, {1.0, 0.02, -0.1}, {2.3, 0.02, -0.1});
-  EXPECT_TRUE(Runs(ends_there, elsewhere).empty()) << "7 cm from a free edge";
+  EXPECT_TRUE(Associate(ends_there, elsewhere).empty()) << "7 cm from a free edge";
 }
 
 }  // namespace

@@ -230,30 +230,6 @@ TEST_F(OcclusionTest, AnOpeningIsKnownFromEdgeToEdge) {
   EXPECT_FALSE(openings.IsAt({0.0, 1.0, kHigh + 0.55}));
 }
 
-// A wall at y = 1 m stops the beams from 34 degrees on: those that would have met the floor
-// farther behind it say nothing of the floor there, which may be the next room's.
-TEST_F(OcclusionTest, WhatStopsABeamStandsOnTheFloorCloseBehind) {
-  for (int beam = 0; beam < 90; ++beam) {
-    const double angle = line_.BeamAngle(beam);
-    const double to_floor = kHeight / std::cos(angle);
-    const double to_wall = 1.0 / std::sin(angle);
-    line_.ranges[static_cast<size_t>(beam)] = static_cast<float>(std::min(to_floor, to_wall));
-  }
-  Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
-  floor.extent.AddSegment({-1.0, 0.0, 0.0}, {0.0, 1.0, 0.0});
-  const ScanPlacement placement = PlacementOf(poses_->world_from_scanner);
-  const Trace trace(placement, Candidate(floor));
-  OccupancyGrids counted;
-  for (int i = 0; i < 2; ++i) {
-    CountPassages({line_, scanner_, placement, trace, floor, 33, 1, 15}, &counted);
-  }
-  const PlaneOpenings openings = counted.OpeningsOf(floor);
-  EXPECT_TRUE(openings.IsAt({0.01, kHeight * std::tan(38 * kDegree), 0.0}));
-  for (const int degrees : {40, 41, 45}) {
-    EXPECT_FALSE(openings.IsAt({0.01, kHeight * std::tan(degrees * kDegree), 0.0})) << degrees;
-  }
-}
-
 // Two beams that seem to go through a wall that hundreds lie on make no opening, wherever on
 // it.
 TEST_F(OcclusionTest, BeamsOnAPlaneSpeakAgainstAnOpening) {

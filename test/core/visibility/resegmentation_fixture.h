@@ -73,7 +73,7 @@ class ResegmentationTest : public TemporaryDirectoryTest {
     state_->observations.push_back(observation);
   }
 
-  int Recut(bool last = false) {
+  int Resegment(bool last = false) {
     const std::string path = (directory_ / "recording.bag").string();
     RecordingWriter writer(path, rig_);
     ScanLine line = line_;

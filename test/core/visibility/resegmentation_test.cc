@@ -8,7 +8,7 @@
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
-#include "core/visibility/segment_cutter.h"
+#include "core/visibility/scan_line_resegmenter.h"
 #include "factors/segment/segment_measurement.h"
 #include "test/core/visibility/resegmentation_fixture.h"
 
@@ -18,7 +18,7 @@ namespace {
 TEST_F(ResegmentationTest, BeamsBeyondTheCornerGo) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast + 2);
-  EXPECT_EQ(Recut(), 1);
+  EXPECT_EQ(Resegment(), 1);
   EXPECT_EQ(observation(0).first_beam, 40);
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_EQ(observation(0).num_points, kLast - 40 + 1);
@@ -31,14 +31,14 @@ TEST_F(ResegmentationTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
   Landmark& front = state_->landmarks[kFront];
   front.extent = PatchExtent({500.0, 0.0, 0.0}, front.extent.u_axis(), front.extent.v_axis());
   front.extent.AddSegment({500.0, 0.0, 0.0}, {500.0, 1.0, 0.0});
-  Recut(true);
+  Resegment(true);
   EXPECT_EQ(observation(0).landmark_id, -1);
 }
 
 TEST_F(ResegmentationTest, BeamsUpToTheCornerCome) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 5);
-  EXPECT_EQ(Recut(), 1);
+  EXPECT_EQ(Resegment(), 1);
   EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
@@ -53,7 +53,7 @@ TEST_F(ResegmentationTest, PlanesThatASlowScannerMeetsLaterBoundToo) {
   AddWall({0.0, -1.0, 0.0}, {-2.0, 1.0, 2.0}, {2.0, 1.0, 2.0});
   AddObservation(kFront, 40, 50);
   AddObservation(kFront, 90, kLast + 2);
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(1).landmark_id, kFront);
   EXPECT_EQ(observation(1).last_beam, kLast);
 }
@@ -62,7 +62,7 @@ TEST_F(ResegmentationTest, NeighboursMeetAtTheCorner) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 2);
   AddObservation(kSide, kLast - 1, 170);
-  EXPECT_EQ(Recut(), 2);
+  EXPECT_EQ(Resegment(), 2);
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_EQ(observation(1).first_beam, kLast + 1);
   EXPECT_EQ(observation(1).last_beam, 170);
@@ -73,7 +73,7 @@ TEST_F(ResegmentationTest, AnotherSegmentsBeamsStayItsOwn) {
   AddObservation(kFront, 40, kLast - 6);
   AddObservation(kFront, kLast - 4, kLast);
   state_->observations[1].landmark_id = -1;
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(0).last_beam, kLast - 6);
   EXPECT_EQ(observation(1).first_beam, kLast - 4);
 }
@@ -82,13 +82,13 @@ TEST_F(ResegmentationTest, OnlyBeamsOnThePlaneCome) {
   AddSideWall(2.0);
   AddObservation(kFront, 40, kLast - 5);
   line_.ranges[kLast - 2] -= 0.5f;
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(0).last_beam, kLast - 3);
 }
 
 TEST_F(ResegmentationTest, EndsThatNoPlaneBoundsStay) {
   AddObservation(kFront, 40, kLast + 1);
-  EXPECT_EQ(Recut(), 0);
+  EXPECT_EQ(Resegment(), 0);
   EXPECT_EQ(observation(0).last_beam, kLast + 1);
 }
 
@@ -100,14 +100,14 @@ TEST_F(ResegmentationTest, AFreeEndsLastBeamIsOnItsPlane) {
     state_->observations.clear();
     line_.ranges[kLast] = Range(kLast) + off;
     AddObservation(kFront, 40, kLast);
-    EXPECT_EQ(Recut(), num_gone) << off;
+    EXPECT_EQ(Resegment(), num_gone) << off;
     EXPECT_EQ(observation(0).last_beam, kLast - num_gone) << off;
   }
   line_.ranges[kLast] = Range(kLast) + 0.12f;
   AddSideWall(2.0);
   state_->observations.clear();
   AddObservation(kFront, 40, kLast);
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(0).last_beam, kLast) << "bounded";
 }
 
@@ -120,7 +120,7 @@ TEST_F(ResegmentationTest, BeforeAnOpeningTheEndIsFree) {
     state_->observations.clear();
     AddObservation(kFront, 40, kLast);
     openings_ = openings;
-    Recut();
+    Resegment();
     return observation(0).last_beam;
   };
   const int last = last_left();
@@ -136,7 +136,7 @@ TEST_F(ResegmentationTest, WhatIsOffItsPlaneIsNoHit) {
     line_.ranges[kLast] = Range(kLast) + (is_off ? 0.12f : 0.0f);
     AddObservation(kFront, 40, kLast);
     openings_ = OccupancyGrids();
-    Recut();
+    Resegment();
     const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
     const Landmark& wall = state_->landmarks[kFront];
     for (int i = 0; i < 4; ++i) {
@@ -149,7 +149,7 @@ TEST_F(ResegmentationTest, WhatIsOffItsPlaneIsNoHit) {
 TEST_F(ResegmentationTest, APatchThatDoesNotReachThePlaneBoundsNothing) {
   AddSideWall(1.0);
   AddObservation(kFront, 40, kLast + 1);
-  EXPECT_EQ(Recut(), 0);
+  EXPECT_EQ(Resegment(), 0);
 }
 
 TEST_F(ResegmentationTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
@@ -159,7 +159,7 @@ TEST_F(ResegmentationTest, AWallThatGoesOnBehindAnotherKeepsItsBeams) {
         static_cast<float>(2.0 / std::cos((beam - 90) * kDegree));
   }
   AddObservation(kFront, 40, 150);
-  EXPECT_EQ(Recut(), 0);
+  EXPECT_EQ(Resegment(), 0);
   EXPECT_EQ(observation(0).last_beam, 150);
 }
 
@@ -173,12 +173,12 @@ TEST_F(ResegmentationTest, BeamsPastAnEdgeGo) {
         static_cast<float>(2.0 / std::cos((beam - 90) * kDegree) + 0.02 * (beam - kLast));
   }
   AddObservation(kFront, 40, kLast + 4);
-  EXPECT_EQ(Recut(), 1);
+  EXPECT_EQ(Resegment(), 1);
   EXPECT_EQ(observation(0).last_beam, kLast);
   state_->landmarks[kFront].extent.AddSegment({2.0, 1.5, 0.0}, {2.0, 3.0, 0.0});
   state_->observations.clear();
   AddObservation(kFront, 40, kLast + 4);
-  EXPECT_EQ(Recut(), 0);
+  EXPECT_EQ(Resegment(), 0);
   EXPECT_EQ(observation(0).last_beam, kLast + 4) << "a door in a wall that goes on";
 }
 
@@ -192,7 +192,7 @@ TEST_F(ResegmentationTest, BeamsAtACornerAreHits) {
   }
   const Eigen::Vector3d at_last(2.0, 2.0 * std::tan((kLast - 90) * kDegree), 0.0);
   const Landmark& wall = state_->landmarks[kFront];
-  Recut();
+  Resegment();
   for (const bool with_hits : {true, false}) {
     if (!with_hits) openings_ = OccupancyGrids();
     for (int i = 0; i < 2; ++i) openings_.CountPassage(wall, at_last);
@@ -206,7 +206,7 @@ TEST_F(ResegmentationTest, WhatIsLeftOffItsPlaneLosesIt) {
     line_.ranges[static_cast<size_t>(beam)] += 0.2f;
   }
   AddObservation(kFront, kLast - 4, kLast + 2);
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(0).last_beam, kLast);
   EXPECT_EQ(observation(0).landmark_id, -1);
 }
@@ -217,16 +217,16 @@ TEST_F(ResegmentationTest, BeamsInAnOpeningGoOnceItIsKnown) {
   constexpr int kEdge = 100;  // last beam on the wall
   for (size_t beam = kEdge + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 20.0f;
   AddObservation(kFront, 40, kEdge);
-  Recut();
+  Resegment();
   EXPECT_EQ(observation(0).last_beam, kEdge) << "nothing lies beyond the edge";
-  Recut();
+  Resegment();
   EXPECT_GE(observation(0).last_beam, kEdge - 4) << "of the wall, at most one wide cell goes";
   state_->observations.clear();
   for (int beam = kEdge + 1; beam <= kEdge + 4; ++beam) {
     line_.ranges[static_cast<size_t>(beam)] = Range(beam) + 0.1f;
   }
   AddObservation(kFront, 40, kEdge + 4);
-  Recut();
+  Resegment();
   EXPECT_GE(observation(0).last_beam, kEdge - 4);
   EXPECT_LE(observation(0).last_beam, kEdge);
 }
@@ -251,7 +251,7 @@ TEST_F(ResegmentationTest, JambsDoNotHideTheirOpening) {
     for (const double z : {-0.5, 0.0, 0.5}) {
       front.extent.AddSegment({2.0, -3.0, z}, {2.0, end_y, z});
     }
-    Recut();
+    Resegment();
     EXPECT_EQ(openings_.OpeningsOf(front).IsAt(at(kEdge + 3)), end_y == 1.0)
         << "not at corners";
   }
@@ -260,7 +260,7 @@ TEST_F(ResegmentationTest, JambsDoNotHideTheirOpening) {
 TEST_F(ResegmentationTest, WithoutPassagesAnOpenEndStays) {
   AddObservation(kFront, 40, kLast);
   for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) line_.ranges[beam] = 1.0f;
-  for (int i = 0; i < 2; ++i) Recut();
+  for (int i = 0; i < 2; ++i) Resegment();
   EXPECT_EQ(observation(0).last_beam, kLast);
 }
 
@@ -269,7 +269,7 @@ TEST_F(ResegmentationTest, WithoutPassagesAnOpenEndStays) {
 TEST_F(ResegmentationTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
   AddSideWall(2.0);
   AddObservation(kFront, 60, kLast - 1);
-  Recut();
+  Resegment();
   const SegmentMeasurement clean = observation(0).measurement.Unpack();
   state_->observations.clear();
   for (size_t beam = 0; beam < line_.ranges.size(); ++beam) {
@@ -277,7 +277,7 @@ TEST_F(ResegmentationTest, LeverArmsAndWeightsAreThePlanesNotTheNoises) {
   }
   AddObservation(kFront, 60, kLast - 1);
   EXPECT_GT((observation(0).measurement.Unpack().root() - clean.root()).norm(), 1e-2);
-  Recut();
+  Resegment();
   const SegmentMeasurement noisy = observation(0).measurement.Unpack();
   ASSERT_EQ(noisy.rows.rows(), clean.rows.rows());
   EXPECT_LT((noisy.root() - clean.root()).norm(), 1e-9 * clean.root().norm());
@@ -360,11 +360,12 @@ TEST_F(ResegmentScanTest, BeamsCloseBehindAWallGo) {
 TEST_F(ResegmentationTest, ExtendingEndsWithTheScanLine) {
   ScanLine line = line_;
   line.ranges.resize(101);
-  const SegmentCutter cutter(rig_, MapperOptions(), state_->trajectory, nullptr, nullptr);
+  const ScanLineResegmenter resegmenter(
+      rig_, MapperOptions(), state_->trajectory, nullptr, nullptr);
   const ScanPlacement placement = PlacementOf(Rigid3d());
   const Trace trace(placement, LandmarkView(state_->landmarks[kFront]));
-  EXPECT_EQ(cutter.Extend(line, trace, {90, 1, 101, 80, -1}, 110), 100);
-  EXPECT_EQ(cutter.Extend(line_, trace, {90, 1, 181, 80, -1}, 110), 110);
+  EXPECT_EQ(resegmenter.Extend(line, trace, {90, 1, 101, 80, -1}, 110), 100);
+  EXPECT_EQ(resegmenter.Extend(line_, trace, {90, 1, 181, 80, -1}, 110), 110);
 }
 
 }  // namespace

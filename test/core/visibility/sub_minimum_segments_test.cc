@@ -29,13 +29,13 @@ TEST_F(SubMinimumSegmentTest, BelongsToThePlaneMetThere) {
   for (const int num_beams : {1, 3}) {
     state_->observations.clear();
     See(num_beams);
-    Recut();
+    Resegment();
     ASSERT_EQ(state_->sub_minimum_segments.size(), 1u) << num_beams;
-    const Observation& run = state_->sub_minimum_segments[0];
-    EXPECT_EQ(run.landmark_id, kSide);
-    EXPECT_EQ(run.first_beam, kLast + 1);
-    EXPECT_EQ(run.last_beam, kLast + num_beams);
-    EXPECT_EQ(run.num_points, num_beams);
+    const Observation& segment = state_->sub_minimum_segments[0];
+    EXPECT_EQ(segment.landmark_id, kSide);
+    EXPECT_EQ(segment.first_beam, kLast + 1);
+    EXPECT_EQ(segment.last_beam, kLast + num_beams);
+    EXPECT_EQ(segment.num_points, num_beams);
     for (size_t beam = kLast + 1; beam < line_.ranges.size(); ++beam) {
       line_.ranges[beam] = Range(static_cast<int>(beam));
     }
@@ -47,7 +47,7 @@ TEST_F(SubMinimumSegmentTest, BelongsToThePlaneMetThere) {
 TEST_F(SubMinimumSegmentTest, BelongsToThePlaneThatHidesTheOther) {
   See(3);
   AddWall({0.0, -1.0, 0.0}, {-2.0, 1.05, 0.0}, {2.0, 1.05, 0.0});
-  Recut();
+  Resegment();
   ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
   EXPECT_EQ(state_->sub_minimum_segments[0].landmark_id, kSide);
   EXPECT_EQ(state_->sub_minimum_segments[0].num_points, 3);
@@ -60,15 +60,15 @@ TEST_F(SubMinimumSegmentTest, IsMadeOfASegmentOnNoPlane) {
   AddObservation(kFront, kLast - 6, kLast + 3);
   state_->observations[0].landmark_id = -1;
   line_.ranges[kLast - 3] += 0.12f;
-  Recut();
+  Resegment();
   ASSERT_EQ(state_->sub_minimum_segments.size(), 3u);
   const std::vector<std::pair<int, int>> beams = {
       {kLast - 6, kLast - 4}, {kLast - 2, kLast}, {kLast + 1, kLast + 3}};
   for (size_t i = 0; i < 3; ++i) {
-    const Observation& run = state_->sub_minimum_segments[i];
-    EXPECT_EQ(run.landmark_id, i < 2 ? kFront : kSide);
-    EXPECT_EQ(run.first_beam, beams[i].first);
-    EXPECT_EQ(run.last_beam, beams[i].second);
+    const Observation& segment = state_->sub_minimum_segments[i];
+    EXPECT_EQ(segment.landmark_id, i < 2 ? kFront : kSide);
+    EXPECT_EQ(segment.first_beam, beams[i].first);
+    EXPECT_EQ(segment.last_beam, beams[i].second);
   }
 }
 
@@ -79,11 +79,11 @@ TEST_F(SubMinimumSegmentTest, IsMadeOfBeamsThatNoSegmentHas) {
   AddObservation(kFront, 40, 60);
   AddObservation(kFront, 90, kLast);
   line_.ranges[75] += 0.12f;
-  Recut();
+  Resegment();
   std::vector<std::pair<int, int>> beams;
-  for (const Observation& run : state_->sub_minimum_segments) {
-    EXPECT_EQ(run.landmark_id, kFront);
-    beams.emplace_back(run.first_beam, run.last_beam);
+  for (const Observation& segment : state_->sub_minimum_segments) {
+    EXPECT_EQ(segment.landmark_id, kFront);
+    beams.emplace_back(segment.first_beam, segment.last_beam);
   }
   EXPECT_EQ(beams, (std::vector<std::pair<int, int>>{{61, 74}, {76, 89}}));
 }
@@ -93,7 +93,7 @@ TEST_F(SubMinimumSegmentTest, EndsBeforeTheFreeEdgeOfItsPlane) {
   SeeOnly(kLast - 6, kLast);
   AddObservation(kFront, kLast - 6, kLast);
   state_->observations[0].landmark_id = -1;
-  Recut();
+  Resegment();
   ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
   EXPECT_EQ(state_->sub_minimum_segments[0].first_beam, kLast - 6);
   EXPECT_EQ(state_->sub_minimum_segments[0].last_beam, kLast - 1) << "2.5 cm from the edge";
@@ -102,14 +102,14 @@ TEST_F(SubMinimumSegmentTest, EndsBeforeTheFreeEdgeOfItsPlane) {
 TEST_F(SubMinimumSegmentTest, IsNotMadeOfWhatLiesElsewhere) {
   See(1);
   line_.ranges[kLast + 1] += 0.5f;
-  Recut();
+  Resegment();
   EXPECT_TRUE(state_->sub_minimum_segments.empty());
 }
 
 TEST_F(SubMinimumSegmentTest, EndsOnItsPlane) {
   See(3);
   line_.ranges[kLast + 3] += 0.12f;
-  Recut();
+  Resegment();
   ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
   EXPECT_EQ(state_->sub_minimum_segments[0].first_beam, kLast + 1);
   EXPECT_EQ(state_->sub_minimum_segments[0].last_beam, kLast + 2);
@@ -117,9 +117,9 @@ TEST_F(SubMinimumSegmentTest, EndsOnItsPlane) {
 
 TEST_F(SubMinimumSegmentTest, IsMadeAnewEachTime) {
   See(3);
-  Recut();
+  Resegment();
   const int revision = state_->sub_minimum_segments.at(0).revision;
-  Recut();
+  Resegment();
   ASSERT_EQ(state_->sub_minimum_segments.size(), 1u);
   EXPECT_GT(state_->sub_minimum_segments[0].revision, revision);
 }

@@ -20,62 +20,65 @@
 
 namespace plumbline {
 
-// Cuts the segments of single scan lines anew where their planes meet others: what cutting has
-// in common in the batch and while the rig is tracked (core/visibility/resegmentation.h).
-class SegmentCutter {
+// Resegments single scan lines: finds the new ends of their segments where the planes
+// intersect, and makes the observations anew (core/visibility/resegmentation.h). The batch and
+// the tracked scan share it.
+class ScanLineResegmenter {
  public:
-  struct Range {
+  // Beams first .. last.
+  struct BeamRange {
     int first;
     int last;
   };
-  // Where a segment ends now.
+  // The new end of a segment.
   struct NewEnd {
     int beam;
     std::optional<Trace> trace = std::nullopt;  // of its own plane, if it has one
-    bool is_met = false;                        // by another plane
+    bool is_met = false;                        // whether another plane meets it there
   };
+  // Both new ends of a segment.
   struct Ends {
     NewEnd first;
     NewEnd last;
   };
 
   // The trajectory stays as it is meanwhile. openings: of the landmarks, by id; nullptr while
-  // the rig is tracked: none is known yet, nor is every face of a corner. counted: counts them
-  // anew; may be nullptr.
-  SegmentCutter(const Rig& rig,
-                const MapperOptions& options,
-                const Trajectory& trajectory,
-                const std::vector<PlaneOpenings>* openings,
-                OccupancyGrids* counted);
+  // the rig is tracked: none is known yet, nor is every face of a corner. counted: takes the
+  // counts for new openings; may be nullptr.
+  ScanLineResegmenter(const Rig& rig,
+                      const MapperOptions& options,
+                      const Trajectory& trajectory,
+                      const std::vector<PlaneOpenings>* openings,
+                      OccupancyGrids* counted);
 
-  // The planes that may bound segments, their own included.
-  void SetViews(std::vector<LandmarkView> candidates) {
-    views_ = PlaneSet(std::move(candidates));
-  }
-  const PlaneSet& candidates() const { return views_; }
+  // Sets the planes that may bound segments, their own included.
+  void SetViews(std::vector<LandmarkView> views) { views_ = PlaneSet(std::move(views)); }
+  const PlaneSet& views() const { return views_; }
+  // The view of a landmark; nullptr where there is none.
   const LandmarkView* Find(int landmark_id) const;
   PoseSampler* sampler() { return &sampler_; }
   SharedPoses* poses() { return &poses_; }
 
-  // Where the observations [first, last) of a scan line end, each at both sides.
+  // Finds the new ends of the observations [first, last) of a scan line.
   std::vector<Ends> FindEnds(const ScanLine& scan_line,
                              const std::deque<Observation>& observations,
                              size_t first,
                              size_t last);
-  // The last beam, from the end's on, up to `to` for as long as the ranges lie on the trace.
+  // Extends a segment from its end's beam to the last one, up to `to`, for as long as the
+  // ranges lie on the trace; returns that beam.
   int Extend(const ScanLine& scan_line, const Trace& trace, const FreeEnd& end, int to) const;
-  // The range between the ends, shorter where the beams there can not lie on the segment's
-  // plane or are off it; other such beams are left out. Returns whether the segment is another
-  // one then.
+  // Computes the range between the ends, shorter where the beams there can not lie on the
+  // segment's plane or are off it; other such beams are excluded. Returns whether the segment
+  // is another one then.
   bool ExcludeOccluded(const ScanLine& scan_line,
                        const Ends& ends,
-                       Range* range,
+                       BeamRange* range,
                        Observation* observation);
-  // Makes the observation anew of the beams in the range, on its plane's trace. It loses its
+  // Makes the observation anew from the beams in the range, on its plane's trace. It loses its
   // landmark where it has no beams left, lies on its plane no more, or the plane is none of
-  // the candidates.
+  // the views.
   void Replace(const ScanLine& scan_line,
-               const Range& range,
+               const BeamRange& range,
                const Matrix6d& pose_covariance,
                Observation* observation);
 
@@ -84,6 +87,7 @@ class SegmentCutter {
   struct Bounds;
   struct IntersectionsAtEnd;
 
+  // Finds the new end of an observation at one side.
   NewEnd FindEnd(const ScanLine& scan_line,
                  const Observation& observation,
                  const FreeEnd& end);
@@ -92,18 +96,21 @@ class SegmentCutter {
                      const Observation& observation,
                      const LandmarkView& own,
                      const FreeEnd& end);
+  // The beams that the intersections leave to the segment; far_m: see the definition.
   static Bounds FindBounds(const TracedEnd& traced, double far_m);
   // The intersections within a beam of last_beam, where the segment ends now.
   static IntersectionsAtEnd IntersectionsAt(const TracedEnd& traced, int last_beam);
   // Counts what the beams on both sides of the end show of openings in its plane.
   void CountAtEnd(const TracedEnd& traced, int last_beam, const IntersectionsAtEnd& at_end);
+  // Counts the beams between the ends that lie on the observation's plane.
   void CountHits(const ScanLine& scan_line, const Observation& observation, const Ends& ends);
+  // Whether a beam is too far from the plane to be the last one at a free end.
   bool IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const;
-  // Those between two beams of an observation, on this plane.
+  // The beams of an observation in the range that can not lie on its plane `own`.
   std::vector<int> OccludedBeamsOf(const ScanLine& scan_line,
                                    const Observation& observation,
                                    const LandmarkView& own,
-                                   const Range& range);
+                                   const BeamRange& range);
 
   const Rig& rig_;
   const MapperOptions& options_;

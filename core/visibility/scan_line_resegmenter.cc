@@ -1,4 +1,4 @@
-#include "core/visibility/segment_cutter.h"
+#include "core/visibility/scan_line_resegmenter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,25 +6,13 @@
 
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
+#include "core/visibility/beam_tests.h"
 #include "core/visibility/occlusion.h"
 
 namespace plumbline {
-namespace {
-
-// Beyond so many standard deviations of a range one beam tells two surfaces apart, whatever
-// its noise.
-constexpr double kFarSigmas = 9.0;
-// A beam that a segment is given lies within so many of its plane.
-constexpr double kOutlierSigmas = 5.0;
-// The last one at a free end within so many: a beam past the edge may end on something close
-// behind. Cut on both sides of the plane, the good ones' noise keeps its mean.
-constexpr double kFreeEndSigmas = 3.0;
-
-}  // namespace
-
 // An end of a segment, the trace of its plane there, and where the trace meets other planes,
 // from outside inwards.
-struct SegmentCutter::TracedEnd {
+struct ScanLineResegmenter::TracedEnd {
   const ScanLine& scan_line;
   const LandmarkView& own;
   const FreeEnd& end;
@@ -34,13 +22,13 @@ struct SegmentCutter::TracedEnd {
 };
 
 // The beams that other planes leave to a segment, counted outwards from its end.
-struct SegmentCutter::Bounds {
+struct ScanLineResegmenter::Bounds {
   int last = 0;  // the segment's last beam: negative where it is to become shorter
   int free = 0;  // the outermost beam that it may take
 };
 
 // The planes that meet a segment's plane where the segment ends now.
-struct SegmentCutter::IntersectionsAtEnd {
+struct ScanLineResegmenter::IntersectionsAtEnd {
   bool any = false;
   bool goes_on = false;    // the segment's plane goes on beyond one of them
   bool at_corner = false;  // one of them is a wall
@@ -48,7 +36,8 @@ struct SegmentCutter::IntersectionsAtEnd {
 
 // A segment that reaches beyond an intersection ends there, unless it still follows its plane
 // where the other would be more than far_m off.
-SegmentCutter::Bounds SegmentCutter::FindBounds(const TracedEnd& traced, double far_m) {
+ScanLineResegmenter::Bounds ScanLineResegmenter::FindBounds(const TracedEnd& traced,
+                                                            double far_m) {
   Bounds bounds;
   std::vector<Trace> outside;
   for (const PlaneIntersection& intersection : traced.intersections) {
@@ -73,8 +62,8 @@ SegmentCutter::Bounds SegmentCutter::FindBounds(const TracedEnd& traced, double 
   return bounds;
 }
 
-SegmentCutter::IntersectionsAtEnd SegmentCutter::IntersectionsAt(const TracedEnd& traced,
-                                                                 int last_beam) {
+ScanLineResegmenter::IntersectionsAtEnd ScanLineResegmenter::IntersectionsAt(
+    const TracedEnd& traced, int last_beam) {
   IntersectionsAtEnd at_end;
   for (const PlaneIntersection& intersection : traced.intersections) {
     const int beam = traced.end.beam + traced.end.step * intersection.last;
@@ -86,11 +75,11 @@ SegmentCutter::IntersectionsAtEnd SegmentCutter::IntersectionsAt(const TracedEnd
   return at_end;
 }
 
-SegmentCutter::SegmentCutter(const Rig& rig,
-                             const MapperOptions& options,
-                             const Trajectory& trajectory,
-                             const std::vector<PlaneOpenings>* openings,
-                             OccupancyGrids* counted)
+ScanLineResegmenter::ScanLineResegmenter(const Rig& rig,
+                                         const MapperOptions& options,
+                                         const Trajectory& trajectory,
+                                         const std::vector<PlaneOpenings>* openings,
+                                         OccupancyGrids* counted)
     : rig_(rig),
       options_(options),
       openings_(openings),
@@ -98,17 +87,17 @@ SegmentCutter::SegmentCutter(const Rig& rig,
       sampler_(trajectory),
       poses_(rig, trajectory) {}
 
-const LandmarkView* SegmentCutter::Find(int landmark_id) const {
-  for (const LandmarkView& candidate : views_.planes()) {
-    if (candidate.landmark->id == landmark_id) return &candidate;
+const LandmarkView* ScanLineResegmenter::Find(int landmark_id) const {
+  for (const LandmarkView& view : views_.planes()) {
+    if (view.landmark->id == landmark_id) return &view;
   }
   return nullptr;
 }
 
-int SegmentCutter::Extend(const ScanLine& scan_line,
-                          const Trace& trace,
-                          const FreeEnd& end,
-                          int to) const {
+int ScanLineResegmenter::Extend(const ScanLine& scan_line,
+                                const Trace& trace,
+                                const FreeEnd& end,
+                                int to) const {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   int last = end.beam;
   if (to == end.beam) return last;
@@ -124,10 +113,10 @@ int SegmentCutter::Extend(const ScanLine& scan_line,
   return last;
 }
 
-SegmentCutter::TracedEnd SegmentCutter::TraceEnd(const ScanLine& scan_line,
-                                                 const Observation& observation,
-                                                 const LandmarkView& own,
-                                                 const FreeEnd& end) {
+ScanLineResegmenter::TracedEnd ScanLineResegmenter::TraceEnd(const ScanLine& scan_line,
+                                                             const Observation& observation,
+                                                             const LandmarkView& own,
+                                                             const FreeEnd& end) {
   const bool at_last = end.step > 0;
   const ScanPlacement placement =
       poses_.Of(observation)
@@ -143,9 +132,9 @@ SegmentCutter::TracedEnd SegmentCutter::TraceEnd(const ScanLine& scan_line,
               {scan_line, placement, own, trace}, placement * p.homogeneous(), views_, end)};
 }
 
-SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
-                                             const Observation& observation,
-                                             const FreeEnd& end) {
+ScanLineResegmenter::NewEnd ScanLineResegmenter::FindEnd(const ScanLine& scan_line,
+                                                         const Observation& observation,
+                                                         const FreeEnd& end) {
   const LandmarkView* own = Find(observation.landmark_id);
   if (own == nullptr) return {end.beam};
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
@@ -161,9 +150,9 @@ SegmentCutter::NewEnd SegmentCutter::FindEnd(const ScanLine& scan_line,
   return result;
 }
 
-void SegmentCutter::CountAtEnd(const TracedEnd& traced,
-                               int last_beam,
-                               const IntersectionsAtEnd& at_end) {
+void ScanLineResegmenter::CountAtEnd(const TracedEnd& traced,
+                                     int last_beam,
+                                     const IntersectionsAtEnd& at_end) {
   const FreeEnd& end = traced.end;
   int on_plane = last_beam;
   while (on_plane != end.middle && IsOff(traced.scan_line, traced.trace, on_plane)) {
@@ -179,17 +168,17 @@ void SegmentCutter::CountAtEnd(const TracedEnd& traced,
                                on_plane,
                                end.step,
                                end.middle};
-  // Walls hide the floor beyond them: for floors, what lies beyond ends at walls tells
-  // something too. So it does beyond a wall's ends at the jambs of its doors.
-  const bool tells_of_openings =
+  // Walls hide the floor beyond them: for floors, beams beyond ends at walls show openings
+  // too. So do beams beyond a wall's ends at the jambs of its doors.
+  const bool shows_openings =
       !at_end.any || at_end.goes_on || landmark.model == PlaneModel::kHorizontal;
-  if (tells_of_openings) CountPassages(counted_end, counted_);
+  if (shows_openings) CountPassages(counted_end, counted_);
   // At a ceiling, beams past a wall's free edge may be among a segment's last; at a corner it
   // is known where the wall ends.
-  if (tells_of_openings || at_end.at_corner) CountHitsAtEnd(counted_end, counted_);
+  if (shows_openings || at_end.at_corner) CountHitsAtEnd(counted_end, counted_);
 }
 
-std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
+std::vector<ScanLineResegmenter::Ends> ScanLineResegmenter::FindEnds(
     const ScanLine& scan_line,
     const std::deque<Observation>& observations,
     size_t first,
@@ -222,9 +211,9 @@ std::vector<SegmentCutter::Ends> SegmentCutter::FindEnds(
   return ends;
 }
 
-void SegmentCutter::CountHits(const ScanLine& scan_line,
-                              const Observation& observation,
-                              const Ends& ends) {
+void ScanLineResegmenter::CountHits(const ScanLine& scan_line,
+                                    const Observation& observation,
+                                    const Ends& ends) {
   const LandmarkView* own = Find(observation.landmark_id);
   if (own == nullptr) return;
   Occlusion{scan_line,
@@ -236,18 +225,19 @@ void SegmentCutter::CountHits(const ScanLine& scan_line,
       .CountHits(counted_);
 }
 
-// Whether a beam is too far from the plane to be the last one at a free end.
-bool SegmentCutter::IsOff(const ScanLine& scan_line, const Trace& trace, int beam) const {
+bool ScanLineResegmenter::IsOff(const ScanLine& scan_line,
+                                const Trace& trace,
+                                int beam) const {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double range = scan_line.ranges[static_cast<size_t>(beam)];
   const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
-  return !(std::abs(range - expected) < kFreeEndSigmas * scanner.range_noise_m);
+  return !(std::abs(range - expected) < kStrictSigmas * scanner.range_noise_m);
 }
 
-std::vector<int> SegmentCutter::OccludedBeamsOf(const ScanLine& scan_line,
-                                                const Observation& observation,
-                                                const LandmarkView& own,
-                                                const Range& range) {
+std::vector<int> ScanLineResegmenter::OccludedBeamsOf(const ScanLine& scan_line,
+                                                      const Observation& observation,
+                                                      const LandmarkView& own,
+                                                      const BeamRange& range) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const Occlusion occlusion{
       scan_line, scanner, poses_.Of(observation), own, range.first, range.last};
@@ -260,10 +250,10 @@ std::vector<int> SegmentCutter::OccludedBeamsOf(const ScanLine& scan_line,
   return beams;
 }
 
-bool SegmentCutter::ExcludeOccluded(const ScanLine& scan_line,
-                                    const Ends& ends,
-                                    Range* range,
-                                    Observation* observation) {
+bool ScanLineResegmenter::ExcludeOccluded(const ScanLine& scan_line,
+                                          const Ends& ends,
+                                          BeamRange* range,
+                                          Observation* observation) {
   *range = {ends.first.beam, ends.last.beam};
   const LandmarkView* own = Find(observation->landmark_id);
   if (own == nullptr) return false;
@@ -299,10 +289,10 @@ bool SegmentCutter::ExcludeOccluded(const ScanLine& scan_line,
   return is_another;
 }
 
-void SegmentCutter::Replace(const ScanLine& scan_line,
-                            const Range& range,
-                            const Matrix6d& pose_covariance,
-                            Observation* observation) {
+void ScanLineResegmenter::Replace(const ScanLine& scan_line,
+                                  const BeamRange& range,
+                                  const Matrix6d& pose_covariance,
+                                  Observation* observation) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const auto& excluded = observation->excluded_beams;
   const auto counts = [&](int beam) {
@@ -343,7 +333,8 @@ void SegmentCutter::Replace(const ScanLine& scan_line,
   resegmented.landmark_id = observation->landmark_id;
   resegmented.taken_to = observation->landmark_id;
   resegmented.revision = observation->revision + 1;
-  // With other beams it may lie on its plane no more. (A single beam has no line to test.)
+  // With other beams the observation may lie on its plane no more. (A single beam has no line
+  // to test.)
   if (resegmented.num_points > 1 &&
       FindLandmark(
           resegmented, poses_.Of(resegmented), pose_covariance, {*own}, options_.association) <
