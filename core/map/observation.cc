@@ -244,7 +244,7 @@ Observation ObserveBeams(const ScanLine& scan_line,
   const std::array<int64_t, 3> nodes_ns =
       Nodes(scan_line, offset_ns, start_time_ns, end_time_ns);
   Observation observation;
-  observation.measurement = StoredMeasurement(
+  observation.measurement = PackedSegment(
       moments.Compress(nodes_ns), {moments.Centroid().cast<float>(), tangent.cast<float>()});
   observation.first_point = start.cast<float>();
   observation.last_point = end.cast<float>();

@@ -27,7 +27,7 @@ struct ObservedPoint {
 // most nine rows (factors/cost/segment_factor.h), a line for association, and its landmark. A
 // long recording has millions of observations: no more is kept than is needed.
 struct Observation {
-  StoredMeasurement measurement;
+  PackedSegment measurement;
   Eigen::Vector2f first_point = Eigen::Vector2f::Zero();  // scanner frame, m
   Eigen::Vector2f last_point = Eigen::Vector2f::Zero();
   int32_t start_ns = 0;  // of the first and last beam, time offset included, after the

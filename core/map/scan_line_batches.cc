@@ -19,12 +19,12 @@ void Pass(const std::deque<Observation>& observations, int scan_line_index, size
 
 }  // namespace
 
-LineBlockReader::LineBlockReader(RecordingReader* recording, const MapState& state)
+ScanLineBatchReader::ScanLineBatchReader(RecordingReader* recording, const MapState& state)
     : recording_(recording), state_(state) {
   recording->Rewind();
 }
 
-bool LineBlockReader::Next(ScanLineBatch* block) {
+bool ScanLineBatchReader::Next(ScanLineBatch* block) {
   block->lines.resize(kLinesPerBlock);
   size_t num_lines = 0;
   while (num_lines < kLinesPerBlock && recording_->Next(&block->lines[num_lines].scan_line)) {

@@ -26,9 +26,9 @@ struct ScanLineBatch {
 
 // Reads a recording once more, from its beginning, a batch of scan lines at a time: enough for
 // a thread to work on, and little to be kept.
-class LineBlockReader {
+class ScanLineBatchReader {
  public:
-  LineBlockReader(RecordingReader* recording, const MapState& state);
+  ScanLineBatchReader(RecordingReader* recording, const MapState& state);
 
   // Reads the next batch; false at the end. The batch's memory is used again.
   bool Next(ScanLineBatch* block);

@@ -84,7 +84,7 @@ struct LineCount {
 struct Item {
   ScanLineBatch block;
   std::vector<LineCount> counts;  // of the block's lines
-  PackedPoints points;
+  PointBuffer points;
 };
 
 // Places the points of scan lines. Serves one block.
@@ -101,7 +101,7 @@ class LinePlacer {
         start_ns_(start_ns),
         sampler_(state.trajectory) {}
 
-  LineCount Place(const ScanLineBatch::Line& line, PackedPoints* points) {
+  LineCount Place(const ScanLineBatch::Line& line, PointBuffer* points) {
     plane_of_beam_.assign(line.scan_line.ranges.size(), nullptr);
     for (size_t i = line.first_observation; i < line.last_observation; ++i) {
       Assign(state_.observations[i]);
@@ -124,7 +124,7 @@ class LinePlacer {
     }
   }
 
-  LineCount PlaceBeams(const ScanLine& scan_line, PackedPoints* points) {
+  LineCount PlaceBeams(const ScanLine& scan_line, PointBuffer* points) {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const int64_t map_start_ns = state_.trajectory.start_ns();
     const int64_t map_end_ns = state_.trajectory.end_ns();
@@ -185,7 +185,7 @@ PointReport ExportPoints(const Rig& rig,
                          ResultWriter* writer) {
   std::vector<LandmarkView> planes;
   for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
-  LineBlockReader reader(recording, state);
+  ScanLineBatchReader reader(recording, state);
   SupportOverTime support;
   double sum_squares = 0.0;
   PointReport report;

@@ -65,7 +65,8 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
     s.Flag("resegment", o.batch.resegment);
     s.Renamed("recut_segments", "resegment");
-    s.Removed("estimate_motion_noise", "covariances are always for the motion that the recording shows");
+    s.Removed("estimate_motion_noise",
+              "covariances are always for the motion that the recording shows");
   });
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }

@@ -20,7 +20,7 @@ char* Put(Value value, char* at) {
 
 }  // namespace
 
-void PackedPoints::Add(const MapPoint& point) {
+void PointBuffer::Add(const MapPoint& point) {
   CHECK_GE(point.scanner, 0);
   CHECK_LE(point.scanner, std::numeric_limits<uint8_t>::max());
   if (num_bytes_ + kPointBytes > bytes_.size()) {

@@ -16,9 +16,9 @@ struct MapPoint {
   float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is -1
 };
 
-// PackedPoints holds the bytes of points as they stand in map.ply and map.pcd:
+// PointBuffer holds the bytes of points as they stand in map.ply and map.pcd:
 //   float x, y, z; double time; uint8 scanner; int32 plane_id; float residual
-class PackedPoints {
+class PointBuffer {
  public:
   static constexpr size_t kPointBytes =
       3 * sizeof(float) + sizeof(double) + sizeof(uint8_t) + sizeof(int32_t) + sizeof(float);

@@ -59,7 +59,7 @@ std::string PcdHeader(int64_t num_points) {
   add_field("scanner", pcl::PCLPointField::UINT8, sizeof(uint8_t));
   add_field("plane_id", pcl::PCLPointField::INT32, sizeof(int32_t));
   add_field("residual", pcl::PCLPointField::FLOAT32, sizeof(float));
-  CHECK_EQ(cloud.point_step, PackedPoints::kPointBytes);
+  CHECK_EQ(cloud.point_step, PointBuffer::kPointBytes);
   cloud.row_step = cloud.point_step * cloud.width;
   // The number occurs twice, as width and as points.
   return pcl::PCDWriter().generateHeaderBinary(
@@ -101,7 +101,7 @@ void PointCloudWriter::File::Check() const {
   }
 }
 
-void PointCloudWriter::Add(const PackedPoints& points) {
+void PointCloudWriter::Add(const PointBuffer& points) {
   CHECK(!finished_) << "Add() after Finish()";
   ply_.Append(points.data(), points.num_bytes());
   pcd_.Append(points.data(), points.num_bytes());

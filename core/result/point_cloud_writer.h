@@ -17,7 +17,7 @@ class PointCloudWriter {
   // Throws Error naming the file when it can not be created.
   PointCloudWriter(const std::string& ply_path, const std::string& pcd_path);
 
-  void Add(const PackedPoints& points);
+  void Add(const PointBuffer& points);
   // Completes both files under their temporary names. Call once, after the last point.
   void Finish();
   // Gives both files their names.

@@ -97,7 +97,7 @@ void ResultWriter::WriteWindow(const std::vector<StampedPose>& poses,
   impl_->Write("window_plane_covariance.csv", FormatPlaneCovariance(planes));
 }
 
-void ResultWriter::AddMapPoints(const PackedPoints& points) { impl_->points->Add(points); }
+void ResultWriter::AddMapPoints(const PointBuffer& points) { impl_->points->Add(points); }
 
 void ResultWriter::WriteSummary(const Summary& summary) {
   impl_->Write("summary.json", FormatSummary(summary));

@@ -29,9 +29,9 @@ class ResultWriter {
   void WriteWindow(const std::vector<StampedPose>& poses,
                    const std::vector<StampedCovariance>& covariances,
                    const PlaneCovariance& planes);
-  void AddMapPoints(const PackedPoints& points);  // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);      // summary.json
-  void WriteConfig(const std::string& yaml);      // config_used.yaml
+  void AddMapPoints(const PointBuffer& points);  // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);     // summary.json
+  void WriteConfig(const std::string& yaml);     // config_used.yaml
   void Commit();
 
  private:

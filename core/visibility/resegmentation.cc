@@ -229,7 +229,7 @@ void RecordingResegmenter::AddSubMinimumSegment(
   SegmentMeasurement nodes;
   nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, segment.first_beam, rig_),
                                     BeamInstant(scan_line, segment.last_beam, rig_));
-  segment.measurement = StoredMeasurement(nodes, {});
+  segment.measurement = PackedSegment(nodes, {});
   segment.points = nearby.points;  // so that Replace keeps them too
   BeamRange beams;
   resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
@@ -297,7 +297,7 @@ int ResegmentRecording(const Rig& rig,
   };
   tbb::enumerable_thread_specific<RecordingResegmenter> resegmenters(
       [&] { return RecordingResegmenter(rig, options, openings, counted != nullptr, state); });
-  LineBlockReader reader(recording, *state);
+  ScanLineBatchReader reader(recording, *state);
   std::deque<Observation> sub_minimum_segments;
   int num_changed = 0;
   RunOrderedPipeline<Item>([&](Item* item) { return reader.Next(&item->block); },

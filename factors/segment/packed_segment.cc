@@ -25,8 +25,7 @@ Eigen::Matrix3d SegmentFrame::Matrix() const {
   return matrix;
 }
 
-StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
-                                     const SegmentFrame& frame)
+PackedSegment::PackedSegment(const SegmentMeasurement& measurement, const SegmentFrame& frame)
     : frame_(frame),
       first_node_ns_(measurement.node_times_ns[0]),
       half_span_ns_(
@@ -46,7 +45,7 @@ StoredMeasurement::StoredMeasurement(const SegmentMeasurement& measurement,
   rows_ = CompactArray<float>(rounded.data(), static_cast<size_t>(rounded.size()));
 }
 
-SegmentMeasurement StoredMeasurement::Unpack() const {
+SegmentMeasurement PackedSegment::Unpack() const {
   SegmentMeasurement measurement;
   measurement.node_times_ns = node_times_ns();
   measurement.num_nodes = num_nodes();

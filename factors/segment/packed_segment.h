@@ -28,12 +28,12 @@ struct SegmentFrame {
 // signed distance of the origin from the plane ). There nothing cancels: what is rounded is
 // multiplied by the small slope and distance, or is small itself, as the points hardly lie off
 // their line. Rounded in x and y, residuals would be wrong by 3e-8 of the range.
-class StoredMeasurement {
+class PackedSegment {
  public:
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor>;
 
-  StoredMeasurement() = default;
-  StoredMeasurement(const SegmentMeasurement& measurement, const SegmentFrame& frame);
+  PackedSegment() = default;
+  PackedSegment(const SegmentMeasurement& measurement, const SegmentFrame& frame);
 
   const SegmentFrame& frame() const { return frame_; }
   // [ U F^-T | b ].

@@ -102,7 +102,7 @@ struct SegmentRows {
 // the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
 // rotation's cross product with it.
 template <int kPlaneSize>
-void Differentiate(const StoredMeasurement& measurement,
+void Differentiate(const PackedSegment& measurement,
                    const SegmentWeights& by,
                    const ScannerAtNodes& scanner,
                    const NodePoses& poses,

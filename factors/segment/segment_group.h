@@ -29,7 +29,7 @@ class SegmentGroup {
     double sign = 1.0;  // horizontal planes
   };
   struct Segment {
-    const StoredMeasurement* measurement = nullptr;  // outlives the group
+    const PackedSegment* measurement = nullptr;  // outlives the group
     std::array<SplineNode, 3> nodes;
     int scanner = 0;  // position in scanners
     int plane = 0;    // position in planes
@@ -74,7 +74,7 @@ class SegmentGroup {
     size_t end;  // of its members
   };
   struct Member {
-    const StoredMeasurement* measurement;
+    const PackedSegment* measurement;
     float scale;  // the weights', in the precision of what they multiply
     float offset;
     int scanner;

@@ -234,7 +234,7 @@ void ExportPoints(benchmark::State& state) {
       std::filesystem::path(CorridorWalk().recording()).parent_path();
   MapPoint point;
   point.p_world = Eigen::Vector3f(1.0f, 2.0f, 3.0f);
-  PackedPoints points;
+  PointBuffer points;
   for (auto _ : state) {
     PointCloudWriter writer((path / "map.ply").string(), (path / "map.pcd").string());
     for (size_t i = 0; i < kNumPoints; ++i) {

@@ -24,7 +24,7 @@ Observation TraceOf(const Eigen::Vector3d& normal_world,
   const Eigen::Vector2d tangent = Eigen::Vector2d(-normal.y(), normal.x()).normalized();
   Observation observation;
   observation.measurement =
-      StoredMeasurement({}, {Eigen::Vector2f::Zero(), tangent.cast<float>()});
+      PackedSegment({}, {Eigen::Vector2f::Zero(), tangent.cast<float>()});
   return observation;
 }
 

@@ -49,7 +49,7 @@ struct RandomArrowhead {
   Eigen::MatrixXd dense;
 };
 
-TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
+TEST(ArrowheadCholeskyTest, SolvesAndInvertsLikeTheDenseMatrix) {
   // The last ones are cut into subdomains, and their separators again.
   for (const auto& [num_band, bandwidth, num_border] : {std::array<int, 3>{40, 7, 6},
                                                         {3, 7, 4},
@@ -83,7 +83,7 @@ TEST(ArrowFactorTest, SolvesAndInvertsLikeTheDenseMatrix) {
   }
 }
 
-TEST(ArrowFactorTest, SingularMatrixIsAnError) {
+TEST(ArrowheadCholeskyTest, SingularMatrixIsAnError) {
   const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(2, 2);
   ArrowheadMatrix band(3, 1, 1);
   for (int i = 0; i < 4; ++i) band.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
@@ -95,7 +95,7 @@ TEST(ArrowFactorTest, SingularMatrixIsAnError) {
   EXPECT_THROW(ArrowheadCholesky{border}, Error);
 }
 
-TEST(ArrowFactorTest, ClearsVariablesThatStandAlone) {
+TEST(ArrowheadCholeskyTest, ClearsVariablesThatStandAlone) {
   ArrowheadMatrix matrix(3, 2, 2);
   for (int i = 0; i < 5; ++i) matrix.AddBlock({i}, 0.5 * Eigen::MatrixXd::Identity(1, 1));
   ArrowheadInverse inverse = ArrowheadCholesky(matrix).TakeInverse();
@@ -108,7 +108,7 @@ TEST(ArrowFactorTest, ClearsVariablesThatStandAlone) {
   EXPECT_EQ(inverse.BandBlock(2, 1)(0, 0), 0.0);
 }
 
-TEST(ArrowMatrixDeathTest, RefusesEntriesOutsideTheBand) {
+TEST(ArrowheadMatrixDeathTest, RefusesEntriesOutsideTheBand) {
   ArrowheadMatrix arrowhead(10, 2, 1);
   EXPECT_DEATH(arrowhead.AddBlock({1, 4}, Eigen::MatrixXd::Ones(2, 2)), "outside the band");
 }

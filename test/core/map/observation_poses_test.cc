@@ -79,7 +79,7 @@ TEST(SharedPoses, AreThoseOfEachObservation) {
       observation.scanner_index = scanner;
       SegmentMeasurement nodes;
       nodes.node_times_ns = NodesOfSpan(start_ns, start_ns + 20 * kMillisecond);
-      observation.measurement = StoredMeasurement(nodes, {});
+      observation.measurement = PackedSegment(nodes, {});
       const Rigid3d& body_from_scanner =
           rig.scanners[static_cast<size_t>(scanner)].body_from_scanner;
       const ObservationPoses& poses = shared.Of(observation);

@@ -52,7 +52,7 @@ TEST_F(LineBlocksTest, EveryLineComesOnceWithWhatTheMapHoldsOfIt) {
   RecordingReader recording(Record(kNumLines), rig_);
   ScanLine skipped;
   recording.Next(&skipped);  // a pass begins at the beginning
-  LineBlockReader reader(&recording, state_);
+  ScanLineBatchReader reader(&recording, state_);
   ScanLineBatch block;
   int index = 0;
   std::vector<int> observations;
@@ -77,7 +77,7 @@ TEST_F(LineBlocksTest, EveryLineComesOnceWithWhatTheMapHoldsOfIt) {
 TEST_F(LineBlocksTest, ObservationsOutOfOrderAreNotPassedOver) {
   state_.observations = OnLines({3, 1});
   RecordingReader recording(Record(5), rig_);
-  LineBlockReader reader(&recording, state_);
+  ScanLineBatchReader reader(&recording, state_);
   ScanLineBatch block;
   EXPECT_DEATH(while (reader.Next(&block)){}, "observations out of order");
 }

@@ -74,7 +74,7 @@ class ResultWriterTest : public TemporaryDirectoryTest {
   void WriteAll(ResultWriter* writer, int num_points) {
     writer->WriteTrajectory({StampedPose()});
     writer->WritePlanes({PlanePatch()});
-    PackedPoints points;
+    PointBuffer points;
     for (int i = 0; i < num_points; ++i) {
       points.Add(MakePoint(i));
       if (i % 1000 < 999 && i + 1 < num_points) continue;

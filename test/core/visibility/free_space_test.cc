@@ -39,7 +39,7 @@ class VisibilityTest : public testing::Test {
       observation.first_point = Eigen::Vector2d(x, first_y).cast<float>();
       observation.last_point = Eigen::Vector2d(x, last_y).cast<float>();
       const Eigen::Vector2f middle = 0.5F * (observation.first_point + observation.last_point);
-      observation.measurement = StoredMeasurement({}, {middle, Eigen::Vector2f::UnitY()});
+      observation.measurement = PackedSegment({}, {middle, Eigen::Vector2f::UnitY()});
     }
   }
 

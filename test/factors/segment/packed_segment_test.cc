@@ -52,9 +52,9 @@ struct FarSegment {
   }
 };
 
-TEST(StoredMeasurement, ResidualsAreThoseOfTheMeasurement) {
+TEST(PackedSegment, ResidualsAreThoseOfTheMeasurement) {
   const FarSegment segment;
-  const StoredMeasurement stored(segment.measurement, segment.frame);
+  const PackedSegment stored(segment.measurement, segment.frame);
   const SegmentMeasurement unpacked = stored.Unpack();
   ASSERT_EQ(unpacked.rows.rows(), segment.measurement.rows.rows());
   for (const double offset_m : {0.0, 0.001, 0.05}) {
@@ -74,20 +74,20 @@ TEST(StoredMeasurement, ResidualsAreThoseOfTheMeasurement) {
 }
 
 // In the scanner's frame as many bits would not do: 3e-8 of 30 m, for 500 points at once.
-TEST(StoredMeasurement, ScannersFrameWouldRoundTheRange) {
+TEST(PackedSegment, ScannersFrameWouldRoundTheRange) {
   const FarSegment segment;
   const Eigen::Matrix<double, 9, 1> g = segment.Geometry(0.0, 0.0);
   const Eigen::MatrixXd root = segment.measurement.root();
   const Eigen::VectorXd expected = root * g;
   const Eigen::VectorXd rounded = root.cast<float>().cast<double>() * g;
   const Eigen::VectorXd stored =
-      StoredMeasurement(segment.measurement, segment.frame).Unpack().root() * g;
+      PackedSegment(segment.measurement, segment.frame).Unpack().root() * g;
   EXPECT_GT((rounded - expected).norm(), 10.0 * (stored - expected).norm());
 }
 
-TEST(StoredMeasurement, KeepsNodes) {
+TEST(PackedSegment, KeepsNodes) {
   const FarSegment segment;
-  const StoredMeasurement stored(segment.measurement, segment.frame);
+  const PackedSegment stored(segment.measurement, segment.frame);
   EXPECT_EQ(stored.node_times_ns(), segment.measurement.node_times_ns);
   EXPECT_EQ(stored.num_nodes(), 3);
   EXPECT_NEAR(stored.constant() / segment.measurement.constant, 1.0, 1e-7);
@@ -95,7 +95,7 @@ TEST(StoredMeasurement, KeepsNodes) {
 
   const SegmentMeasurement instant = CompressSegment(
       Eigen::Vector2d(2.0, 0.0), {50'000'000}, Eigen::VectorXd::Constant(1, 10.0));
-  const StoredMeasurement of_instant(instant, {{2.0F, 0.0F}, {0.0F, 1.0F}});
+  const PackedSegment of_instant(instant, {{2.0F, 0.0F}, {0.0F, 1.0F}});
   EXPECT_EQ(of_instant.num_nodes(), 1);
   EXPECT_EQ(of_instant.Unpack().num_nodes, 1);
   EXPECT_LT((of_instant.Unpack().root() - instant.root()).norm(), 1e-5);

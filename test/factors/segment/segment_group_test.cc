@@ -24,7 +24,7 @@ struct Scene {
                                              {PlaneModel::kVertical, 1.0},
                                              {PlaneModel::kGeneral, 1.0}};
   std::vector<Eigen::VectorXd> plane_parameters;
-  std::deque<StoredMeasurement> measurements;
+  std::deque<PackedSegment> measurements;
   std::vector<SegmentGroup::Segment> segments;
   TestBlocks blocks;
 
