@@ -1,9 +1,9 @@
 #include "core/estimation/pose_prior.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <utility>
 
-#include "factors/linear_algebra/square_root_marginalisation.h"
+#include "core/util/error.h"
 
 namespace plumbline {
 namespace {
@@ -43,7 +43,9 @@ PoseGaussian PosesFrom(const NormalEquations& equations,
 
 Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
   Prior prior;
-  std::vector<int> rows;
+  std::vector<int> rows;     // of the information that are not zero
+  std::vector<int> columns;  // of the blocks' tangents, parallel to rows
+  int tangent_size = 0;
   for (size_t i = 0; i < gaussian.mean.size(); ++i) {
     const int control_point = gaussian.first + static_cast<int>(i);
     const ControlPoint& mean = gaussian.mean[i];
@@ -57,16 +59,22 @@ Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
         {LinearPrior::Kind::kEuclidean,
          3,
          Eigen::Map<const Eigen::VectorXd>(mean.position.data(), 3)});
-    for (int k = planar ? 2 : 0; k < kPoseSize; ++k) {
+    for (int k = planar ? 2 : 0; k < kPoseSize; ++k, ++tangent_size) {
+      if (planar && k + 1 == kPoseSize) continue;  // the height is held
       rows.push_back(kPoseSize * static_cast<int>(i) + k);
+      columns.push_back(tangent_size);
     }
   }
-  MarginalisedSystem root =
-      Marginalise(gaussian.information(rows, rows),
-                  Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows.size())),
-                  0);
-  prior.linear.root = std::move(root.root);
-  prior.linear.offset = std::move(root.offset);
+  // H = L L^T, so that |L^T x|^2 is the Gaussian's cost.
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(
+      Eigen::MatrixXd(gaussian.information(rows, rows)));
+  if (cholesky.info() != Eigen::Success) {
+    throw Error("the poses are not determined by the scans: singular estimate");
+  }
+  const auto num_rows = static_cast<Eigen::Index>(rows.size());
+  prior.linear.root.setZero(num_rows, tangent_size);
+  prior.linear.root(Eigen::all, columns) = Eigen::MatrixXd(cholesky.matrixU());
+  prior.linear.offset.setZero(num_rows);
   return prior;
 }
 
