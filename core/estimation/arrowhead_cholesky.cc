@@ -13,7 +13,7 @@ namespace {
 // Tiles of a subdomain. Longer ones see more planes, shorter ones leave more separators.
 constexpr size_t kPieceTiles = 8;
 
-// The Cholesky factor of an eliminated tile, and its transpose.
+// The Cholesky factorisation of an eliminated tile, and its transpose.
 auto LowerOf(const ArrowheadTile& tile) {
   return tile.diagonal.triangularView<Eigen::Lower>();
 }

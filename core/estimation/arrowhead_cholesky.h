@@ -9,7 +9,8 @@
 
 namespace plumbline {
 
-// The entries of an arrow matrix' inverse within and between adjacent tiles, and its border.
+// ArrowheadInverse holds the entries of the inverse within and between adjacent tiles, and its
+// border.
 class ArrowheadInverse {
  public:
   ArrowheadInverse() = default;
@@ -29,13 +30,13 @@ class ArrowheadInverse {
   Eigen::MatrixXd border_;
 };
 
-// Cholesky factor of an arrow matrix. The band is cut into subdomains of a few tiles, each
-// followed by a tile that separates it from the next. Given its two separators and the
-// planes seen from it, a subdomain is independent of all others, so that it is eliminated with
-// no more than these in its border; the separators, with what the subdomains leave on them,
-// are an arrow matrix again, and so on until one subdomain is left. Time and memory grow with
-// the band's length, times the planes that are seen together, not with all planes (nested
-// dissection: George 1973).
+// ArrowheadCholesky factorises a block arrowhead matrix. The band is cut into subdomains of a
+// few tiles, each followed by a tile that separates it from the next. Given its two separators
+// and the planes seen from it, a subdomain is independent of all others, so that it is
+// eliminated with no more than these in its border; the separators, with what the subdomains
+// leave on them, are a block arrowhead matrix again, and so on until one subdomain is left.
+// Time and memory grow with the band's length, times the planes that are seen together, not
+// with all planes (nested dissection: George 1973).
 class ArrowheadCholesky {
  public:
   // Throws Error when the matrix is not positive definite.
@@ -46,7 +47,7 @@ class ArrowheadCholesky {
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_side) const;
 
   // The inverse's entries by Takahashi's recursion, from the last elimination to the first, in
-  // the factor's own memory, which it takes away.
+  // the factorisation's own memory, which it takes away.
   ArrowheadInverse TakeInverse();
 
  private:

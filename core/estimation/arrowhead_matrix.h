@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-// Consecutive variables of an arrow's band, with their share of the matrix.
+// ArrowheadTile holds consecutive variables of the band, with their share of the matrix.
 struct ArrowheadTile {
   int first = 0;             // row of its first variable
   Eigen::MatrixXd diagonal;  // the tile's own block; of a symmetric matrix the lower triangle
@@ -24,11 +24,12 @@ struct ArrowheadTile {
   }
 };
 
-// Positions of `variables` in `among`; both ascending. CHECKs that they are there.
+// Returns the positions of `variables` in `among`; both ascending. CHECKs that they are there.
 std::vector<int> PositionsOf(const std::vector<int>& variables, const std::vector<int>& among);
 
-// A symmetric positive definite matrix of the batch's shape (paper, Figure 2): a band, from
-// the spline's control points in the order of time, and a border, from the planes.
+// ArrowheadMatrix is a symmetric positive definite matrix of the batch's shape (paper, Figure
+// 2): a band, from the spline's control points in the order of time, and a border, from the
+// planes.
 //
 //   H = [ A   B ]   A: num_band x num_band, non-zero only within and between adjacent tiles
 //       [ B^T C ]   C: num_border x num_border
@@ -36,7 +37,7 @@ std::vector<int> PositionsOf(const std::vector<int>& variables, const std::vecto
 // B holds only what has been added: a tile sees few of the planes.
 class ArrowheadMatrix {
  public:
-  // Tiles of tile_size variables, the last one smaller where num_band is no multiple.
+  // Makes tiles of tile_size variables, the last one smaller where num_band is no multiple.
   ArrowheadMatrix(int num_band, int tile_size, int num_border);
 
   // H(columns, columns) += the symmetric block; columns ascending, those of the band in the

@@ -12,20 +12,20 @@
 
 namespace plumbline {
 
-// A direction in which the estimation is weak.
+// WeakDirection is a direction in which the estimation is weak.
 struct WeakDirection {
   double eigenvalue = 0.0;  // of the normal matrix scaled to a unit diagonal
   BlockId block;            // the unknown that has the largest share in it
   double share = 0.0;       // of the squared length of the direction
 };
 
-// Covariance of an estimate: of all planes together, and of the pose at any instant. Absolute,
-// in the model frame; what the gauge holds has zero rows. For the range noise of the rig file:
-// not scaled by the variance factor.
+// MapCovariance is the covariance of an estimate: of all planes together, and of the pose at
+// any instant. Absolute, in the model frame; what the gauge holds has zero rows. For the range
+// noise of the rig file: not scaled by the variance factor.
 class MapCovariance {
  public:
   MapCovariance() = default;
-  // The inverse of the problem's normal equations: those at its current values, or others of
+  // Inverts the problem's normal equations: those at its current values, or others of
   // the same unknowns. Throws Error when they do not determine the unknowns.
   static MapCovariance Of(const EstimationProblem& problem);
   static MapCovariance Of(const EstimationProblem& problem, ArrowheadEquations equations);

@@ -19,8 +19,8 @@ PoseGaussian PosesFrom(const NormalEquations& equations,
                        const Trajectory& trajectory,
                        int first);
 
-// The Gaussian as a square-root prior on the control points' blocks. Throws Error where it leaves
-// one of them open.
+// The Gaussian as a square-root prior on the control points' blocks. Throws Error where it
+// leaves one of them open.
 Prior PosePrior(const PoseGaussian& gaussian, bool planar);
 
 }  // namespace plumbline

@@ -101,6 +101,7 @@ MapResult MapRecording(const Rig& rig,
                        const MapperOptions& options,
                        const ProgressCallback& progress,
                        RecordingReader* recording) {
+  options.Check();
   const bool planar = IsPlanar(rig);
   std::vector<std::string> warnings;
   if (planar) {

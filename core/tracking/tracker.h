@@ -18,9 +18,10 @@
 
 namespace plumbline {
 
-// The light step of every scan: estimates the newest control points alone, some 24 unknowns,
-// with the window's problem and solver but all planes held constant. Its prior comes from the
-// window (Reset) and takes in scan after scan until the window is solved again.
+// Tracker takes the light step of every scan: it estimates the newest control points alone,
+// some 24 unknowns, with the window's problem and solver but all planes held constant. Its
+// prior comes from the window (Reset) and takes in scan after scan until the window is solved
+// again.
 class Tracker {
  public:
   Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
@@ -29,10 +30,10 @@ class Tracker {
   // estimates its poses, in turn until the associations stand.
   void Track(int first_observation, int last_observation, const LandmarksWithinGap& landmarks);
 
-  // An observation that was given a landmark after its scan had been tracked.
+  // Adds an observation that was given a landmark after its scan had been tracked.
   void Add(int observation_index) { recent_.push_back(observation_index); }
 
-  // What the window knows of the newest control points.
+  // Starts anew from what the window knows of the newest control points.
   void Reset(int64_t now_ns, PoseGaussian gaussian);
 
   // Whether it may go on without the window for a while: the rig moves steadily, and most of
@@ -41,13 +42,13 @@ class Tracker {
   // Whether the rig moves as its spline can follow.
   bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
 
-  // Uncertainty of the newest poses, the planes given.
+  // The uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
 
  private:
-  // A scan's segments and their planes, chosen together. How the rig's poses differ from their
-  // prediction is an error of the control points and, where the motion is `unsteady`, what
-  // no spline of these knots can follow.
+  // Association holds a scan's segments and their planes, chosen together. How the rig's poses
+  // differ from their prediction is an error of the control points and, where the motion is
+  // `unsteady`, what no spline of these knots can follow.
   struct Association {
     std::vector<std::pair<int, int>> chosen;  // observation index, landmark id
     bool unsteady = false;
@@ -58,25 +59,26 @@ class Tracker {
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
   std::vector<int> FreeRows(Eigen::Index size) const;
   Eigen::MatrixXd Covariance(const Eigen::MatrixXd& information) const;
-  // The newest control points as unknowns, with all that is known of them before the scan:
-  // the Gaussian from the window and the scans since then, the priors on the motion, and the
-  // gauge at the start of the map. Planes and older control points are held.
+  // Makes the problem of the newest control points, with all that is known of them before the
+  // scan: the Gaussian from the window and the scans since then, the priors on the motion, and
+  // the gauge at the start of the map. Planes and older control points are held.
   EstimationProblem MakeProblem() const;
-  // What the prior and the motion say of the newest control points, without segments.
+  // Returns the Gaussian of the newest control points by the prior and the motion, without
+  // segments.
   PoseGaussian Predict() const;
   // Estimates the newest control points from the scan's observations that have a landmark.
   PoseGaussian Estimate(int first_observation, int last_observation);
-  // What a motion of the prior's accelerations does between two knots: as rotation and
-  // position of the body.
+  // The covariance of what a motion of the prior's accelerations does between two knots: of
+  // rotation and position of the body.
   Matrix6d UnsteadyCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
-  // Those within reach of the newest scan.
+  // Returns the views of the landmarks within reach of the newest scan.
   std::vector<LandmarkView> OfScan(int first_observation,
                                    const Matrix6d& pose_covariance,
                                    const LandmarksWithinGap& landmarks) const;
-  // The observations, weightiest first, with poses that differ from the prediction by the
-  // control points' errors and by this covariance on top.
+  // Chooses the landmarks of observations, weightiest first, with poses that differ from the
+  // prediction by the control points' errors and by this covariance on top.
   Association ChooseUnder(const Matrix6d& unsteady,
                           const std::vector<int>& observations,
                           const LandmarksWithinGap& landmarks) const;

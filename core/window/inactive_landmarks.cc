@@ -20,8 +20,8 @@ namespace {
 constexpr char kNotDetermined[] =
     "the planes are not determined by the scans: singular estimate";
 
-// The history without its leading variables, in the order [ leaving rows | other rows ]; the
-// elimination that takes them out.
+// The marginal prior without its leading variables, in the order [ leaving rows | other rows
+// ]; the elimination that takes them out.
 Elimination EliminateRows(const std::vector<int>& leaving,
                           const std::vector<int>& staying,
                           const NormalEquations& equations) {

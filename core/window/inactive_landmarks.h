@@ -12,20 +12,20 @@
 
 namespace plumbline {
 
-// The part of the window's history that rests: planes that have been out of view for a while,
-// as a Gaussian conditional on blocks that the history itself still holds,
+// InactiveLandmarks are planes that have been out of view for a while, left out of the
+// marginal prior and kept as a Gaussian conditional on blocks that it still holds,
 //
 //   y = mean + gain x + e,    e ~ N(0, covariance),
 //
-// y the dormant planes' parameters, x how far the blocks of given() are from the values they
-// have in the history. The history then only needs to hold the cost of all the rest, and no
-// step of the window's touches the dormant planes: history and conditional together are the
-// same Gaussian, to rounding, that a history of all planes would be. Taking planes in and
-// giving them back takes (dormant planes)^2 operations for each of them, never a new
-// factorisation.
+// y the inactive landmarks' parameters, x how far the blocks of given() are from the values
+// they have in the marginal prior. The marginal prior then only needs to hold the cost of all
+// the rest, and no step of the window's touches the inactive landmarks: marginal prior and
+// conditional together are the same Gaussian, to rounding, that a marginal prior on all planes
+// would be. Taking planes in and giving them back takes (inactive landmarks)^2 operations for
+// each of them, never a new factorisation.
 //
-// All that x was must stay in the history until the next planes are taken in. For control
-// points that the window has left behind this means that they stay as anchors.
+// The blocks x must stay in the marginal prior until the next planes are taken in. For control
+// points that the window has left behind this means that they stay as retained control points.
 class InactiveLandmarks {
  public:
   bool empty() const { return ids_.empty(); }
@@ -33,22 +33,24 @@ class InactiveLandmarks {
   const std::vector<BlockId>& given() const { return given_; }
   bool DependsOn(const BlockId& block) const;
 
-  // Moves these planes from the history to the dormant ones, and drops the history's control
-  // points before first_control_point, its anchors. Throws Error when the history does not
-  // determine them.
+  // Moves these planes from the marginal prior to the inactive ones, and drops the marginal
+  // prior's control points before first_control_point, its retained control points. Throws
+  // Error when the marginal prior does not determine them.
   void Deactivate(const std::set<int>& landmark_ids,
                   int first_control_point,
                   MarginalPrior* prior);
 
-  // Moves these planes back to the history, where they are about the landmarks' parameters.
+  // Moves these planes back to the marginal prior, where they are about the landmarks'
+  // parameters.
   void Activate(const std::set<int>& landmark_ids,
                 const std::deque<Landmark>& landmarks,
                 MarginalPrior* prior);
 
-  // The history's values move by this much (its rows): what is given is measured from there.
+  // The marginal prior's values move by this much (its rows): what is given is measured from
+  // there.
   void Rebase(const MarginalPrior& prior, const Eigen::VectorXd& moved);
 
-  // Plane `from` of the history becomes part of its plane `into`; from's parameters are
+  // Plane `from` of the marginal prior becomes part of its plane `into`; from's parameters are
   // measured from values that are `shift` larger, and by_into is their derivative by into's.
   // hold_first: into's first parameter never moves.
   void Merge(int into,
@@ -57,8 +59,8 @@ class InactiveLandmarks {
              const Eigen::MatrixXd& by_into,
              bool hold_first);
 
-  // Sets the landmarks' parameters and covariances as they follow from the history's blocks:
-  // their steps from the history's values, their joint covariance.
+  // Sets the landmarks' parameters and covariances as they follow from the marginal prior's
+  // blocks: their steps from the marginal prior's values, their joint covariance.
   void Update(const MarginalPrior& prior,
               const Eigen::VectorXd& steps,
               const Eigen::MatrixXd& covariance,
@@ -70,23 +72,23 @@ class InactiveLandmarks {
     int row;  // first of its rows
     int size;
   };
-  // Rows of given() in the history.
+  // Rows of given() in the marginal prior.
   std::vector<int> GivenRows(const MarginalPrior& prior) const;
-  // The gain with respect to these rows of the history.
+  // The gain with respect to these rows of the marginal prior.
   Eigen::MatrixXd ByPrior(const MarginalPrior& prior, const std::vector<int>& rows) const;
-  // Replaces what leaves the history by what it is given the rest, and appends the first
-  // num_taken variables that leave, their means zero; returns these, from the history's
-  // values. Columns of by_leaving, by_staying: as `elimination` eliminates, keeps.
+  // Replaces what leaves the marginal prior by what it is given the rest, and appends the
+  // first num_taken variables that leave, their means zero; returns these, from the marginal
+  // prior's values. Columns of by_leaving, by_staying: as `elimination` eliminates, keeps.
   Eigen::VectorXd Compose(const Elimination& elimination,
                           Eigen::Index num_taken,
                           const Eigen::MatrixXd& by_leaving,
                           const Eigen::MatrixXd& by_staying);
   std::vector<int> RowsOfLandmarks(const std::set<int>& landmark_ids) const;
-  // covariance_, where it holds something.
+  // The part of covariance_ that is in use.
   Eigen::Block<const Eigen::MatrixXd> Covariance() const {
     return covariance_.topLeftCorner(mean_.size(), mean_.size());
   }
-  // Sees to it that covariance_ has room for so many rows.
+  // Makes room for so many rows in covariance_.
   void Reserve(Eigen::Index size);
   // Keeps only these planes' rows.
   void RemoveLandmarks(const std::set<int>& landmark_ids);

@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// What has been marginalised: a quadratic cost on some blocks about the values they had, in
+// MarginalPrior is a quadratic cost on some blocks about the values they had, in
 // coordinates in which it stays one while they move. A plane that has been seen for a moment
 // may still turn by degrees: vertical landmarks are kept anchored where they were first seen
 // (factors/manifold/anchored_plane.h).
@@ -22,34 +22,34 @@ struct MarginalPrior {
   MarginalPrior() { equations.offsets.assign(1, 0); }
 };
 
-// The point that a landmark is anchored at: x, y of the world. Zero for horizontal ones and
-// for the gauge's wall, which does not turn.
+// Returns the point that a landmark is anchored at: x, y of the world. Zero for horizontal
+// ones and for the gauge's wall, which does not turn.
 Eigen::Vector2d AnchorOf(const Landmark& landmark);
 
-// A landmark's parameters in the history's coordinates, and from them; d parameters / d
-// history's coordinates where it is now.
+// Converts a landmark's parameters to the marginal prior's coordinates, and back; d parameters
+// / d prior's coordinates where it is now.
 Eigen::VectorXd AnchoredParameters(const Landmark& landmark);
 void SetFromAnchored(const Eigen::VectorXd& anchored, Landmark* landmark);
 Eigen::MatrixXd ParametersByAnchored(const Landmark& landmark);
-// Sets the covariance of its parameters from that of the history's coordinates.
+// Sets the covariance of its parameters from that of the marginal prior's coordinates.
 void SetCovarianceFromAnchored(const Eigen::MatrixXd& covariance, Landmark* landmark);
 
-// Turns equations about the landmarks' parameters, where they are now, into the history's
-// coordinates; and a covariance of such equations' rows.
+// Turns equations about the landmarks' parameters, where they are now, into the marginal
+// prior's coordinates; and a covariance of such equations' rows.
 void EquationsToAnchored(const std::deque<Landmark>& landmarks, NormalEquations* equations);
 void CovarianceToAnchored(const std::deque<Landmark>& landmarks,
                           const NormalEquations& equations,
                           Eigen::MatrixXd* covariance);
 
-// How a plane's coordinates are told by those of the plane that it has become.
+// Reanchoring relates a plane's coordinates to those of the plane that it has become.
 struct Reanchoring {
   Eigen::VectorXd shift;    // they were measured from values smaller by this
   Eigen::MatrixXd by_into;  // their derivative by the other plane's
 };
 
-// Makes the plane `from` of the history the plane `into`, each with its own anchor: about the
-// value that the history has for `into`, else about that for `from`. Exact to first order in
-// how far the plane is from there, however far the two have turned.
+// Makes the plane `from` of the marginal prior the plane `into`, each with its own anchor:
+// about the value that the marginal prior has for `into`, else about that for `from`. Exact to
+// first order in how far the plane is from there, however far the two have turned.
 Reanchoring MergePlanes(const Landmark& into, const Landmark& from, MarginalPrior* prior);
 
 }  // namespace plumbline

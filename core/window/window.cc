@@ -175,7 +175,7 @@ void Window::MoveOutOfView(const OutOfView& out_of_view,
   const std::vector<int> active_rows = RowsOf(past, out_of_view.active_blocks);
   const std::vector<int> out_of_view_rows = RowsOf(past, out_of_view.blocks);
   Eigen::VectorXd steps(past.size());
-  std::vector<size_t> solved_blocks;  // the history's active blocks in the solution
+  std::vector<size_t> solved_blocks;  // the marginal prior's active blocks in the solution
   for (const size_t i : out_of_view.active_blocks) {
     solved_blocks.push_back(FindBlock(equations, past.blocks[i]));
     steps.segment(past.offsets[i], BlockSize(past, i)) = Moved(problem, i);
@@ -314,7 +314,7 @@ void Window::Marginalise(int new_start) {
   EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);
 
-  // The history's gradient where its blocks stand now.
+  // The marginal prior's gradient where its blocks stand now.
   NormalEquations& past = prior_.equations;
   Eigen::VectorXd moved(past.size());
   for (size_t i = 0; i < past.blocks.size(); ++i) {
@@ -329,7 +329,7 @@ void Window::Marginalise(int new_start) {
   NormalEquations all = ZeroSystem(sizes);
   AddTo(past, past.blocks, &all);
   AddTo(added, added.blocks, &all);
-  // What dormant planes depend on stays, as an anchor.
+  // What inactive landmarks depend on stays, as a retained control point.
   const auto leaves = [&](const BlockId& block) {
     return !IsLandmark(block) && block.index < new_start && !inactive_.DependsOn(block);
   };

@@ -22,7 +22,7 @@
 
 namespace plumbline {
 
-// What the window knows after a solution, in the model frame.
+// WindowEstimate is what the window knows after a solution, in the model frame.
 struct WindowEstimate {
   StampedPose newest_pose;
   Matrix6d pose_covariance;             // world-frame rotation (rad) and position (m)
@@ -30,23 +30,23 @@ struct WindowEstimate {
   Eigen::MatrixXd landmark_covariance;  // of their parameters together
 };
 
-// The full step of the estimation while scans come in, every other knot interval (paper,
-// section 4.6, with marginalised history in place of frozen planes): all control points and
-// planes of the window. What leaves it is marginalised into a history of the planes met so far
-// and the oldest control points that remain.
+// Window takes the full step of the estimation while scans come in, every other knot interval
+// (paper, section 4.6, with a marginal prior in place of frozen planes): all control points
+// and planes of the window. What leaves it is marginalised into a marginal prior on the planes
+// met so far and the oldest control points that remain.
 //
-// Planes out of view for kRestAfter solves are dormant (InactiveLandmarks): they wait outside
-// of the history until they are seen again. Their parameters and covariances in the map, for
-// association and loop closure, are renewed every kDormantPeriod solves, a second with the
-// default knots, and in each solve that a dormant plane comes into view, as when a loop
-// closes; while none does, they hardly change. What is in view is estimated as if no plane
-// ever rested.
+// Planes out of view for kInactiveAfter solves are inactive (InactiveLandmarks): they wait
+// outside of the marginal prior until they are seen again. Their parameters and covariances in
+// the map, for association and loop closure, are renewed every kInactivePeriod solves, a
+// second with the default knots, and in each solve that an inactive landmark comes into view,
+// as when a loop closes; while none does, they hardly change. What is in view is estimated as
+// if no plane ever rested.
 class Window {
  public:
   Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
 
-  // An observation that has been given a landmark: takes part from now on, unless it is older
-  // than the window.
+  // Adds an observation that has been given a landmark: it takes part from now on, unless it
+  // is older than the window.
   void Add(int observation_index);
 
   // Estimates the window's control points and all planes, and leaves the planes' covariances,
@@ -54,34 +54,35 @@ class Window {
   // given. Throws Error when the scans do not determine the poses and planes.
   PoseGaussian Solve(int64_t now_ns, double window_s);
 
-  // What it has stated so far; empty unless the options ask for it. The planes are those of
-  // the last statement only.
+  // The window's estimates so far; empty unless the options ask for them. The planes are those
+  // of the last estimate only.
   const std::vector<WindowEstimate>& estimates() const { return estimates_; }
 
-  // Makes landmark `from` part of landmark `into` in the history.
+  // Makes landmark `from` part of landmark `into` in the marginal prior.
   void MergeLandmarks(int into, int from);
 
  private:
   static constexpr int kInactiveAfter = 16;
   static constexpr int kInactivePeriod = 8;
 
-  // The history's blocks that take no part in the window's iterations, eliminated: planes out
-  // of view and anchors. They follow what the other blocks do. Positions in
-  // prior_.equations.blocks.
+  // The marginal prior's blocks that take no part in the window's iterations, eliminated:
+  // planes out of view and retained control points. They follow what the other blocks do.
+  // Positions in prior_.equations.blocks.
   struct OutOfView {
     std::vector<size_t> blocks;
     std::vector<size_t> active_blocks;  // the others
     std::optional<Elimination> elimination;
   };
 
-  // Brings back what is in view from the dormant planes; true when there was any.
+  // Brings the landmarks in view back from the inactive ones; true when there was any.
   bool ActivateLandmarks(const std::set<int>& in_view);
   void DeactivateLandmarks();
   OutOfView EliminateOutOfView(const std::set<int>& in_view) const;
-  // What the history says of the active blocks, as a square-root prior.
+  // Adds the marginal prior on the active blocks, as a square-root prior.
   void AddMarginalPrior(const OutOfView& out_of_view, EstimationProblem* problem) const;
-  // Estimates and covariances of the passive planes, and of the dormant ones where that is
-  // due, from the solution of the others, whose covariance is in the rows of `equations`.
+  // Sets estimates and covariances of the planes out of view, and of the inactive ones where
+  // that is due, from the solution of the others, whose covariance is in the rows of
+  // `equations`.
   void MoveOutOfView(const OutOfView& out_of_view,
                      const EstimationProblem& problem,
                      const NormalEquations& equations,
@@ -90,7 +91,7 @@ class Window {
   void AddStart(EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
-  // How far a block has moved since the history was written, in its tangent.
+  // The tangent by which a block has moved since the marginal prior was written.
   Eigen::VectorXd Moved(const EstimationProblem& problem, size_t block) const;
   PoseGaussian NewestPoses(const NormalEquations& equations, int newest) const;
   void KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns);
@@ -102,8 +103,8 @@ class Window {
   MapState* state_;
   std::unique_ptr<WindowSolver> solver_;
   int start_ = 0;  // first control point of the window
-  // On control points from start_, on anchors before it, and on the planes that are not
-  // dormant.
+  // The prior on control points from start_, on retained control points before it, and on the
+  // planes that are not inactive.
   MarginalPrior prior_;
   InactiveLandmarks inactive_;
   int num_solves_ = 0;

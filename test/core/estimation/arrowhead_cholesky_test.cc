@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-// A random positive definite matrix of the arrow's shape, in both forms: a sum of outer
+// A random positive definite matrix of the block arrowhead matrix's shape, in both forms: a sum of outer
 // products of rows that touch neighbours in the band and a few variables of the border.
 struct RandomArrowhead {
   RandomArrowhead(int num_band, int bandwidth, int num_border, uint64_t seed)

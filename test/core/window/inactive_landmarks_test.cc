@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-// A history of all blocks beside one whose planes rest; both are the same Gaussian.
+// A marginal prior of all blocks beside one whose planes rest; both are the same Gaussian.
 class InactiveLandmarksTest : public testing::Test {
  protected:
   static constexpr int kNumPlanes = 7;
@@ -43,7 +43,7 @@ class InactiveLandmarksTest : public testing::Test {
     return AnchoredParameters(landmarks_[static_cast<size_t>(block.index)]);
   }
 
-  // Of a landmark's parameters, from that of the history's coordinates.
+  // Of a landmark's parameters, from that of the marginal prior's coordinates.
   static Eigen::MatrixXd CovarianceOf(const Landmark& landmark,
                                       const Eigen::MatrixXd& anchored) {
     const Eigen::MatrixXd by_anchored = ParametersByAnchored(landmark);
@@ -165,7 +165,7 @@ TEST_F(InactiveLandmarksTest, PlanesComeAndGo) {
   ExpectSameEstimate();
 }
 
-// Control points that the window has left are of no use but to the dormant planes; the next
+// Control points that the window has left are of no use but to the inactive landmarks; the next
 // time that planes are taken in they go.
 TEST_F(InactiveLandmarksTest, AnchorsGoWithTheNextPlanes) {
   inactive_.Deactivate({1, 3}, 0, &some_);

@@ -51,7 +51,7 @@ class MarginalPriorTest : public testing::Test {
     return prior;
   }
 
-  // The history's cost of a position and of the landmarks as they are, up to a constant.
+  // The marginal prior's cost of a position and of the landmarks as they are, up to a constant.
   static double Cost(const MarginalPrior& prior,
                      const Eigen::Vector3d& position,
                      const std::deque<Landmark>& landmarks) {
@@ -120,7 +120,7 @@ TEST_F(MarginalPriorTest, EquationsAndCovariancesChangeTogether) {
 }
 
 // Two copies of a wall, one of them turned by 7 degrees: as one plane they cost what they did
-// as two equal ones, wherever it lies near the value that the history has for it.
+// as two equal ones, wherever it lies near the value that the marginal prior has for it.
 TEST_F(MarginalPriorTest, MergedPlanesCostWhatTwoEqualOnesDo) {
   for (const bool both_known : {true, false}) {
     landmarks_ = {MakeWall(0, 0.70, 0.0), MakeWall(1, 0.82, 3.0)};
