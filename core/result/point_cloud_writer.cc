@@ -4,11 +4,7 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
-#include <cerrno>
-#include <cstring>
 #include <limits>
-
-#include "core/util/error.h"
 
 namespace plumbline {
 namespace {
@@ -77,29 +73,7 @@ PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::strin
 }
 
 PointCloudWriter::File::File(const std::string& path)
-    : file_(path), stream_(file_.temporary_path(), std::ios::binary | std::ios::trunc) {
-  Check();
-}
-
-void PointCloudWriter::File::Append(const void* data, size_t size) {
-  stream_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
-  Check();
-}
-
-void PointCloudWriter::File::Finish(const std::string& beginning) {
-  stream_.seekp(0);
-  Check();
-  Append(beginning);
-  stream_.close();
-  Check();
-}
-
-void PointCloudWriter::File::Check() const {
-  if (!stream_) {
-    throw Error(file_.path() +
-                ": can not be written: " + std::strerror(errno != 0 ? errno : EIO));
-  }
-}
+    : file_(path), stream_(file_.temporary_path(), path) {}
 
 void PointCloudWriter::Add(const PointBuffer& points) {
   CHECK(!finished_) << "Add() after Finish()";

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <string>
 
 #include "core/result/point_buffer.h"
 #include "core/util/atomic_file.h"
+#include "core/util/large_file.h"
 
 namespace plumbline {
 
@@ -29,17 +29,13 @@ class PointCloudWriter {
     explicit File(const std::string& path);
 
     void Append(const std::string& text) { Append(text.data(), text.size()); }
-    void Append(const void* data, size_t size);
-    // Writes `beginning` over the first bytes and closes the file.
-    void Finish(const std::string& beginning);
+    void Append(const void* data, size_t size) { stream_.Append(data, size); }
+    void Finish(const std::string& beginning) { stream_.Finish(beginning); }
     void Commit() { file_.Commit(); }
 
    private:
-    // Throws Error naming the file when something has not been written.
-    void Check() const;
-
     AtomicFile file_;
-    std::ofstream stream_;
+    LargeFile stream_;
   };
 
   File ply_;
