@@ -16,47 +16,13 @@
 namespace plumbline {
 namespace {
 
-// Keeps the segments' cost functions, which are made for it; all others, and the manifolds,
-// are the estimation problem's.
-class CeresProblem final : public ceres::Problem {
- public:
-  explicit CeresProblem(const EstimationProblem& problem)
-      : ceres::Problem(Ownership()), segments_(problem.MakeSegmentTerms()) {
-    for (const FactorTerm& term : problem.factor_terms()) AddTerm(term);
-    for (const FactorTerm& term : segments_) AddTerm(term);
-    std::set<const double*> unknowns;
-    for (const BlockId& block : problem.Layout().blocks) {
-      double* const data = problem.Data(block);
-      unknowns.insert(data);
-      if (!HasParameterBlock(data)) continue;
-      if (ceres::Manifold* const manifold =
-              const_cast<ceres::Manifold*>(problem.ManifoldOf(block))) {
-        SetManifold(data, manifold);
-      }
-    }
-    std::vector<double*> blocks;
-    GetParameterBlocks(&blocks);
-    for (double* const block : blocks) {
-      if (unknowns.count(block) == 0) SetParameterBlockConstant(block);
-    }
-  }
-
- private:
-  static ceres::Problem::Options Ownership() {
-    ceres::Problem::Options options;
-    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
-  }
-
-  void AddTerm(const FactorTerm& term) {
-    AddResidualBlock(const_cast<ceres::CostFunction*>(term.factor.get()),
-                     term.huber_width > 0.0 ? new ceres::HuberLoss(term.huber_width) : nullptr,
-                     term.blocks);
-  }
-
-  std::vector<FactorTerm> segments_;
-};
+// The cost functions and manifolds belong to the terms and to the estimation problem.
+ceres::Problem::Options Ownership() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  return options;
+}
 
 template <typename Equations>
 Equations Linearise(const EstimationProblem& problem);
@@ -71,13 +37,39 @@ ArrowheadEquations Linearise(const EstimationProblem& problem) {
 
 }  // namespace
 
-std::unique_ptr<ceres::Problem> MakeCeresProblem(const EstimationProblem& problem) {
-  return std::make_unique<CeresProblem>(problem);
+CeresProblem::CeresProblem(const EstimationProblem& problem)
+    : segments_(problem.MakeSegmentTerms()),
+      problem_(std::make_unique<ceres::Problem>(Ownership())) {
+  for (const FactorTerm& term : problem.factor_terms()) AddTerm(term);
+  for (const FactorTerm& term : segments_) AddTerm(term);
+  std::set<const double*> unknowns;
+  for (const BlockId& block : problem.Layout().blocks) {
+    double* const data = problem.Data(block);
+    unknowns.insert(data);
+    if (!problem_->HasParameterBlock(data)) continue;
+    if (const ceres::Manifold* const manifold = problem.ManifoldOf(block)) {
+      problem_->SetManifold(data, const_cast<ceres::Manifold*>(manifold));
+    }
+  }
+  std::vector<double*> blocks;
+  problem_->GetParameterBlocks(&blocks);
+  for (double* const block : blocks) {
+    if (unknowns.count(block) == 0) problem_->SetParameterBlockConstant(block);
+  }
+}
+
+CeresProblem::~CeresProblem() = default;
+
+void CeresProblem::AddTerm(const FactorTerm& term) {
+  problem_->AddResidualBlock(
+      const_cast<ceres::CostFunction*>(term.factor.get()),
+      term.huber_width > 0.0 ? new ceres::HuberLoss(term.huber_width) : nullptr,
+      term.blocks);
 }
 
 template <typename Equations>
 Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
-  const std::unique_ptr<ceres::Problem> ceres_problem = MakeCeresProblem(*problem);
+  const CeresProblem ceres_problem(*problem);
   ceres::Solver::Options options;
   // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/estimation/solver.h"
 
@@ -10,11 +11,23 @@ class Problem;
 
 namespace plumbline {
 
-// The estimation problem as Ceres takes it: one residual block for each segment
+// CeresProblem is an estimation problem as Ceres takes it: one residual block for each segment
 // (CreateSegmentFactor, with ceres::HuberLoss where it has one), one for each other factor,
 // and every unknown with its manifold. Extrinsics and held unknowns are constant blocks.
 // Refers to the estimation problem, which outlives it.
-std::unique_ptr<ceres::Problem> MakeCeresProblem(const EstimationProblem& problem);
+class CeresProblem {
+ public:
+  explicit CeresProblem(const EstimationProblem& problem);
+  ~CeresProblem();
+
+  ceres::Problem* get() const { return problem_.get(); }
+
+ private:
+  void AddTerm(const FactorTerm& term);
+
+  std::vector<FactorTerm> segments_;  // made for Ceres; all other terms are the problem's own
+  std::unique_ptr<ceres::Problem> problem_;
+};
 
 // Solves by ceres::Solve: SPARSE_NORMAL_CHOLESKY with a trust region so wide that the steps
 // are those of Gauss-Newton. For reading, for trying new residuals, and to check the default,

@@ -17,7 +17,6 @@
 
 namespace plumbline {
 namespace {
-
 struct Limits {
   Limits(const SegmentationOptions& options, int num_beams) {
     // Union bounds: there are fewer than two tests of runs for each beam (one while growing,

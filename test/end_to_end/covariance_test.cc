@@ -202,7 +202,7 @@ TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   ceres::Covariance oracle(options);
-  const std::unique_ptr<ceres::Problem> ceres_problem = MakeCeresProblem(*problem_);
+  const CeresProblem ceres_problem(*problem_);
   std::vector<std::pair<const double*, const double*>> pairs;
   std::vector<const double*> blocks;
   for (const int id : covariance.landmark_ids()) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/mapping/batch.h"
 #include "core/mapping/mapper.h"
@@ -51,40 +52,57 @@ TEST_F(MappingEstimateTest, ThreadsDoNotChangeAByte) {
   }
 }
 
-// A segment's matrix keeps all that its beams say: a hundredth of a standard deviation is what
-// it may leave out in each of a few thousand segments (CompressSegment), and where the two
-// estimations stop.
-TEST_F(MappingEstimateTest, FactorOfBeamsGivesEstimateOfFactorOfSegments) {
+// Two ways to estimate, by their configuration, give one map of a recording: planes to a
+// twentieth of their standard deviations, poses to a tenth of the planes' smallest.
+class OneMapTest : public MappingTest,
+                   public testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+TEST_P(OneMapTest, EitherWay) {
   WriteRecording(Simulate(Base()));
-  Map("batch: {factor: segment}\n");
+  Map(GetParam().first);
   const std::vector<StampedPose> poses = ReadTrajectory(Path("result/trajectory.tum"));
   const std::vector<PlanePatch> planes = ReadPlanes(Path("result/planes.json"));
   const double variance_factor = summary_.variance_factor;
-  Map("batch: {factor: point}\n");
-  const std::vector<StampedPose> point_poses = ReadTrajectory(Path("result/trajectory.tum"));
-  const std::vector<PlanePatch> point_planes = ReadPlanes(Path("result/planes.json"));
+  Map(GetParam().second);
+  const std::vector<StampedPose> other_poses = ReadTrajectory(Path("result/trajectory.tum"));
+  const std::vector<PlanePatch> other_planes = ReadPlanes(Path("result/planes.json"));
   EXPECT_NEAR(summary_.variance_factor, variance_factor, 1e-3);
-  ASSERT_EQ(point_planes.size(), planes.size());
+  ASSERT_EQ(other_planes.size(), planes.size());
   double smallest_sigma_m = 1.0;
   for (size_t i = 0; i < planes.size(); ++i) {
     const double sigma_m = planes[i].sigma_distance_m;
     ASSERT_GT(sigma_m, 0.0);
     smallest_sigma_m = std::min(smallest_sigma_m, sigma_m);
-    EXPECT_NEAR(point_planes[i].SignedDistance(planes[i].centre),
+    EXPECT_NEAR(other_planes[i].SignedDistance(planes[i].centre),
                 0.0,
                 0.05 * planes[i].sigma_distance_m);
-    EXPECT_NEAR(point_planes[i].sigma_distance_m, sigma_m, 0.02 * sigma_m);
-    EXPECT_LE(std::asin(point_planes[i].normal.cross(planes[i].normal).norm()),
+    EXPECT_NEAR(other_planes[i].sigma_distance_m, sigma_m, 0.02 * sigma_m);
+    EXPECT_LE(std::asin(other_planes[i].normal.cross(planes[i].normal).norm()),
               0.05 * planes[i].sigma_angle_rad + 1e-12);
   }
-  ASSERT_EQ(point_poses.size(), poses.size());
+  ASSERT_EQ(other_poses.size(), poses.size());
   for (size_t i = 0; i < poses.size(); ++i) {
     EXPECT_LT(
-        (point_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
+        (other_poses[i].world_from_body.translation - poses[i].world_from_body.translation)
             .norm(),
         0.1 * smallest_sigma_m);
   }
 }
+
+// A segment's matrix keeps all that its beams say: a hundredth of a standard deviation is what
+// it may leave out in each of a few thousand segments (CompressSegment), and where the two
+// estimations stop.
+INSTANTIATE_TEST_SUITE_P(FactorsOfSegmentsAndOfBeams,
+                         OneMapTest,
+                         testing::Values(std::make_pair("batch: {factor: segment}\n",
+                                                        "batch: {factor: point}\n")));
+
+// Ceres evaluates each segment anew, groups keep their linearisations.
+INSTANTIATE_TEST_SUITE_P(
+    SolversOfBatchAndWindow,
+    OneMapTest,
+    testing::Values(std::make_pair("", "batch: {solver: ceres}\n"),
+                    std::make_pair("", "window: {solver: ceres}\nbatch: {solver: ceres}\n")));
 
 TEST_F(MappingEstimateTest, WindowsEstimatesAreKeptWhereAskedFor) {
   Scenario scenario = Base();
