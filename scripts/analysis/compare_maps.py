@@ -9,9 +9,9 @@ builds writes are named but make no difference. config_used.yaml is left out: wh
 another name, it differs by intent.
 
 Both programs have to be built for the same processors by the same compiler. Where the compiler may
-contract a multiplication and an addition into one instruction, the rounding depends on what it
-inlines where, so that a function that only moved to another file can change the last digits: for
-such comparisons build both with -DPLUMBLINE_X86_64_V3=OFF.
+contract a multiplication and an addition into one instruction, as with -march=x86-64-v3, the
+rounding depends on what it inlines where, so that a function that only moved to another file can
+change the last digits. The default build has no such instructions.
 """
 
 import argparse

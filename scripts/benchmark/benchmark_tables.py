@@ -20,7 +20,7 @@ def make_tables(setup, results):
 
 
 def measured_line(setup):
-    return (f"Measured {setup['date']}, version {setup['version']}: {setup['cpu']}, "
+    return (f"Measured {setup['date']}: {setup['cpu']}, "
             f"{setup['cores']} cores, {setup['memory_gb']} GB, {setup['compiler']}, "
             f"{setup['build_type']}; medians of {setup['repeat']}.")
 
