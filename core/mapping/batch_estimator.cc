@@ -16,9 +16,6 @@
 namespace plumbline {
 namespace {
 
-// In standard deviations of the norm of a segment's residuals: good segments hardly ever
-// exceed it.
-constexpr double kHuberWidth = 5.0;
 // A share of the cost, which is half the number of points: what outliers still give way before
 // the rounds, they do in them.
 constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
@@ -57,12 +54,13 @@ BatchEstimator::BatchEstimator(const Rig& rig,
       groups_(LinearisedGroup::kCoarse, kIntervalsPerGroup) {}
 
 void BatchEstimator::EstimateRobustly() {
-  const auto problem = BuildProblem(FactorKind::kSegment, kHuberWidth);
+  const auto problem = BuildProblem(FactorKind::kSegment, options_.association.huber_width);
   MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
 }
 
 void BatchEstimator::StepRobustly() {
-  TakeGaussNewtonStep(BuildProblem(FactorKind::kSegment, kHuberWidth).get());
+  TakeGaussNewtonStep(
+      BuildProblem(FactorKind::kSegment, options_.association.huber_width).get());
 }
 
 FinalEstimate BatchEstimator::EstimateFinally() {

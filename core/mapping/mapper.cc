@@ -26,7 +26,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxStartSearch = 5.0;  // s, in which a scan must show the model frame
 constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
 
 // Takes the recording scan by scan, up to its end or a gap that can not be bridged. Throws
@@ -50,7 +49,7 @@ void FollowRecording(const Rig& rig,
     if (!follower->started()) {
       if (!follower->Start(scan)) {
         ++num_skipped;
-        if (now_s > kMaxStartSearch) break;
+        if (now_s > options.tracking.max_start_search_s) break;
       }
     } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
       warnings->push_back("the map ends " + FormatSeconds(now_s) +

@@ -11,6 +11,7 @@
 #include "core/association/association.h"
 #include "core/association/model_frame.h"
 #include "core/association/plane_merging.h"
+#include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/segmentation/segmentation.h"
@@ -22,15 +23,6 @@
 #include "core/visibility/resegmentation.h"
 
 namespace plumbline {
-
-namespace {
-
-// A pose with larger standard deviations, the planes given, is lost: segments would find wrong
-// planes.
-constexpr double kLostPosition = 0.5;                  // m
-constexpr double kLostRotation = 10.0 * M_PI / 180.0;  // rad
-
-}  // namespace
 
 ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
   ScannerMotion motion;
@@ -196,7 +188,8 @@ void ScanFollower::CheckNotLost(int64_t now_ns) {
   const Matrix6d covariance = tracker_->pose_uncertainty().At(state_->trajectory, now_ns);
   const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
   const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
-  if (position < kLostPosition && rotation < kLostRotation) {
+  if (position < options_.tracking.lost_position_m &&
+      rotation < kRadiansPerDegree * options_.tracking.lost_rotation_deg) {
     last_known_ns_ = now_ns;
     return;
   }

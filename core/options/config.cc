@@ -37,6 +37,7 @@ void Visit(Options& o, Visitor& v) {
     s.Number("significance", o.association.significance, 1e-12, 0.5);
     s.Number("max_gap_m", o.association.max_gap_m, 0.0, 100.0);
     s.Number("surface_flatness_m", o.association.surface_flatness_m, 1e-4, 1.0);
+    s.Number("huber_width", o.association.huber_width, 1.0, 1000.0);
   });
   v.Section("planes", [&](auto& s) {
     s.Integer("min_points", o.planes.min_points, 3, 10000);
@@ -44,6 +45,11 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("min_scans", o.planes.min_scans, 1, 1000);
     s.Number("max_tentative_age_s", o.planes.max_tentative_age_s, 0.0, 1e6);
     s.Renamed("max_candidate_age_s", "max_tentative_age_s");
+  });
+  v.Section("tracking", [&](auto& s) {
+    s.Number("max_start_search_s", o.tracking.max_start_search_s, 0.0, 1e6);
+    s.Number("lost_position_m", o.tracking.lost_position_m, 1e-3, 100.0);
+    s.Number("lost_rotation_deg", o.tracking.lost_rotation_deg, 1e-2, 180.0);
   });
   v.Section("window", [&](auto& s) {
     s.Choice("solver", o.window.solver, {"gauss_newton", "ceres"});

@@ -29,7 +29,10 @@ struct AssociationOptions {
   // A segment may lie on a plane this far, m, from the part that has been seen. [0, 100]
   double max_gap_m = 1.0;
   // Standard deviation of real surfaces from their plane, added to every test. [0.0001, 1]
-  double surface_flatness_m = 0.004;
+  double surface_flatness_m = 0.004;  // Until the last estimation, a segment whose residuals'
+                                      // norm exceeds this many standard
+  // deviations loses influence (Huber's loss). [1, 1000]
+  double huber_width = 5.0;
 };
 
 struct PlaneOptions {
@@ -61,6 +64,16 @@ struct WindowOptions {
   bool keep_estimates = false;
 };
 
+struct TrackingOptions {
+  // The map begins with a scan that shows the model frame, within this time of the recording's
+  // start. [0, 1e6]
+  double max_start_search_s = 5.0;
+  // The rig is lost where the planes in view leave its pose open by these standard deviations
+  // for longer than max_gap_s. [0.001, 100] and [0.01, 180]
+  double lost_position_m = 0.5;
+  double lost_rotation_deg = 10.0;
+};
+
 struct LoopClosureOptions {
   // Whether planes are recognised when they come back into view after any time.
   bool enabled = true;
@@ -85,6 +98,7 @@ struct MapperOptions {
   SegmentationOptions segmentation;
   AssociationOptions association;
   PlaneOptions planes;
+  TrackingOptions tracking;
   WindowOptions window;
   LoopClosureOptions loop_closure;
   BatchOptions batch;

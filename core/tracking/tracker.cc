@@ -24,8 +24,6 @@ constexpr int kPoseSize = 6;  // rows of a control point
 constexpr int kMaxRounds = 4;
 // A step that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {4, 1e-4, 0.0};
-// Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
-constexpr double kHuberWidth = 5.0;
 // Knot intervals after an unsteady scan in which the window's estimate of the newest control
 // points is not trusted: until the spline is no longer held by the scans before.
 constexpr int kLooseIntervals = 2;
@@ -125,7 +123,7 @@ PoseGaussian Tracker::Estimate(int first_observation, int last_observation) {
   for (const int index : recent_) add(index);
   for (int index = first_observation; index <= last_observation; ++index) add(index);
   EstimationProblem problem = MakeProblem();
-  problem.AddSegments(associated, kHuberWidth);
+  problem.AddSegments(associated, options_.association.huber_width);
   const NormalEquations equations = solver_->Solve(&problem);
   return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }

@@ -24,8 +24,6 @@
 namespace plumbline {
 namespace {
 
-// Segments beyond this many standard deviations (norm of up to nine residuals) lose influence.
-constexpr double kHuberWidth = 5.0;
 // The window only has to be good enough for the next associations and as the batch's start: an
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
@@ -218,7 +216,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   for (const int index : window_) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
-  problem.AddSegments(in_window, kHuberWidth, &groups_);
+  problem.AddSegments(in_window, options_.association.huber_width, &groups_);
   const NormalEquations equations = solver_->Solve(&problem);
 
   const int newest = state_->trajectory.Locate(now_ns).first;
@@ -309,7 +307,7 @@ void Window::Marginalise(int new_start) {
       gone.push_back(&observation);
     }
   }
-  leaving.AddSegments(gone, kHuberWidth, &groups_);
+  leaving.AddSegments(gone, options_.association.huber_width, &groups_);
   NormalEquations added = LineariseDense(leaving, leaving.Layout());
   EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);

@@ -34,7 +34,8 @@ MapperOptions UnusualOptions() {
   o.segmentation.min_points = 9;
   o.segmentation.significance = 2.5e-5;
   o.segmentation.ambiguity_sigmas = 1.25;
-  o.association = {3e-6, 0.3, 0.0125};
+  o.association = {3e-6, 0.3, 0.0125, 7.5};
+  o.tracking = {2.5, 0.75, 4.0};
   o.planes = {11, 1.75, 7, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
   o.loop_closure = {false, 77};
@@ -54,6 +55,10 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.segmentation.ambiguity_sigmas, 1.25);
   EXPECT_EQ(read.association.significance, 3e-6);
   EXPECT_EQ(read.association.surface_flatness_m, 0.0125);
+  EXPECT_EQ(read.association.huber_width, 7.5);
+  EXPECT_EQ(read.tracking.max_start_search_s, 2.5);
+  EXPECT_EQ(read.tracking.lost_position_m, 0.75);
+  EXPECT_EQ(read.tracking.lost_rotation_deg, 4.0);
   EXPECT_EQ(read.planes.min_scans, 7);
   EXPECT_EQ(read.planes.max_tentative_age_s, 2.5);
   EXPECT_EQ(read.window.num_scans, 33);
