@@ -23,7 +23,6 @@
 #include "core/trajectory/motion_noise.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
-#include "factors/segment/segment_measurement.h"
 #include "simulation/sensing/simulator.h"
 
 namespace plumbline {
