@@ -95,7 +95,7 @@ SplinePose EvaluatePose(const double* const q[4],
                         double u,
                         SplinePoseJacobian* jacobian);
 
-// The same with the three steps between q[0] .. q[3] at hand.
+// Evaluates the same pose, with the three steps between q[0] .. q[3] at hand.
 SplinePose EvaluatePose(const RotationStep* steps,
                         const double* q0,
                         const double* const p[4],
