@@ -14,8 +14,7 @@ namespace plumbline {
 
 // All segments of one stretch of the trajectory as one least squares term. Its cost is the sum
 // of the segments' costs (CreateSegmentFactor, with Huber's loss where asked for); what they
-// share, the spline's steps above all, is computed once, and whatever their number, a solver
-// sees no more rows than the term has unknowns, plus one.
+// share, the spline's steps above all, is computed once.
 //
 // Extrinsics are constant here: to estimate them, use the segments' own factors.
 class SegmentGroup {
