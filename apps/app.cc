@@ -2,8 +2,10 @@
 
 #include <gflags/gflags.h>
 #include <glog/logging.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -115,6 +117,27 @@ int RunApp(int argc,
     std::cerr << program << ": " << error.what() << '\n';
     return 1;
   }
+}
+
+namespace {
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+// write() may be called in a signal handler, which is why there is no stream here.
+extern "C" void NoteStopSignal(int signal) {
+  stop_signal = signal;
+  std::signal(signal, SIG_DFL);
+  constexpr char kText[] = "\nstopping: what was read so far will be mapped; again: at once\n";
+  const ssize_t ignored = write(STDERR_FILENO, kText, sizeof(kText) - 1);
+  (void)ignored;
+}
+
+}  // namespace
+
+std::function<bool()> WatchStopSignals() {
+  std::signal(SIGINT, NoteStopSignal);
+  std::signal(SIGTERM, NoteStopSignal);
+  return [] { return stop_signal != 0; };
 }
 
 }  // namespace plumbline

@@ -17,4 +17,8 @@ int RunApp(int argc,
            const std::vector<std::string>& required_flags,
            const std::function<void()>& run);
 
+// From now on, the first Ctrl-C or SIGTERM asks the program to end early, and the next one ends
+// it at once. Returns whether it has been asked to.
+std::function<bool()> WatchStopSignals();
+
 }  // namespace plumbline

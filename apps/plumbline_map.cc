@@ -38,7 +38,12 @@ int main(int argc, char** argv) {
       [] {
         plumbline::Progress progress("map");
         const plumbline::Summary summary = plumbline::RunMapJob(
-            {FLAGS_recording, FLAGS_rig, FLAGS_config, FLAGS_output, FLAGS_threads},
+            {FLAGS_recording,
+             FLAGS_rig,
+             FLAGS_config,
+             FLAGS_output,
+             FLAGS_threads,
+             plumbline::WatchStopSignals()},
             [&](double share) { progress.Report(share); });
         std::printf(
             "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time\n",

@@ -98,25 +98,6 @@ void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* s
   }
 }
 
-// Writes all files but the summary.
-PointReport WriteResult(const Rig& rig,
-                        const MapperOptions& options,
-                        const MapResult& result,
-                        const PlaneCovariance& covariance,
-                        const std::vector<PlanePatch>& planes,
-                        const ProgressCallback& progress,
-                        RecordingReader* recording,
-                        ResultWriter* writer) {
-  writer->WriteTrajectory(Poses(result));
-  writer->WritePlanes(planes);
-  writer->WriteTrajectoryCovariance(PoseCovariances(result));
-  writer->WritePlaneCovariance(covariance);
-  if (!result.window_estimates.empty()) WriteWindow(result, writer);
-  PointReport points = ExportPoints(rig, result.state, progress, recording, writer);
-  writer->WriteConfig(MapperOptionsToYaml(options));
-  return points;
-}
-
 // The summary of a map, without its times.
 Summary Summarise(const RecordingReader& recording,
                   const MapResult& result,
@@ -139,6 +120,7 @@ Summary Summarise(const RecordingReader& recording,
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
   summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
+  if (!result.ended_by.empty()) summary.ends_at_s = result.end_s;
   for (const auto* warnings : {&recording.warnings(), &result.warnings, &points.warnings}) {
     summary.warnings.insert(summary.warnings.end(), warnings->begin(), warnings->end());
   }
@@ -147,6 +129,28 @@ Summary Summarise(const RecordingReader& recording,
 
 void LogWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) LOG(WARNING) << warning;
+}
+
+// Writes all files but the summary, which is returned without times.
+Summary WriteResult(const Rig& rig,
+                    const MapperOptions& options,
+                    const MapResult& result,
+                    const ProgressCallback& progress,
+                    RecordingReader* recording,
+                    ResultWriter* writer) {
+  const std::vector<PlanePatch> planes = PlanePatches(result.state);
+  const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
+  writer->WriteTrajectory(Poses(result));
+  writer->WritePlanes(planes);
+  writer->WriteTrajectoryCovariance(PoseCovariances(result));
+  writer->WritePlaneCovariance(covariance);
+  if (!result.window_estimates.empty()) WriteWindow(result, writer);
+  const PointReport points = ExportPoints(rig, result.state, progress, recording, writer);
+  LogWarnings(points.warnings);
+  writer->WriteConfig(MapperOptionsToYaml(options));
+  Summary summary = Summarise(*recording, result, points, covariance);
+  summary.planes = static_cast<int>(planes.size());
+  return summary;
 }
 
 // Runs the job on the threads of the caller's arena.
@@ -165,37 +169,61 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
             << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
   LogWarnings(recording.warnings());
 
-  const MapResult result = MapRecording(
-      rig, options, [&](double share) { progress(kMappingShare * share); }, &recording);
-  LogWarnings(result.warnings);
-
-  auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
-  ResultWriter writer(job.output);
-  const std::vector<PlanePatch> planes = PlanePatches(result.state);
-  const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
-  const PointReport points = WriteResult(
+  const std::vector<MapResult> parts = MapRecording(
       rig,
       options,
-      result,
-      covariance,
-      planes,
-      [&](double share) { progress(kMappingShare + (1.0 - kMappingShare) * share); },
+      [&](double share) { progress(kMappingShare * share); },
       &recording,
-      &writer);
-  LogWarnings(points.warnings);
+      job.stop);
+  const size_t longest = LongestPart(parts);
+
+  auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
+  std::vector<std::unique_ptr<ResultWriter>> writers;
+  std::vector<Summary> summaries;
+  std::vector<PartSummary> part_summaries;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    LogWarnings(parts[i].warnings);
+    const std::string folder = i == longest ? "." : "part_" + std::to_string(i + 1);
+    writers.push_back(std::make_unique<ResultWriter>(
+        i == longest ? job.output : job.output + "/" + folder));
+    summaries.push_back(WriteResult(
+        rig,
+        options,
+        parts[i],
+        [&](double share) {
+          const double done = (static_cast<double>(i) + share) / static_cast<double>(parts.size());
+          progress(kMappingShare + (1.0 - kMappingShare) * done);
+        },
+        &recording,
+        writers.back().get()));
+    part_summaries.push_back({folder,
+                              parts[i].start_s,
+                              parts[i].end_s,
+                              summaries.back().scans,
+                              summaries.back().planes});
+  }
   writing.reset();
   total.reset();
 
-  Summary summary = Summarise(recording, result, points, covariance);
-  summary.planes = static_cast<int>(planes.size());
+  Summary& summary = summaries[longest];
+  if (parts.size() > 1) summary.parts = part_summaries;
   summary.stages.emplace_back("reading", reading_watch.seconds());
-  summary.stages.insert(summary.stages.end(), result.stages.begin(), result.stages.end());
+  const auto& stages = parts[longest].stages;
+  summary.stages.insert(summary.stages.end(), stages.begin(), stages.end());
+  for (size_t i = 0; i < parts.size(); ++i) {  // stages of the same name are added up
+    if (i != longest)
+      summary.stages.insert(
+          summary.stages.end(), parts[i].stages.begin(), parts[i].stages.end());
+  }
   summary.stages.emplace_back("writing", writing_watch.seconds());
   summary.stages.emplace_back("total", total_watch.seconds());
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
   summary.peak_memory_mb = PeakMemoryMb();
-  writer.WriteSummary(summary);
-  writer.Commit();
+  for (size_t i = 0; i < parts.size(); ++i) writers[i]->WriteSummary(summaries[i]);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (i != longest) writers[i]->Commit();
+  }
+  writers[longest]->Commit();
   return summary;
 }
 

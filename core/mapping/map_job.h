@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "core/mapping/mapper.h"
@@ -13,9 +14,14 @@ struct MapJob {
   std::string config;     // YAML, empty: defaults
   std::string output;     // directory
   int threads = 1;        // 0: as many as the machine has
+  // Asked at every scan: once it says true, the map ends there and is written.
+  std::function<bool()> stop = {};
 };
 
-// Maps the recording and writes all files of docs/outputs.md, or none of them. Throws Error.
+// Maps the recording and writes all files of docs/outputs.md, or none of them. Where the
+// recording could only be mapped in parts, the longest one is written to the output directory,
+// the others to folders part_1, part_2, ... in it, numbered in the order of time. Returns the
+// summary of the longest part. Throws Error.
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress);
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -28,51 +29,119 @@ namespace {
 
 constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
 
-// Takes the recording scan by scan, up to its end or a gap that can not be bridged. Throws
-// Error when there is no start or the pose is lost.
-void FollowRecording(const Rig& rig,
-                     bool planar,
-                     const MapperOptions& options,
-                     const ProgressCallback& progress,
-                     RecordingReader* recording,
-                     ScanFollower* follower,
-                     std::vector<std::string>* warnings) {
-  const double duration_s =
-      std::max(1e-9, SecondsBetween(recording->start_ns(), recording->end_ns()));
-  int num_skipped = 0;
-  ScanReader scans(rig, recording);
-  Scan scan;
-  int64_t previous_end_ns = 0;
-  while (scans.Next(&scan)) {
-    const double now_s = SecondsBetween(recording->start_ns(), scan.start_ns);
-    progress(kFollowingShare * now_s / duration_s);
-    if (!follower->started()) {
-      if (!follower->Start(scan)) {
-        ++num_skipped;
-        if (now_s > options.tracking.max_start_search_s) break;
+// A part of the recording that could be followed.
+struct Part {
+  std::unique_ptr<ScanFollower> follower;
+  double start_s = 0.0;  // since the recording's start
+  double end_s = 0.0;
+  std::string ended_by;
+};
+
+// Takes the recording scan by scan, to its end, in as many parts as the scans allow.
+class RecordingFollower {
+ public:
+  RecordingFollower(const Rig& rig,
+                    bool planar,
+                    const MapperOptions& options,
+                    RecordingReader* recording)
+      : rig_(rig), planar_(planar), options_(options), recording_(recording) {}
+
+  // Throws Error when there is no start, or the pose is lost before anything is mapped.
+  std::vector<Part> Run(const ProgressCallback& progress, const std::function<bool()>& stop) {
+    const double duration_s =
+        std::max(1e-9, SecondsBetween(recording_->start_ns(), recording_->end_ns()));
+    ScanReader scans(rig_, recording_);
+    Scan scan;
+    int64_t previous_end_ns = 0;
+    while (scans.Next(&scan)) {
+      const double now_s = SecondsBetween(recording_->start_ns(), scan.start_ns);
+      progress(kFollowingShare * now_s / duration_s);
+      if (stop && stop()) {
+        EndPart("stopped by the user");
+        break;
       }
-    } else if (SecondsBetween(previous_end_ns, scan.start_ns) > options.max_gap_s) {
-      warnings->push_back("the map ends " + FormatSeconds(now_s) +
-                          " into the recording: no scans for " +
-                          FormatSeconds(SecondsBetween(previous_end_ns, scan.start_ns)) +
-                          ", a gap the motion can not be followed across");
-      break;
-    } else {
-      follower->Follow(scan);
+      if (current_.follower != nullptr) {
+        const double gap_s = SecondsBetween(previous_end_ns, scan.start_ns);
+        if (gap_s > options_.max_gap_s) {
+          EndPart("no scans for " + FormatSeconds(gap_s) +
+                  ", a gap the motion can not be followed across");
+        }
+      }
+      if (current_.follower == nullptr && !Start(scan, now_s)) break;
+      if (current_.follower != nullptr) Follow(scan);
+      previous_end_ns = scan.end_ns;
     }
-    previous_end_ns = scan.end_ns;
+    if (current_.follower != nullptr) EndPart("");
+    if (!parts_.empty()) return std::move(parts_);
+    if (!lost_.empty()) throw Error(lost_);
+    throw Error("no start: none of the first " + std::to_string(num_skipped_) +
+                " scans shows " + (planar_ ? "a wall" : "floor or ceiling and a wall") +
+                " clearly enough");
   }
-  if (!follower->started()) {
-    throw Error(
-        "no start: none of the first " + std::to_string(num_skipped) + " scans shows " +
-        (planar ? "a wall clearly enough" : "floor or ceiling and a wall clearly enough"));
+
+  int num_skipped() const { return num_skipped_; }  // scans before the first part
+
+ private:
+  // Starts a part with this scan where it shows the model frame; false when there is no use in
+  // looking any longer.
+  bool Start(const Scan& scan, double now_s) {
+    auto follower =
+        std::make_unique<ScanFollower>(rig_, planar_, options_, recording_->scan_period_s());
+    bool started = false;
+    try {
+      started = follower->Start(scan);
+    } catch (const Error& error) {
+      lost_ = error.what();  // the scan shows the frame, but does not determine the pose
+    }
+    if (started) {
+      current_ = {std::move(follower), now_s, now_s, ""};
+      is_new_ = true;
+      return true;
+    }
+    if (!parts_.empty() || !lost_.empty()) return true;
+    ++num_skipped_;
+    return now_s <= options_.tracking.max_start_search_s;
   }
-  if (num_skipped > 0) {
-    warnings->push_back(
-        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
-        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+
+  void Follow(const Scan& scan) {
+    // A part's first scan has been taken in by Start.
+    if (is_new_) {
+      is_new_ = false;
+      return;
+    }
+    try {
+      current_.follower->Follow(scan);
+    } catch (const LostTrack& lost) {
+      current_.follower->EndAtLastKnown();
+      EndPart(lost.what());
+    }
   }
-}
+
+  // Ends the current part, which is kept where it is long enough to be of use.
+  void EndPart(const std::string& why) {
+    const std::vector<int64_t>& times_ns = current_.follower->scan_times_ns();
+    current_.end_s = SecondsBetween(recording_->start_ns(), times_ns.back());
+    current_.ended_by = why;
+    // A whole recording is mapped however short it is.
+    const bool is_whole = why.empty() && parts_.empty() && lost_.empty();
+    if (is_whole || current_.end_s - current_.start_s >= options_.tracking.min_part_s) {
+      parts_.push_back(std::move(current_));
+    } else if (!why.empty()) {
+      lost_ = why;
+    }
+    current_ = {};
+  }
+
+  const Rig& rig_;
+  bool planar_;
+  const MapperOptions& options_;
+  RecordingReader* recording_;
+  std::vector<Part> parts_;
+  Part current_;         // without a follower: none
+  bool is_new_ = false;  // the current part has a single scan
+  int num_skipped_ = 0;
+  std::string lost_;  // why the last part that was too short had ended
+};
 
 // The planes of the last window estimate, as they are estimated now.
 PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const MapState& state) {
@@ -94,54 +163,107 @@ PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const Map
   return {std::move(patches), last.landmark_covariance(rows, rows)};
 }
 
-}  // namespace
-
-MapResult MapRecording(const Rig& rig,
+// The batch over one part.
+MapResult EstimatePart(const Rig& rig,
+                       bool planar,
                        const MapperOptions& options,
                        const ProgressCallback& progress,
-                       RecordingReader* recording) {
+                       RecordingReader* recording,
+                       Part* part) {
+  ScanFollower& follower = *part->follower;
+  PlaneCovariance window_planes = PlanesOf(follower.estimates(), follower.state());
+  MapResult result(std::move(follower.state()));
+  result.window_estimates = follower.estimates();
+  result.window_planes = std::move(window_planes);
+  result.planar = planar;
+  result.start_s = part->start_s;
+  result.end_s = part->end_s;
+  result.ended_by = part->ended_by;
+  result.scan_times_ns = follower.scan_times_ns();
+  part->follower.reset();
+  Stopwatch batch_watch;
+  {
+    const Stopwatch::Running running(&batch_watch);
+    ReturnFreeMemoryOfLargeJob();
+    result.batch = EstimateBatch(rig, planar, options, progress, recording, &result.state);
+  }
+  if (!result.ended_by.empty()) {
+    result.warnings.push_back("the map ends " + FormatSeconds(result.end_s) +
+                              " into the recording: " + result.ended_by);
+  }
+  if (const auto warning = JudgeVarianceFactor(result.batch.variance_factor)) {
+    result.warnings.push_back(*warning);
+  }
+  result.stages = {{"batch", batch_watch.seconds() - result.batch.covariance_watch.seconds()},
+                   {"covariance", result.batch.covariance_watch.seconds()}};
+  return result;
+}
+
+}  // namespace
+
+size_t LongestPart(const std::vector<MapResult>& parts) {
+  const auto has_less_scans = [](const MapResult& a, const MapResult& b) {
+    return a.scan_times_ns.size() < b.scan_times_ns.size();
+  };
+  return static_cast<size_t>(
+      std::max_element(parts.begin(), parts.end(), has_less_scans) - parts.begin());
+}
+
+std::vector<MapResult> MapRecording(const Rig& rig,
+                                    const MapperOptions& options,
+                                    const ProgressCallback& progress,
+                                    RecordingReader* recording,
+                                    const std::function<bool()>& stop) {
   options.Check();
   const bool planar = IsPlanar(rig);
-  std::vector<std::string> warnings;
   if (planar) {
     LOG(INFO)
         << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
            "be seen; estimating the planar motion";
   }
   Stopwatch tracking_watch;
-  Stopwatch batch_watch;
-  ScanFollower follower(rig, planar, options, recording->scan_period_s());
+  RecordingFollower recording_follower(rig, planar, options, recording);
+  std::vector<Part> parts;
   {
     const Stopwatch::Running running(&tracking_watch);
-    FollowRecording(rig, planar, options, progress, recording, &follower, &warnings);
+    parts = recording_follower.Run(progress, stop);
   }
-  PlaneCovariance window_planes = PlanesOf(follower.estimates(), follower.state());
-  MapResult result(std::move(follower.state()));
-  result.window_estimates = follower.estimates();
-  result.window_planes = std::move(window_planes);
-  result.planar = planar;
-  result.scan_times_ns = follower.scan_times_ns();
-  result.warnings = std::move(warnings);
-  {
-    const Stopwatch::Running running(&batch_watch);
-    ReturnFreeMemoryOfLargeJob();
-    result.batch = EstimateBatch(
-        rig,
-        planar,
-        options,
-        [&](double share) { progress(kFollowingShare + (1.0 - kFollowingShare) * share); },
-        recording,
-        &result.state);
+  double segmentation_s = 0.0;
+  for (const Part& part : parts)
+    segmentation_s += part.follower->segmentation_watch().seconds();
+  std::vector<MapResult> results;
+  std::string failed;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    try {
+      results.push_back(EstimatePart(
+          rig,
+          planar,
+          options,
+          [&](double share) {
+            const double done = (static_cast<double>(i) + share) / static_cast<double>(parts.size());
+            progress(kFollowingShare + (1.0 - kFollowingShare) * done);
+          },
+          recording,
+          &parts[i]));
+    } catch (const Error& error) {
+      failed = "the part from " + FormatSeconds(parts[i].start_s) + " to " +
+               FormatSeconds(parts[i].end_s) + " could not be estimated: " + error.what();
+      if (parts.size() == 1) throw;
+      LOG(WARNING) << failed;
+    }
   }
-  if (const auto warning = JudgeVarianceFactor(result.batch.variance_factor)) {
-    result.warnings.push_back(*warning);
+  if (results.empty()) throw Error(failed);
+  MapResult& main = results[LongestPart(results)];
+  if (!failed.empty()) main.warnings.push_back(failed);
+  if (const int num_skipped = recording_follower.num_skipped(); num_skipped > 0) {
+    main.warnings.push_back(
+        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
+        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
   }
-  result.stages = {
-      {"segmentation", follower.segmentation_watch().seconds()},
-      {"window", tracking_watch.seconds() - follower.segmentation_watch().seconds()},
-      {"batch", batch_watch.seconds() - result.batch.covariance_watch.seconds()},
-      {"covariance", result.batch.covariance_watch.seconds()}};
-  return result;
+  main.stages.insert(main.stages.begin(),
+                     {{"segmentation", segmentation_s},
+                      {"window", tracking_watch.seconds() - segmentation_s}});
+  return results;
 }
 
 std::optional<std::string> JudgeVarianceFactor(double variance_factor) {

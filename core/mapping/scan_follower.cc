@@ -191,6 +191,7 @@ void ScanFollower::CheckNotLost(int64_t now_ns) {
   if (position < options_.tracking.lost_position_m &&
       rotation < kRadiansPerDegree * options_.tracking.lost_rotation_deg) {
     last_known_ns_ = now_ns;
+    last_known_scan_ = scan_times_ns_.size() - 1;
     return;
   }
   // A few blind scans may be bridged, just as missing ones.
@@ -203,10 +204,34 @@ void ScanFollower::CheckNotLost(int64_t now_ns) {
                 SecondsBetween(state_->origin_time_ns, last_known_ns_),
                 position,
                 rotation * 180.0 / M_PI);
-  throw Error(text);
+  throw LostTrack(text);
 }
 
 void ScanFollower::Follow(const Scan& scan) {
+  try {
+    FollowWhileKnown(scan);
+  } catch (const LostTrack&) {
+    throw;
+  } catch (const Error& error) {
+    // The estimate broke down before the pose's covariance told.
+    throw LostTrack("lost track of the rig " +
+                    FormatSeconds(SecondsBetween(state_->origin_time_ns, last_known_ns_)) +
+                    " after the start of the map: " + error.what());
+  }
+}
+
+void ScanFollower::EndAtLastKnown() {
+  scan_times_ns_.resize(last_known_scan_ + 1);
+  std::deque<Observation>& observations = state_->observations;
+  while (!observations.empty() &&
+         observations.back().scan_index > static_cast<int>(last_known_scan_)) {
+    observations.pop_back();
+  }
+  state_->trajectory.ShrinkTo(last_known_ns_);
+  RebuildLandmarks(rig_, state_.get());
+}
+
+void ScanFollower::FollowWhileKnown(const Scan& scan) {
   state_->trajectory.ExtendTo(scan.end_ns);
   const int first = static_cast<int>(state_->observations.size());
   const int scan_index = static_cast<int>(scan_times_ns_.size());

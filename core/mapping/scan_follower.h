@@ -14,10 +14,17 @@
 #include "core/sensor/scan_reader.h"
 #include "core/sensor/scanner_motion.h"
 #include "core/tracking/tracker.h"
+#include "core/util/error.h"
 #include "core/util/stopwatch.h"
 #include "core/window/window.h"
 
 namespace plumbline {
+
+// The rig's pose is no longer known; what was mapped until then stands.
+class LostTrack : public Error {
+ public:
+  using Error::Error;
+};
 
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class ScanFollower {
@@ -37,10 +44,15 @@ class ScanFollower {
 
   // Starts the map with this scan; false when the scan does not show the model frame.
   bool Start(const Scan& scan);
-  // Follows the rig through the next scan. Throws Error when the pose is lost.
+  // Follows the rig through the next scan. Throws LostTrack when the pose is lost: nothing may
+  // follow but EndAtLastKnown().
   void Follow(const Scan& scan);
+  // Takes back what came after the last scan whose pose was well determined: its scans,
+  // segments and control points, and planes that only they show.
+  void EndAtLastKnown();
 
  private:
+  void FollowWhileKnown(const Scan& scan);
   // Finds the segments of a scan.
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
@@ -56,7 +68,7 @@ class ScanFollower {
   void AddLandmark(TentativePlane plane);
   // Solves the window, passes the newest poses on to the tracker, and merges planes.
   void SolveWindow(int64_t now_ns);
-  // Throws Error when the newest pose has been unknown for too long.
+  // Throws LostTrack when the newest pose has been unknown for too long.
   void CheckNotLost(int64_t now_ns);
 
   const Rig& rig_;
@@ -70,6 +82,7 @@ class ScanFollower {
   std::vector<int64_t> scan_times_ns_;
   std::optional<SharedPoses> poses_;  // of the trajectory as the newest scan leaves it
   int64_t last_known_ns_ = 0;         // when the pose was last well determined
+  size_t last_known_scan_ = 0;        // the scan that ended then
   int last_solved_interval_ = -1;
   int last_solved_scan_ = 0;
   Stopwatch segmentation_watch_;

@@ -72,6 +72,21 @@ struct TrackingOptions {
   // for longer than max_gap_s. [0.001, 100] and [0.01, 180]
   double lost_position_m = 0.5;
   double lost_rotation_deg = 10.0;
+  // Where the rig was lost, what was followed for less than this is left out. [0, 1e6]
+  double min_part_s = 2.0;
+};
+
+// Points that lie on no plane: furniture, jambs, people.
+struct PointOptions {
+  // Whether they hold the rig's pose, by where they lie in a local map of all points.
+  bool hold_pose = true;
+  // Side of the local map's cells. [0.02, 10]
+  double cell_m = 0.25;
+  // Standard deviation of what a cell says of where its surface lies, the same for all beams
+  // that meet it: unevenness, and errors of the poses that made the map. [0.0005, 1]
+  double surface_stddev_m = 0.02;
+  // The local map forgets what was not seen for so long. [0.1, 1e6]
+  double max_age_s = 20.0;
 };
 
 struct LoopClosureOptions {
@@ -100,6 +115,7 @@ struct MapperOptions {
   PlaneOptions planes;
   TrackingOptions tracking;
   WindowOptions window;
+  PointOptions points;
   LoopClosureOptions loop_closure;
   BatchOptions batch;
   // The motion can not be bridged over a longer gap in all scanners: the map ends there.

@@ -197,6 +197,17 @@ std::string FormatSummary(const Summary& summary) {
   json["motion_noise"] = object(summary.motion_noise);
   json["motion_found"] = object(summary.motion_found);
   json["reference_plane_id"] = summary.reference_plane_id;
+  nlohmann::ordered_json consistency = nlohmann::ordered_json::object();
+  if (summary.ends_at_s) consistency["ends_at_s"] = *summary.ends_at_s;
+  if (!consistency.empty()) json["consistency"] = consistency;
+  if (!summary.parts.empty()) json["parts"] = nlohmann::ordered_json::array();
+  for (const PartSummary& part : summary.parts) {
+    json["parts"].push_back({{"folder", part.folder},
+                             {"start_s", part.start_s},
+                             {"end_s", part.end_s},
+                             {"scans", part.scans},
+                             {"planes", part.planes}});
+  }
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,15 @@ struct PlanePatch {
   }
 };
 
+// PartSummary is one part of a recording that could not be mapped in one piece.
+struct PartSummary {
+  std::string folder;    // of its result, relative to that of the summary
+  double start_s = 0.0;  // since the recording's start
+  double end_s = 0.0;
+  int scans = 0;
+  int planes = 0;
+};
+
 // Summary holds the figures of summary.json.
 struct Summary {
   int scans = 0;
@@ -74,7 +84,9 @@ struct Summary {
   // Standard deviations of the accelerations that the recording shows; the covariances are for
   // these.
   std::vector<std::pair<std::string, double>> motion_found;
-  int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
+  std::optional<double> ends_at_s;  // where the map ends before the recording; since its start
+  std::vector<PartSummary> parts;   // in the order of time; empty where there is one only
+  int reference_plane_id = -1;      // the wall whose normal is the x axis of the model frame
   std::vector<std::string> warnings;
 };
 

@@ -122,4 +122,8 @@ void Trajectory::ExtendTo(int64_t time_ns) {
   }
 }
 
+void Trajectory::ShrinkTo(int64_t time_ns) {
+  control_points_.resize(static_cast<size_t>(Locate(time_ns).first + kSplineOrder));
+}
+
 }  // namespace plumbline

@@ -54,6 +54,8 @@ class Trajectory {
 
   // Appends control points at constant velocity until the instant is covered.
   void ExtendTo(int64_t time_ns);
+  // Removes the control points that no pose up to this instant, inclusive, depends on.
+  void ShrinkTo(int64_t time_ns);
 
  private:
   int64_t start_ns_;

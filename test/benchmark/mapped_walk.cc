@@ -57,8 +57,10 @@ MappedWalk::MappedWalk(const std::string& experiment, double length_m, FactorKin
   options_.batch.factor = factor;
   RecordingReader reader(recording(), rig_);
   scan_period_s_ = reader.scan_period_s();
-  result_ = std::make_unique<MapResult>(MapRecording(
-      rig_, options_, [](double) {}, &reader));
+  result_ = std::make_unique<MapResult>(std::move(
+      MapRecording(
+          rig_, options_, [](double) {}, &reader)
+          .front()));
 }
 
 MappedWalk::~MappedWalk() {
