@@ -11,6 +11,7 @@
 
 #include "factors/cost/motion_factor.h"
 #include "factors/cost/point_factor.h"
+#include "factors/cost/pose_factor.h"
 #include "factors/cost/position_factor.h"
 #include "factors/cost/segment_factor.h"
 #include "factors/manifold/manifolds.h"
@@ -270,6 +271,12 @@ void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
 
 void EstimationProblem::AddPrior(const Prior& prior) {
   if (!prior.empty()) AddFactor(CreateLinearPriorFactor(prior.linear), prior.blocks);
+}
+
+void EstimationProblem::AddPoseConstraint(const PoseConstraint& constraint) {
+  const Trajectory::Location at = trajectory_->Locate(constraint.time_ns);
+  Add(CreatePoseFactor(constraint.measurement, at.u),
+      ControlPointBlocks(at.first, kSplineOrder));
 }
 
 BlockLayout EstimationProblem::Layout() const {

@@ -15,6 +15,7 @@
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
 #include "core/trajectory/motion_noise.h"
+#include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/cost/linear_prior_factor.h"
 
@@ -94,6 +95,7 @@ class EstimationProblem {
                           const MotionNoise& noise,
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
+  void AddPoseConstraint(const PoseConstraint& constraint);
   // Adds any other cost function over these blocks, in its order.
   void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
                  const std::vector<BlockId>& blocks);

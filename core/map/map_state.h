@@ -8,6 +8,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/rig.h"
+#include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
@@ -22,6 +23,8 @@ struct MapState {
   // their own or parts of one on no plane (core/visibility/resegmentation.h). Each has its
   // landmark; they are ordered by scan line and beam.
   std::deque<Observation> sub_minimum_segments = {};
+  // What the points on no plane say of the poses, by time.
+  std::deque<PoseConstraint> pose_constraints = {};
 };
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in

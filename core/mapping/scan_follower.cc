@@ -86,6 +86,12 @@ bool ScanFollower::Start(const Scan& scan) {
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());
+  if (options_.points.hold_pose) {
+    scan_matcher_ =
+        std::make_unique<ScanMatcher>(rig_, planar_, options_.points, scan_period_s_);
+    scan_matcher_->Take(scan);
+    scan_matcher_->Remember(state_->trajectory);
+  }
   scan_times_ns_.push_back(scan.start_ns);
   last_known_ns_ = scan.end_ns;
 
@@ -171,7 +177,11 @@ void ScanFollower::StartPlanes(int min_scans) {
 
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
+  const Rigid3d before = state_->trajectory.WorldFromBody(now_ns);
   tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
+  if (getenv("DBG")) { const Rigid3d after = state_->trajectory.WorldFromBody(now_ns);
+    fprintf(stderr, "  window moved %.3f m %.2f deg\n", (after.translation-before.translation).norm(), after.rotation.angularDistance(before.rotation)*57.3);
+    if (scan_matcher_) { const auto m = scan_matcher_->Match(state_->trajectory, 0, nullptr); fprintf(stderr, "  after window known %.2f near %.2f\n", m.KnownShare(), m.NearShare()); } }
   for (const auto& [into, from] :
        FindMergeablePlanes(rig_, *state_, options_, last_solved_scan_)) {
     const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
@@ -227,6 +237,10 @@ void ScanFollower::EndAtLastKnown() {
          observations.back().scan_index > static_cast<int>(last_known_scan_)) {
     observations.pop_back();
   }
+  std::deque<PoseConstraint>& constraints = state_->pose_constraints;
+  while (!constraints.empty() && constraints.back().time_ns > last_known_ns_) {
+    constraints.pop_back();
+  }
   state_->trajectory.ShrinkTo(last_known_ns_);
   RebuildLandmarks(rig_, state_.get());
 }
@@ -240,7 +254,12 @@ void ScanFollower::FollowWhileKnown(const Scan& scan) {
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  tracker_->Track(first, last, {state_->landmarks, scan_index, options_.loop_closure});
+  if (scan_matcher_ != nullptr) scan_matcher_->Take(scan);
+  tracker_->Track(first,
+                  last,
+                  {state_->landmarks, scan_index, options_.loop_closure},
+                  scan_matcher_.get());
+  if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory);
   CheckNotLost(scan.end_ns);
   // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
   if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {

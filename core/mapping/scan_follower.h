@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/association/plane_candidates.h"
+#include "core/local_map/scan_matching.h"
 #include "core/map/map_state.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
@@ -79,6 +80,7 @@ class ScanFollower {
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<Tracker> tracker_;
+  std::unique_ptr<ScanMatcher> scan_matcher_;  // where points hold the pose
   std::vector<int64_t> scan_times_ns_;
   std::optional<SharedPoses> poses_;  // of the trajectory as the newest scan leaves it
   int64_t last_known_ns_ = 0;         // when the pose was last well determined

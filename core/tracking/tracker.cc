@@ -39,6 +39,18 @@ bool TellsDirection(const Observation& observation) {
   return observation.sigma_direction_rad < kMaxDirectionSigma;
 }
 
+// Points hold the pose where more than this share of them is on no plane.
+constexpr double kMaxShareOnNoPlane = 0.25;
+// The local map has to know so many of a scan's points, and so many of these have to lie where
+// it says, to tell how the rig moved.
+constexpr double kMinKnownShare = 0.3;
+constexpr double kMinNearShare = 0.6;
+// Planes that take this share of the points from where the local map has them are not those of
+// the scan.
+constexpr double kMaxLoss = 0.1;
+// What the local map is bent by turns the rig by that over this distance.
+constexpr double kPointsLever = 4.0;  // m
+
 // In empty rooms more than nine tenths of the segments, by length, have planes, in a room of
 // furniture three quarters and at times a quarter.
 constexpr double kGoodShare = 0.9;
@@ -114,7 +126,9 @@ PoseGaussian Tracker::Predict() const {
   return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }
 
-PoseGaussian Tracker::Estimate(int first_observation, int last_observation) {
+PoseGaussian Tracker::Estimate(int first_observation,
+                               int last_observation,
+                               const std::vector<PoseConstraint>& constraints) {
   std::vector<const Observation*> associated;
   const auto add = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -124,6 +138,7 @@ PoseGaussian Tracker::Estimate(int first_observation, int last_observation) {
   for (int index = first_observation; index <= last_observation; ++index) add(index);
   EstimationProblem problem = MakeProblem();
   problem.AddSegments(associated, options_.association.huber_width);
+  for (const PoseConstraint& constraint : constraints) problem.AddPoseConstraint(constraint);
   const NormalEquations equations = solver_->Solve(&problem);
   return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }
@@ -157,6 +172,17 @@ Matrix6d Tracker::UnsteadyCovariance() const {
   return covariance;
 }
 
+Matrix6d Tracker::PointsCovariance() const {
+  const double position = options_.points.surface_stddev_m;
+  const double rotation = position / kPointsLever;
+  Matrix6d covariance = Matrix6d::Zero();
+  for (const int row : FreeRows(kPoseSize)) {
+    const double sigma = row < 3 ? rotation : position;
+    covariance(row, row) = sigma * sigma;
+  }
+  return covariance;
+}
+
 void Tracker::Loosen() {
   // The third difference of independent errors has 20 times their variance.
   const Matrix6d of_control_point = 32.0 * 32.0 / 20.0 * UnsteadyCovariance();
@@ -169,7 +195,8 @@ void Tracker::Loosen() {
 
 Tracker::Association Tracker::AssociateJointly(int first_observation,
                                                int last_observation,
-                                               const LandmarksWithinGap& landmarks) const {
+                                               const LandmarksWithinGap& landmarks,
+                                               bool by_points) const {
   std::vector<int> order;
   const auto at = [&](int index) -> const Observation& {
     return state_->observations[static_cast<size_t>(index)];
@@ -188,8 +215,13 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
     // The likelier explanation of the scan wins; once one leaves little over, there is no need
     // for the wilder ones.
     if (best.length_m >= regime.max_length_share * total_length) break;
-    Association association =
-        ChooseUnder(regime.scale * regime.scale * UnsteadyCovariance(), order, landmarks);
+    // The points have shown how the rig moved.
+    if (by_points && regime.scale > 0.0) break;
+    Association association = ChooseUnder(
+        by_points ? PointsCovariance()
+                  : Matrix6d(regime.scale * regime.scale * UnsteadyCovariance()),
+        order,
+        landmarks);
     if (association.length_m < regime.min_length_share * total_length) continue;
     const double cost = association.cost - 2.0 * std::log(regime.share);
     if (cost >= best_cost) continue;
@@ -272,23 +304,63 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
   return association;
 }
 
+BeamMask Tracker::BeamsOnNoPlane(int first_observation,
+                                 int last_observation,
+                                 const ScanMatcher& scan_matcher) const {
+  BeamMask mask = scan_matcher.AllBeams();
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    scan_matcher.Exclude(
+        observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
+  }
+  return mask;
+}
+
+std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_matcher) {
+  ScanMatch match = scan_matcher.Register(
+      state_->trajectory,
+      pose_uncertainty_.At(state_->trajectory, scan_matcher.middle_ns()));
+  if (getenv("DBG")) fprintf(stderr, "t %.2f points known %.2f near %.2f cells %d\n", 1e-9*double(state_->trajectory.end_ns()-state_->trajectory.start_ns()), match.KnownShare(), match.NearShare(), match.num_cells);
+  if (match.KnownShare() < kMinKnownShare || match.NearShare() < kMinNearShare) {
+    return std::nullopt;
+  }
+  const PoseGaussian estimate = Estimate(0, -1, match.constraints);
+  pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+  return match;
+}
+
+bool Tracker::AgreesWithPoints(const ScanMatcher& scan_matcher,
+                               const ScanMatch& by_points) const {
+  const ScanMatch match = scan_matcher.Match(state_->trajectory, 0, nullptr);
+  if (getenv("DBG")) fprintf(stderr, "  after planes known %.2f near %.2f\n", match.KnownShare(), match.NearShare());
+  return match.num_near > (1.0 - kMaxLoss) * by_points.num_near;
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
-                    const LandmarksWithinGap& landmarks) {
+                    const LandmarksWithinGap& landmarks,
+                    const ScanMatcher* scan_matcher) {
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
   if (has_new_control_points) {
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
   }
+  std::optional<ScanMatch> by_points;
+  if (scan_matcher != nullptr && needs_points_ && scan_matcher->num_points() > 0)
+    by_points = EstimateByPoints(*scan_matcher);
   PoseGaussian estimate;
   bool unsteady = false;
+  std::vector<PoseConstraint> constraints;
+  double share_on_no_plane = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
     // By the prediction first, all segments together; once the poses are known, one by one,
     // unless they are known not to describe the motion.
     bool changed = false;
     if (round == 0) {
       const Association association =
-          AssociateJointly(first_observation, last_observation, landmarks);
+          AssociateJointly(
+              first_observation, last_observation, landmarks, by_points.has_value());
       for (const auto& [index, id] : association.chosen) {
         state_->observations[static_cast<size_t>(index)].landmark_id = id;
         changed = true;
@@ -298,15 +370,37 @@ void Tracker::Track(int first_observation,
         length_m += state_->observations[static_cast<size_t>(index)].length_m();
       }
       const double share = association.length_m / std::max(length_m, 1e-9);
-      unsteady = association.unsteady || share < kSuddenDrop * usual_share_;
+      unsteady = association.unsteady || (!by_points && share < kSuddenDrop * usual_share_);
       usual_share_ += kShareGain * (share - usual_share_);
     } else {
       changed = !unsteady && Associate(first_observation, last_observation, landmarks);
     }
     if (!changed && round > 0) break;
-    estimate = Estimate(first_observation, last_observation);
+    if (scan_matcher != nullptr) {
+      const BeamMask on_no_plane =
+          BeamsOnNoPlane(first_observation, last_observation, *scan_matcher);
+      const ScanMatch match = scan_matcher->Match(state_->trajectory, 0, &on_no_plane);
+      share_on_no_plane = match.num_points / std::max(1.0, 1.0 * scan_matcher->num_points());
+      constraints.clear();
+      if (by_points) constraints = match.constraints;
+    }
+    estimate = Estimate(first_observation, last_observation, constraints);
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
   }
+  if (by_points && !AgreesWithPoints(*scan_matcher, *by_points)) {
+    // The planes would have the rig elsewhere: most of the scan says that they are others.
+    for (int index = first_observation; index <= last_observation; ++index) {
+      state_->observations[static_cast<size_t>(index)].landmark_id = -1;
+    }
+    constraints = by_points->constraints;
+    estimate = Estimate(first_observation, last_observation, constraints);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+    share_on_no_plane = 1.0;
+  }
+  usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
+  needs_points_ = std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
+  state_->pose_constraints.insert(
+      state_->pose_constraints.end(), constraints.begin(), constraints.end());
   // The scan becomes part of the prior, so that the next scan's system is as small.
   gaussian_ = std::move(estimate);
   recent_.clear();

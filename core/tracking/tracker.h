@@ -2,12 +2,14 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/association/association.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/solver.h"
 #include "core/geometry/matrix_types.h"
+#include "core/local_map/scan_matching.h"
 #include "core/map/landmark_view.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
@@ -28,7 +30,11 @@ class Tracker {
 
   // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.
-  void Track(int first_observation, int last_observation, const LandmarksWithinGap& landmarks);
+  // scan_matcher: with the scan's points, if they are to hold the pose as well; nullptr if not.
+  void Track(int first_observation,
+             int last_observation,
+             const LandmarksWithinGap& landmarks,
+             const ScanMatcher* scan_matcher = nullptr);
 
   // Adds an observation that was given a landmark after its scan had been tracked.
   void Add(int observation_index) { recent_.push_back(observation_index); }
@@ -56,6 +62,17 @@ class Tracker {
     double length_m = 0.0;  // of the segments that have a plane
   };
 
+  // Estimates the newest control points from the points of the scan alone, on top of the
+  // prediction, and returns how they then agree with the local map; nothing where it knows too
+  // little of them or they lie elsewhere.
+  std::optional<ScanMatch> EstimateByPoints(const ScanMatcher& scan_matcher);
+  // Whether the points lie where the local map has them as nearly as by_points says.
+  bool AgreesWithPoints(const ScanMatcher& scan_matcher, const ScanMatch& by_points) const;
+  // The beams of the scan that are on no plane, by scan line.
+  BeamMask BeamsOnNoPlane(int first_observation,
+                          int last_observation,
+                          const ScanMatcher& scan_matcher) const;
+
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
   std::vector<int> FreeRows(Eigen::Index size) const;
   Eigen::MatrixXd Covariance(const Eigen::MatrixXd& information) const;
@@ -67,10 +84,14 @@ class Tracker {
   // segments.
   PoseGaussian Predict() const;
   // Estimates the newest control points from the scan's observations that have a landmark.
-  PoseGaussian Estimate(int first_observation, int last_observation);
+  PoseGaussian Estimate(int first_observation,
+                        int last_observation,
+                        const std::vector<PoseConstraint>& constraints);
   // The covariance of what a motion of the prior's accelerations does between two knots: of
   // rotation and position of the body.
   Matrix6d UnsteadyCovariance() const;
+  // How far the local map may be off as a whole.
+  Matrix6d PointsCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();
   // Returns the views of the landmarks within reach of the newest scan.
@@ -84,7 +105,8 @@ class Tracker {
                           const LandmarksWithinGap& landmarks) const;
   Association AssociateJointly(int first_observation,
                                int last_observation,
-                               const LandmarksWithinGap& landmarks) const;
+                               const LandmarksWithinGap& landmarks,
+                               bool by_points) const;
   // Finds the observations' landmarks one by one; true when any is another one than before.
   bool Associate(int first_observation,
                  int last_observation,
@@ -100,6 +122,8 @@ class Tracker {
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
+  bool needs_points_ = false;   // too few of the last scan's points are on planes
+  double usual_share_on_no_plane_ = 0.0;
   double usual_share_ = 1.0;    // of a scan's segments, by length, that find their planes
 };
 

@@ -68,6 +68,15 @@ void Window::AddStart(EstimationProblem* problem) const {
   problem->AddOrigin(state_->origin_time_ns);
 }
 
+void Window::AddPoseConstraints(int end, EstimationProblem* problem) const {
+  for (size_t i = first_constraint_; i < state_->pose_constraints.size(); ++i) {
+    const PoseConstraint& constraint = state_->pose_constraints[i];
+    const int first = state_->trajectory.Locate(constraint.time_ns).first;
+    if (first < start_ || first >= end) continue;
+    problem->AddPoseConstraint(constraint);
+  }
+}
+
 void Window::Add(int observation_index) {
   const Observation& observation =
       state_->observations[static_cast<size_t>(observation_index)];
@@ -217,6 +226,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
   problem.AddSegments(in_window, options_.association.huber_width, &groups_);
+  AddPoseConstraints(state_->trajectory.num_control_points(), &problem);
   const NormalEquations equations = solver_->Solve(&problem);
 
   const int newest = state_->trajectory.Locate(now_ns).first;
@@ -308,6 +318,12 @@ void Window::Marginalise(int new_start) {
     }
   }
   leaving.AddSegments(gone, options_.association.huber_width, &groups_);
+  AddPoseConstraints(new_start, &leaving);
+  while (first_constraint_ < state_->pose_constraints.size() &&
+         state_->trajectory.Locate(state_->pose_constraints[first_constraint_].time_ns).first <
+             new_start) {
+    ++first_constraint_;
+  }
   NormalEquations added = LineariseDense(leaving, leaving.Layout());
   EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);

@@ -89,6 +89,8 @@ class Window {
                      Eigen::MatrixXd covariance,
                      bool inactive_too);
   void AddStart(EstimationProblem* problem) const;
+  // Adds the pose constraints of the window, those that begin before this control point only.
+  void AddPoseConstraints(int end, EstimationProblem* problem) const;
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
   // The tangent by which a block has moved since the marginal prior was written.
@@ -110,6 +112,7 @@ class Window {
   int num_solves_ = 0;
   std::map<int, int> last_in_view_;  // solve in which each plane was in view for the last time
   std::vector<int> window_;          // observations not yet marginalised
+  size_t first_constraint_ = 0;      // of the pose constraints not yet marginalised
   SegmentGroupCache groups_{LinearisedGroup::kCoarse, 1};
   std::vector<WindowEstimate> estimates_;
 };

@@ -1,0 +1,123 @@
+#include "core/local_map/local_map.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+// With fewer points, of fewer scans, a distribution says too little.
+constexpr int kMinPoints = 5;
+constexpr int kMinScans = 2;
+// With so many points a cell takes in no more.
+constexpr int kEnoughPoints = 60;
+// The directions are found anew when a cell has grown by this share.
+constexpr double kGrowth = 1.3;
+// A direction is determined where the points spread by less than this share of the cell's side
+// (standard deviation): of a surface that crosses the cell it is 0.29 along the surface.
+constexpr double kMaxThickness = 0.12;
+// Across a direction with more spread than this the points cover a patch.
+constexpr double kMinSpread = 0.15;
+// A scan plane is level where its normal's vertical part is at least this.
+constexpr double kLevel = 0.96;
+
+// Cells are counted from -2^20 to 2^20 along each axis: 26 km with the smallest cells.
+constexpr int kBits = 21;
+constexpr int64_t kOffset = int64_t{1} << (kBits - 1);
+constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
+
+}  // namespace
+
+void LocalCell::Add(const Eigen::Vector3d& p_world, double scan_normal_z, int scan_index) {
+  if (num_points_ == 0) first_scan_ = scan_index;
+  const Eigen::Vector3d p = p_world - centre_;
+  sum_ += p;
+  products_.noalias() += p * p.transpose();
+  sum_scan_normal_z2_ += scan_normal_z * scan_normal_z;
+  ++num_points_;
+  last_scan_ = scan_index;
+}
+
+void LocalCell::Determine(bool planar, double cell_m) {
+  num_determined_ = num_points_;
+  num_directions_ = 0;
+  const Eigen::Vector3d mean = sum_ / num_points_;
+  Eigen::Matrix3d covariance = products_ / num_points_ - mean * mean.transpose();
+  const double max_variance = kMaxThickness * kMaxThickness * cell_m * cell_m;
+  const double min_spread = kMinSpread * kMinSpread * cell_m * cell_m;
+  const auto take = [&](const Eigen::Vector3d& normal, double variance) {
+    if (variance > max_variance || num_directions_ == 2) return;
+    directions_[static_cast<size_t>(num_directions_++)] = {normal, variance};
+  };
+  const bool level = planar || sum_scan_normal_z2_ > kLevel * kLevel * num_points_;
+  if (level) {
+    // Upright surfaces: only the plan counts.
+    const Eigen::Matrix2d in_plan = covariance.topLeftCorner<2, 2>();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+    solver.computeDirect(in_plan);
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Vector2d axis = solver.eigenvectors().col(i);
+      take({axis.x(), axis.y(), 0.0}, std::max(0.0, solver.eigenvalues()[i]));
+    }
+    return;
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const Eigen::Vector3d& spread = solver.eigenvalues();
+  if (spread[1] < min_spread) return;  // a line: no sweep has covered what lies across it
+  take(solver.eigenvectors().col(0), std::max(0.0, spread[0]));
+}
+
+LocalMap::LocalMap(double cell_m, bool planar) : cell_m_(cell_m), planar_(planar) {}
+
+LocalMap::Key LocalMap::KeyOf(const Eigen::Vector3d& p_world) const {
+  Key key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<int64_t>(std::floor(p_world[axis] / cell_m_));
+    key = (key << kBits) | (static_cast<uint64_t>(cell + kOffset) & kMask);
+  }
+  return key;
+}
+
+Eigen::Vector3d LocalMap::CentreOf(Key key) const {
+  Eigen::Vector3d centre;
+  for (int axis = 2; axis >= 0; --axis, key >>= kBits) {
+    const auto cell = static_cast<int64_t>(key & kMask) - kOffset;
+    centre[axis] = (static_cast<double>(cell) + 0.5) * cell_m_;
+  }
+  return centre;
+}
+
+void LocalMap::Add(const Eigen::Vector3d& p_world,
+                   const Eigen::Vector3d& scan_normal,
+                   int scan_index) {
+  const Key key = KeyOf(p_world);
+  auto it = cells_.find(key);
+  if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
+  LocalCell& cell = it->second;
+  if (cell.num_points_ >= kEnoughPoints && cell.num_determined_ > 0) {
+    cell.Touch(scan_index);
+    return;
+  }
+  cell.Add(p_world, scan_normal.z(), scan_index);
+  if (cell.num_points_ < kMinPoints || scan_index < cell.first_scan_ + kMinScans - 1) return;
+  if (cell.num_points_ < kGrowth * cell.num_determined_ && cell.num_points_ < kEnoughPoints) {
+    return;
+  }
+  cell.Determine(planar_, cell_m_);
+}
+
+const LocalCell* LocalMap::Find(const Eigen::Vector3d& p_world) const {
+  const auto it = cells_.find(KeyOf(p_world));
+  if (it == cells_.end() || it->second.num_determined_ == 0) return nullptr;
+  return &it->second;
+}
+
+void LocalMap::ForgetBefore(int scan_index) {
+  for (auto it = cells_.begin(); it != cells_.end();) {
+    it = it->second.last_scan() < scan_index ? cells_.erase(it) : std::next(it);
+  }
+}
+
+}  // namespace plumbline

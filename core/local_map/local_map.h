@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+
+
+namespace plumbline {
+
+// A direction in which a cell says where its surface lies.
+struct SurfaceDirection {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double variance = 0.0;  // m^2, of the cell's points along it
+};
+
+// LocalCell holds the normal distribution of the points in one cell of space.
+class LocalCell {
+ public:
+  explicit LocalCell(const Eigen::Vector3d& centre_world) : centre_(centre_world) {}
+
+  void Add(const Eigen::Vector3d& p_world, double scan_normal_z, int scan_index);
+
+  int num_points() const { return num_points_; }
+  int last_scan() const { return last_scan_; }
+  void Touch(int scan_index) { last_scan_ = scan_index; }
+  Eigen::Vector3d Mean() const { return centre_ + sum_ / num_points_; }
+  // The directions that the points determine: at most two.
+  int num_directions() const { return num_directions_; }
+  const SurfaceDirection& direction(int i) const {
+    return directions_[static_cast<size_t>(i)];
+  }
+
+ private:
+  friend class LocalMap;
+  // Finds the directions anew.
+  void Determine(bool planar, double cell_m);
+
+  Eigen::Vector3d centre_;
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();       // of p - centre
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of p - centre with themselves
+  double sum_scan_normal_z2_ = 0.0;
+  int num_points_ = 0;
+  int first_scan_ = 0;
+  int last_scan_ = 0;
+  int num_determined_ = 0;  // points when the directions were found
+  int num_directions_ = 0;
+  std::array<SurfaceDirection, 2> directions_;
+};
+
+// LocalMap holds what the scanners saw around the rig lately, plane or not: normal
+// distributions of the points in cubes (Magnusson 2009, "The three-dimensional
+// normal-distributions transform"), with two differences. A single scan line is thin across
+// its scan plane whatever it meets: a cell gives only the directions that its points determine,
+// across a patch that several sweeps have covered, or, for level scan planes, across a line or
+// around a post, taken to be upright. And a cell that has seen enough takes in no more points:
+// it would follow the drift of the poses that it is to hold.
+class LocalMap {
+ public:
+  LocalMap(double cell_m, bool planar);
+
+  // Adds a point that a scanner with this scan plane normal saw. Points of one scan come
+  // together; scan_index never decreases.
+  void Add(const Eigen::Vector3d& p_world, const Eigen::Vector3d& scan_normal, int scan_index);
+  // The cell of a point, or nullptr where too little was seen.
+  const LocalCell* Find(const Eigen::Vector3d& p_world) const;
+  // Forgets the cells that were not seen since this scan.
+  void ForgetBefore(int scan_index);
+  size_t num_cells() const { return cells_.size(); }
+
+ private:
+  using Key = uint64_t;
+  Key KeyOf(const Eigen::Vector3d& p_world) const;
+  Eigen::Vector3d CentreOf(Key key) const;
+
+  double cell_m_;
+  bool planar_;
+  std::unordered_map<Key, LocalCell> cells_;
+};
+
+}  // namespace plumbline
