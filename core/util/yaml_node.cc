@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/util/error.h"
+#include "core/util/one_line.h"
 
 namespace plumbline {
 namespace {
@@ -29,34 +30,57 @@ int LineOf(const YAML::Node& node, int fallback) {
   return mark.line < 0 || node.IsNull() ? fallback : mark.line + 1;
 }
 
-std::string OnOneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
+// Keys and yaml-cpp's own words in messages.
+constexpr size_t kMaxQuotedBytes = 100;
+
+std::string Quoted(const std::string& key) {
+  return "'" + OnOneLine(key, kMaxQuotedBytes) + "'";
 }
 
-// yaml-cpp keeps both entries of a key that stands twice and answers with the first.
-void CheckMappings(const YAML::Node& node, const std::string& name, int line, int depth) {
-  line = LineOf(node, line);
-  if (depth > kMaxDepth) throw Error(LocationOf(name, line) + ": nested too deeply");
-  if (node.IsSequence()) {
-    for (const auto& element : node) CheckMappings(element, name, line, depth + 1);
-  }
-  if (!node.IsMap()) return;
-  std::set<std::string> keys;
-  for (const auto& entry : node) {
-    const int key_line = LineOf(entry.first, line);
-    if (!entry.first.IsScalar()) {
-      throw Error(LocationOf(name, key_line) + ": a key must be a single word");
+// Checks what yaml-cpp lets pass. An alias stands for all that its anchor holds, so a few
+// lines of aliases within aliases stand for billions of entries: these are counted as they are
+// passed, and without aliases there are at most as many as the text has bytes.
+class DocumentCheck {
+ public:
+  DocumentCheck(const std::string& name, size_t text_bytes)
+      : name_(name), entries_left_(kMaxAliasEntries + text_bytes) {}
+
+  void Check(const YAML::Node& node, int line, int depth) {
+    line = LineOf(node, line);
+    if (depth > kMaxDepth) throw Error(LocationOf(name_, line) + ": nested too deeply");
+    if (entries_left_ == 0) {
+      throw Error(LocationOf(name_, line) +
+                  ": aliases within aliases (*name) stand for too many entries");
     }
-    if (!keys.insert(entry.first.Scalar()).second) {
-      throw Error(LocationOf(name, key_line) + ": duplicate key '" +
-                  OnOneLine(entry.first.Scalar()) + "'");
+    --entries_left_;
+    if (node.IsSequence()) {
+      for (const auto& element : node) Check(element, line, depth + 1);
     }
-    CheckMappings(entry.second, name, key_line, depth + 1);
+    if (node.IsMap()) CheckMapping(node, line, depth);
   }
-}
+
+ private:
+  static constexpr size_t kMaxAliasEntries = 10000;
+
+  // yaml-cpp keeps both entries of a key that stands twice and answers with the first.
+  void CheckMapping(const YAML::Node& node, int line, int depth) {
+    std::set<std::string> keys;
+    for (const auto& entry : node) {
+      const int key_line = LineOf(entry.first, line);
+      if (!entry.first.IsScalar()) {
+        throw Error(LocationOf(name_, key_line) + ": a key must be a single word");
+      }
+      if (!keys.insert(entry.first.Scalar()).second) {
+        throw Error(LocationOf(name_, key_line) + ": duplicate key " +
+                    Quoted(entry.first.Scalar()));
+      }
+      Check(entry.second, key_line, depth + 1);
+    }
+  }
+
+  const std::string& name_;
+  size_t entries_left_;
+};
 
 // Strict and independent of the locale; nullopt unless the whole text is a number.
 template <typename Number>
@@ -108,14 +132,15 @@ YamlNode YamlNode::ReadText(const std::string& text, const std::string& name) {
     documents = YAML::LoadAll(text);
   } catch (const YAML::Exception& exception) {
     const int line = exception.mark.line < 0 ? 1 : exception.mark.line + 1;
-    throw Error(LocationOf(name, line) + ": not valid YAML: " + OnOneLine(exception.msg));
+    throw Error(LocationOf(name, line) +
+                ": not valid YAML: " + OnOneLine(exception.msg, kMaxQuotedBytes));
   }
   if (documents.empty() || documents[0].IsNull()) throw Error(name + ":1: the file is empty");
   if (documents.size() > 1) {
     throw Error(LocationOf(name, LineOf(documents[1], 1)) +
                 ": only one YAML document is allowed in a file");
   }
-  CheckMappings(documents[0], name, 1, 0);
+  DocumentCheck(name, text.size()).Check(documents[0], 1, 0);
   auto state = std::make_shared<State>();
   state->node = documents[0];
   state->file = name;
@@ -246,7 +271,7 @@ void YamlNode::RejectUnreadKeys() const {
     const std::string key = entry.first.Scalar();
     if (state_->known_keys.count(key) > 0) continue;
     throw Error(LocationOf(state_->file, LineOf(entry.first, state_->line)) +
-                ": unknown key '" + OnOneLine(key) + "'");
+                ": unknown key " + Quoted(key));
   }
 }
 
