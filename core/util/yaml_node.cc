@@ -1,5 +1,6 @@
 #include "core/util/yaml_node.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <charconv>
@@ -101,6 +102,45 @@ std::string FormatNumber(Number value) {
   return out.str();
 }
 
+// Notices where each document of a text begins.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  int last_line() const { return last_line_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override { last_line_ = mark.line + 1; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&,
+                const std::string&,
+                YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&,
+                       const std::string&,
+                       YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&,
+                  const std::string&,
+                  YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int last_line_ = 1;
+};
+
+// Throws Error when the text holds more than one document. (YAML::LoadAll takes a stray comma
+// for documents without end.)
+void CheckDocuments(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  DocumentStarts starts;
+  if (!parser.HandleNextDocument(starts) || !parser.HandleNextDocument(starts)) return;
+  throw Error(LocationOf(name, starts.last_line()) +
+              ": only one YAML document is allowed in a file");
+}
+
 }  // namespace
 
 struct YamlNode::State {
@@ -127,24 +167,21 @@ YamlNode YamlNode::ReadFile(const std::string& path) {
 }
 
 YamlNode YamlNode::ReadText(const std::string& text, const std::string& name) {
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    CheckDocuments(text, name);
+    document = YAML::Load(text);
   } catch (const YAML::Exception& exception) {
     const int line = exception.mark.line < 0 ? 1 : exception.mark.line + 1;
     throw Error(LocationOf(name, line) +
                 ": not valid YAML: " + OnOneLine(exception.msg, kMaxQuotedBytes));
   }
-  if (documents.empty() || documents[0].IsNull()) throw Error(name + ":1: the file is empty");
-  if (documents.size() > 1) {
-    throw Error(LocationOf(name, LineOf(documents[1], 1)) +
-                ": only one YAML document is allowed in a file");
-  }
-  DocumentCheck(name, text.size()).Check(documents[0], 1, 0);
+  if (!document.IsDefined() || document.IsNull()) throw Error(name + ":1: the file is empty");
+  DocumentCheck(name, text.size()).Check(document, 1, 0);
   auto state = std::make_shared<State>();
-  state->node = documents[0];
+  state->node = document;
   state->file = name;
-  state->line = LineOf(documents[0], 1);
+  state->line = LineOf(document, 1);
   return YamlNode(std::move(state));
 }
 

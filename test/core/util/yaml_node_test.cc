@@ -114,7 +114,7 @@ TEST(YamlNode, MalformedFilesNameFileAndLine) {
             std::string::npos);
   EXPECT_EQ(ErrorOf([] { Read(""); }), "f.yaml:1: the file is empty");
   EXPECT_EQ(ErrorOf([] { Read("a: 1\n---\nb: 2\n"); }),
-            "f.yaml:3: only one YAML document is allowed in a file");
+            "f.yaml:2: only one YAML document is allowed in a file");
   EXPECT_EQ(ErrorOf([] { Read("a: &x [*x]\n"); }).rfind("f.yaml:1: ", 0), 0u);
 }
 
@@ -140,6 +140,13 @@ TEST(YamlNode, AliasesWithinAliasesAreRefusedAtOnce) {
       << error;
 }
 
+// yaml-cpp takes a stray comma for the beginning of documents without end.
+TEST(YamlNode, StrayCommaIsAnError) {
+  for (const char* text : {",", ", a: 1\n", "\n,\n"}) {
+    EXPECT_EQ(ErrorOf([&] { Read(text); }).rfind("f.yaml:", 0), 0u) << text;
+  }
+}
+
 TEST(YamlNode, AliasesThatRepeatALittleAreRead) {
   std::string text = "a: &a [1, 2, 3]\nlist:\n";
   for (int i = 0; i < 100; ++i) text += "  - *a\n";
@@ -152,8 +159,7 @@ TEST(YamlNode, ErrorsStayOnOneLine) {
   EXPECT_EQ(ErrorOf([] { Read("\"a\\nb\": 1\n\"a\\nb\": 2\n"); }),
             "f.yaml:2: duplicate key 'a\\nb'");
   const YamlNode root = Read("\"\\e[2J\\t\": 1\n");
-  EXPECT_EQ(ErrorOf([&] { root.RejectUnreadKeys(); }),
-            "f.yaml:1: unknown key '\\x1b[2J\\t'");
+  EXPECT_EQ(ErrorOf([&] { root.RejectUnreadKeys(); }), "f.yaml:1: unknown key '\\x1b[2J\\t'");
 }
 
 }  // namespace
