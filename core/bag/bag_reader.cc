@@ -59,11 +59,13 @@ BagReader::BagReader(const std::string& path)
 }
 
 void BagReader::Scan(const Wants& wants, const Visit& visit) {
-  CHECK(!wants_) << "Scan() twice";
+  CHECK_EQ(header_.data_begin, 0u) << "Scan() twice";
   wants_ = wants;
   visit_ = visit;
   uint64_t position = ReadHeader();
   while (position < file_.size()) position = ReadTopRecord(position);
+  wants_ = nullptr;
+  visit_ = nullptr;
   CompareWithIndex();
   for (std::string& sentence : damages_.Sentences()) warnings_.push_back(std::move(sentence));
 }

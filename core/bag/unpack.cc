@@ -110,6 +110,7 @@ std::string UnpackAll(ByteSource* packed,
     if (!problem.empty()) break;
   }
   unpacked->resize(num_unpacked);
+  if (unpacked->capacity() / 2 > num_unpacked + kPieceBytes) unpacked->shrink_to_fit();
   return problem;
 }
 

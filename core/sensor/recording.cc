@@ -217,7 +217,7 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
                        " that can not be decoded, the first recorded at " +
                        ReceiptText(lost.first_receipt_ns));
   }
-  warnings.insert(warnings.end(), order.warnings.begin(), order.warnings.end());
+  for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
   std::string reasons;
   for (const std::string& warning : warnings) reasons += "; " + warning;
