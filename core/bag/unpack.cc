@@ -79,10 +79,11 @@ std::string UnpackAll(ByteSource* packed,
                       std::vector<uint8_t>* unpacked,
                       uint64_t* num_taken) {
   Decoder decoder;
-  // A size that is a lie must not cost memory; what is too little grows.
-  unpacked->resize(std::clamp(expected_size + 1, kPieceBytes, size_t{4} << 20));
   const size_t max_size = static_cast<size_t>(
       std::min<uint64_t>(kMaxUnpackedBytes, (uint64_t{1} << 20) + kMaxRatio * packed->size()));
+  // A size that is a lie must not cost memory; what is too little grows.
+  unpacked->resize(
+      std::clamp(expected_size + 1, kPieceBytes, std::min(max_size, size_t{4} << 20)));
   size_t num_unpacked = 0;
   std::string problem;
   for (bool at_end = false; !at_end;) {

@@ -45,7 +45,7 @@ TEST(BagRecord, DataMayLieBeyondTheEndButNotTheHeader) {
   for (size_t size = 0; size < bytes.size(); ++size) {
     const std::optional<BagRecord> record = Read(bytes.substr(0, size));
     EXPECT_EQ(record.has_value(), size >= bytes.size() - 4) << size;
-    if (record) EXPECT_EQ(record->end(), bytes.size());
+    EXPECT_EQ(record ? record->end() : bytes.size(), bytes.size());
   }
   EXPECT_FALSE(Read(bytes, ~uint64_t{0}));
   EXPECT_FALSE(Read(bytes, bytes.size() + 1));
