@@ -7,6 +7,7 @@ packages=(
   ccache
   cmake
   libbenchmark-dev
+  libbz2-dev
   libceres-dev
   libcgal-dev
   libeigen3-dev
@@ -14,6 +15,7 @@ packages=(
   libgoogle-glog-dev
   libgtest-dev
   libjemalloc-dev
+  liblz4-dev
   libpcl-dev
   librosbag-storage-dev
   libsensor-msgs-dev

@@ -37,8 +37,9 @@ void CellGrid::Cover(const Cell& cell) {
   larger.size_ = {size_i, size_j};
   larger.counts_.assign(static_cast<size_t>(size_i) * static_cast<size_t>(size_j), 0);
   Any([&](const Cell& occupied, int count) {
-    larger.counts_[larger.Index(occupied.first - first_i, occupied.second - first_j)] =
-        static_cast<uint16_t>(count);
+    const int i = occupied.first - larger.first_.first;
+    const int j = occupied.second - larger.first_.second;
+    larger.counts_[larger.Index(i, j)] = static_cast<uint16_t>(count);
     return false;
   });
   larger.num_occupied_ = num_occupied_;

@@ -1,90 +1,29 @@
 #include "core/sensor/recording.h"
 
-#include <glog/logging.h>
-#include <rosbag/bag.h>
-#include <rosbag/query.h>
-#include <rosbag/view.h>
-#include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/MultiEchoLaserScan.h>
-
-#include <cerrno>
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <map>
 #include <memory>
 #include <set>
 #include <utility>
 
+#include "core/bag/bag_reader.h"
+#include "core/sensor/laser_scan_message.h"
 #include "core/sensor/scan_order.h"
-#include "core/util/atomic_file.h"
 #include "core/util/error.h"
+#include "core/util/one_line.h"
 
 namespace plumbline {
 
 namespace {
 
-namespace fs = std::filesystem;
-namespace serialization = ros::serialization;
-
 // The reader holds back at most so many scan lines while it brings messages into the order of
 // their stamps, a few MB; beyond that it fetches single messages out of turn.
 constexpr size_t kMaxBufferedScanLines = 512;
 
-// Where rosbag copies the bytes of one serialized message to.
-struct MessageBytes {
-  std::vector<uint8_t> bytes;
-
-  uint8_t* advance(uint32_t size) {
-    bytes.resize(size);
-    return bytes.data();
-  }
-};
-
-// No scanner takes longer for a scan line. Infinity and NaN fail the comparison too.
-constexpr float kMaxScanSeconds = 2.0f;
-
-// The fields that LaserScan and MultiEchoLaserScan begin with.
-struct ScanHead {
-  int64_t stamp_ns = 0;
-  float angle_min = 0.0f;
-  float angle_increment = 0.0f;
-  float time_increment = 0.0f;
-  uint32_t num_beams = 0;
-
-  bool IsUsable() const {
-    return num_beams > 0 && std::isfinite(angle_min) && std::isfinite(angle_increment) &&
-           angle_increment != 0.0f && time_increment >= 0.0f &&
-           time_increment * static_cast<float>(num_beams) <= kMaxScanSeconds;
-  }
-};
-
-ScanHead ReadHead(serialization::IStream* stream) {
-  std_msgs::Header header;
-  ScanHead head;
-  float angle_max = 0.0f;
-  float scan_time = 0.0f;
-  float range_min = 0.0f;
-  float range_max = 0.0f;
-  stream->next(header);
-  stream->next(head.angle_min);
-  stream->next(angle_max);
-  stream->next(head.angle_increment);
-  stream->next(head.time_increment);
-  stream->next(scan_time);
-  stream->next(range_min);
-  stream->next(range_max);
-  stream->next(head.num_beams);
-  head.stamp_ns = static_cast<int64_t>(header.stamp.toNSec());
-  // Either type takes at least 4 bytes a beam. Checked here, before anybody allocates memory.
-  if (head.num_beams > stream->getLength() / 4) {
-    throw serialization::StreamOverrunException("message shorter than its number of beams");
-  }
-  return head;
-}
+// Names and topics in messages, and how many of them.
+constexpr size_t kMaxQuotedBytes = 200;
+constexpr size_t kMaxListedTopics = 20;
 
 // The directions of a scanner's beams. Its lines hardly ever differ in their angles.
 class KnownDirections {
@@ -111,179 +50,97 @@ class KnownDirections {
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions_;
 };
 
-void ReadRanges(bool multi_echo,
-                uint32_t num_beams,
-                serialization::IStream* stream,
-                std::vector<float>* ranges) {
-  ranges->resize(num_beams);
-  if (!multi_echo) {
-    if (num_beams == 0) return;
-    std::memcpy(ranges->data(), stream->advance(num_beams * 4), num_beams * sizeof(float));
-    return;
-  }
-  for (float& range : *ranges) {
-    uint32_t num_echoes = 0;
-    stream->next(num_echoes);
-    if (num_echoes > stream->getLength() / 4) {
-      throw serialization::StreamOverrunException("message shorter than its number of echoes");
+std::string Shown(const std::string& text) { return OnOneLine(text, kMaxQuotedBytes); }
+
+std::string Quoted(const std::string& text) { return "'" + Shown(text) + "'"; }
+
+std::string ReceiptText(uint64_t receipt_ns) {
+  char text[64];
+  std::snprintf(text,
+                sizeof(text),
+                "%llu.%09llu s",
+                static_cast<unsigned long long>(receipt_ns / 1'000'000'000),
+                static_cast<unsigned long long>(receipt_ns % 1'000'000'000));
+  return text;
+}
+
+std::string TopicsText(const std::set<std::string>& topics) {
+  std::string text;
+  size_t num_listed = 0;
+  for (const std::string& topic : topics) {
+    if (++num_listed > kMaxListedTopics) {
+      return text + " and " + std::to_string(topics.size() - kMaxListedTopics) + " more";
     }
-    range = std::numeric_limits<float>::quiet_NaN();
-    if (num_echoes == 0) continue;
-    std::memcpy(&range, stream->advance(num_echoes * 4), sizeof(float));
+    text += (text.empty() ? " " : ", ") + Shown(topic);
   }
+  return text.empty() ? " none" : text;
 }
 
-std::string Quoted(const std::string& text) { return "'" + text + "'"; }
-
-template <typename Message>
-bool IsOfType(const rosbag::ConnectionInfo& connection) {
-  return connection.datatype == ros::message_traits::DataType<Message>::value() &&
-         connection.md5sum == ros::message_traits::MD5Sum<Message>::value();
-}
-
-bool IsScanType(const rosbag::ConnectionInfo& connection) {
-  return IsOfType<sensor_msgs::LaserScan>(connection) ||
-         IsOfType<sensor_msgs::MultiEchoLaserScan>(connection);
-}
-
-// Opens a bag or says in one line why it can not be read.
-void OpenBag(const std::string& path, rosbag::Bag* bag) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) throw Error(path + ": no such file");
-  if (!fs::is_regular_file(path, ignored)) throw Error(path + ": is not a file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(path + ": can not be read: " + std::strerror(errno));
-  const std::string magic = "#ROSBAG V";
-  std::string start(magic.size(), '\0');
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (start != magic) throw Error(path + ": is not a ROS 1 bag");
-
-  // rosbag reports through exceptions too; its own log would only repeat them.
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  try {
-    bag->open(path, rosbag::bagmode::Read);
-  } catch (const rosbag::BagUnindexedException&) {
-    throw Error(path +
-                ": the recording breaks off: the bag was never closed and has no index; " +
-                "`rosbag reindex` may repair it");
-  } catch (const std::exception& exception) {
-    throw Error(path + ": the recording breaks off after " +
-                std::to_string(fs::file_size(path, ignored)) + " bytes or is damaged (" +
-                exception.what() + "); `rosbag reindex` may repair it");
-  }
-}
-
-// Takes a bag that can not be closed, for want of space: its destructor would try again,
-// throw, and so end the program. The list keeps it reachable.
-void Abandon(std::unique_ptr<rosbag::Bag> bag) {
-  static auto* abandoned = new std::vector<rosbag::Bag*>();
-  abandoned->push_back(bag.release());
-}
+// Messages of one scanner that can not be decoded.
+struct Undecodable {
+  int count = 0;
+  uint64_t first_receipt_ns = 0;
+};
 
 }  // namespace
 
 struct RecordingReader::Impl {
-  std::string path;
-  rosbag::Bag bag;
-  std::vector<rosbag::MessageInstance> instances;  // by position: the order of the bag
-  std::vector<ScanStamp> stamps;                   // by position
-  std::vector<int64_t> orders;                     // by position; -1: passed over
+  explicit Impl(const std::string& path) : bag(path) {}
+
+  BagReader bag;
+  std::vector<BagMessage> messages;  // by position: in the order of their receipt
+  std::vector<ScanStamp> stamps;     // by position
+  std::vector<int64_t> orders;       // by position; -1: passed over
   ScanOrder order;
+  std::vector<Undecodable> undecodable;  // by scanner
+  std::vector<std::string> warnings;
 
   // State of the reading.
   size_t next_order = 0;
   size_t next_position = 0;
-  std::map<size_t, ScanLine> buffer;  // by order: read ahead of their turn
-  MessageBytes bytes;
+  std::map<size_t, ScanLine> buffer;        // by order: read ahead of their turn
   std::vector<KnownDirections> directions;  // by scanner
 
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
+  void SortByReceipt();
+  void CollectWarnings(const Rig& rig);
+  std::string DamageText() const;
   bool Next(ScanLine* scan_line);
   void ReadAhead(size_t position);
-
-  [[noreturn]] void Fail(size_t position, const std::string& reason);
-  serialization::IStream ReadBytes(size_t position);
-  ScanHead ReadMessageHead(size_t position);
   void ReadScanLine(size_t position, ScanLine* scan_line);
 };
 
-void RecordingReader::Impl::Fail(size_t position, const std::string& reason) {
-  const rosbag::MessageInstance& instance = instances[position];
-  char time[32];
-  std::snprintf(
-      time, sizeof(time), "%u.%09u", instance.getTime().sec, instance.getTime().nsec);
-  throw Error(path + ": message " + std::to_string(position + 1) + " of " +
-              std::to_string(instances.size()) + " (topic " + instance.getTopic() +
-              ", recorded at " + time + " s) can not be decoded: " + reason);
-}
-
-serialization::IStream RecordingReader::Impl::ReadBytes(size_t position) {
-  bytes.bytes.clear();  // rosbag does not touch them where a message is empty
-  instances[position].write(bytes);
-  return {bytes.bytes.data(), static_cast<uint32_t>(bytes.bytes.size())};
-}
-
-ScanHead RecordingReader::Impl::ReadMessageHead(size_t position) {
-  try {
-    serialization::IStream stream = ReadBytes(position);
-    return ReadHead(&stream);
-  } catch (const std::exception& exception) {
-    Fail(position, exception.what());
-  }
-}
-
-void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
-  const bool multi_echo =
-      instances[position].getDataType() ==
-      ros::message_traits::DataType<sensor_msgs::MultiEchoLaserScan>::value();
-  try {
-    serialization::IStream stream = ReadBytes(position);
-    const ScanHead head = ReadHead(&stream);
-    scan_line->scanner_index = stamps[position].scanner_index;
-    scan_line->stamp_ns = head.stamp_ns;
-    scan_line->angle_min = head.angle_min;
-    scan_line->angle_increment = head.angle_increment;
-    scan_line->time_increment_s = head.time_increment;
-    ReadRanges(multi_echo, head.num_beams, &stream, &scan_line->ranges);
-    directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
-  } catch (const std::exception& exception) {
-    Fail(position, exception.what());
-  }
+// What is wrong with the bag, as the end of an error that may come from it.
+std::string RecordingReader::Impl::DamageText() const {
+  std::string text;
+  for (const std::string& warning : bag.warnings()) text += "; " + warning;
+  return text;
 }
 
 // Every topic of the rig must be there once and carry scan lines.
 void RecordingReader::Impl::CheckTopics(const Rig& rig) {
-  rosbag::View view(bag);
-  std::multimap<std::string, const rosbag::ConnectionInfo*> connections;
+  std::multimap<std::string, const BagConnection*> connections;
   std::set<std::string> scan_topics;
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    connections.emplace(connection->topic, connection);
-    if (IsScanType(*connection)) scan_topics.insert(connection->topic);
+  for (const BagConnection& connection : bag.connections()) {
+    connections.emplace(connection.topic, &connection);
+    if (IsLaserScan(connection)) scan_topics.insert(connection.topic);
   }
-  std::string listed;
-  for (const std::string& topic : scan_topics) {
-    listed += (listed.empty() ? " " : ", ") + topic;
-  }
-  if (listed.empty()) listed = " none";
-  const std::string hint = "; topics with laser scans in this recording:" + listed;
+  const std::string hint =
+      "; topics with laser scans in this recording:" + TopicsText(scan_topics) + DamageText();
 
-  std::map<std::string, std::string> names;  // by topic
   for (const Scanner& scanner : rig.scanners) {
-    if (!names.emplace(scanner.topic, scanner.name).second) {
-      throw Error("scanners " + Quoted(names[scanner.topic]) + " and " + Quoted(scanner.name) +
-                  " of the rig name the same topic " + scanner.topic);
-    }
     const auto [begin, end] = connections.equal_range(scanner.topic);
     if (begin == end) {
-      throw Error(path + ": has no topic " + scanner.topic + " (scanner " +
+      throw Error(bag.path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
                   Quoted(scanner.name) + " of the rig)" + hint);
     }
     for (auto connection = begin; connection != end; ++connection) {
-      if (IsScanType(*connection->second)) continue;
-      throw Error(path + ": topic " + scanner.topic + " (scanner " + Quoted(scanner.name) +
-                  " of the rig) is of type " + connection->second->datatype + " (definition " +
-                  connection->second->md5sum +
+      if (IsLaserScan(*connection->second)) continue;
+      throw Error(bag.path() + ": topic " + Shown(scanner.topic) + " (scanner " +
+                  Quoted(scanner.name) + " of the rig) is of type " +
+                  Shown(connection->second->type) + " (definition " +
+                  Shown(connection->second->md5sum) +
                   "), not sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan" + hint);
     }
   }
@@ -292,25 +149,35 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
 // First pass: stamps and heads only.
 void RecordingReader::Impl::IndexMessages(const Rig& rig) {
   std::map<std::string, int> scanner_indices;  // by topic
-  std::vector<std::string> topics;
   for (const Scanner& scanner : rig.scanners) {
-    scanner_indices[scanner.topic] = static_cast<int>(topics.size());
-    topics.push_back(scanner.topic);
+    const auto [known, is_new] =
+        scanner_indices.emplace(scanner.topic, static_cast<int>(scanner_indices.size()));
+    if (is_new) continue;
+    throw Error(bag.path() + ": scanners " +
+                Quoted(rig.scanners[static_cast<size_t>(known->second)].name) + " and " +
+                Quoted(scanner.name) + " of the rig name the same topic " +
+                Shown(scanner.topic));
   }
-  try {
-    rosbag::View view(bag, rosbag::TopicQuery(topics));
-    for (const rosbag::MessageInstance& instance : view) instances.push_back(instance);
-  } catch (const std::exception& exception) {
-    throw Error(path + ": the index of the bag is damaged (" + exception.what() +
-                "); `rosbag reindex` may repair it");
-  }
-  stamps.resize(instances.size());
-  for (size_t position = 0; position < instances.size(); ++position) {
-    const ScanHead head = ReadMessageHead(position);
-    stamps[position].scanner_index = scanner_indices.at(instances[position].getTopic());
-    stamps[position].stamp_ns = head.stamp_ns;
-    stamps[position].usable = head.IsUsable();
-  }
+  undecodable.resize(rig.scanners.size());
+  const auto wants = [&](const BagConnection& connection) {
+    return IsLaserScan(connection) && scanner_indices.count(connection.topic) > 0;
+  };
+  const auto visit = [&](const BagMessage& message, ByteView data) {
+    const BagConnection& connection = bag.connections()[message.connection_index];
+    const int scanner_index = scanner_indices.at(connection.topic);
+    LaserScanMessage scan;
+    if (!ReadLaserScan(data, IsMultiEchoLaserScan(connection), &scan, nullptr)) {
+      Undecodable& lost = undecodable[static_cast<size_t>(scanner_index)];
+      if (lost.count++ == 0) lost.first_receipt_ns = message.receipt_ns;
+      return false;
+    }
+    messages.push_back(message);
+    stamps.push_back({scan.stamp_ns, scanner_index, scan.IsUsable()});
+    return true;
+  };
+  bag.Scan(wants, visit);
+  CheckTopics(rig);
+  SortByReceipt();
   order = OrderScanLines(rig, stamps);
   orders.assign(stamps.size(), -1);
   for (size_t i = 0; i < order.positions.size(); ++i) {
@@ -318,9 +185,63 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
   }
 }
 
+// Recorders write what they receive in turn, but tools that cut and join bags need not.
+void RecordingReader::Impl::SortByReceipt() {
+  const auto earlier = [](const BagMessage& a, const BagMessage& b) {
+    return a.receipt_ns < b.receipt_ns;
+  };
+  if (std::is_sorted(messages.begin(), messages.end(), earlier)) return;
+  std::vector<size_t> indices(messages.size());
+  for (size_t i = 0; i < indices.size(); ++i) indices[i] = i;
+  std::stable_sort(indices.begin(), indices.end(), [&](size_t a, size_t b) {
+    return earlier(messages[a], messages[b]);
+  });
+  std::vector<BagMessage> sorted_messages;
+  std::vector<ScanStamp> sorted_stamps;
+  for (size_t index : indices) {
+    sorted_messages.push_back(messages[index]);
+    sorted_stamps.push_back(stamps[index]);
+  }
+  messages = std::move(sorted_messages);
+  stamps = std::move(sorted_stamps);
+}
+
+void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
+  warnings = bag.warnings();
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const Undecodable& lost = undecodable[i];
+    if (lost.count == 0) continue;
+    warnings.push_back("scanner " + Quoted(rig.scanners[i].name) + ": " +
+                       std::to_string(lost.count) +
+                       (lost.count == 1 ? " message is lost" : " messages are lost") +
+                       " that can not be decoded, the first recorded at " +
+                       ReceiptText(lost.first_receipt_ns));
+  }
+  for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
+  if (!order.positions.empty()) return;
+  std::string reasons;
+  for (const std::string& warning : warnings) reasons += "; " + warning;
+  throw Error(bag.path() + ": has no scan lines of the rig's scanners" + reasons);
+}
+
+void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
+  const BagMessage& message = messages[position];
+  const bool multi_echo = IsMultiEchoLaserScan(bag.connections()[message.connection_index]);
+  LaserScanMessage scan;
+  if (!ReadLaserScan(bag.Read(message), multi_echo, &scan, &scan_line->ranges) ||
+      scan.stamp_ns != stamps[position].stamp_ns) {
+    throw Error(bag.path() + ": has changed while it was read");
+  }
+  scan_line->scanner_index = stamps[position].scanner_index;
+  scan_line->stamp_ns = scan.stamp_ns;
+  scan_line->angle_min = scan.angle_min;
+  scan_line->angle_increment = scan.angle_increment;
+  scan_line->time_increment_s = scan.time_increment;
+  directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
+}
+
 // Reads what comes in the bag up to and including position. Bag order is almost the order of
-// stamps, and to go through the bag in its own order spares rosbag from unpacking chunks
-// twice.
+// stamps, and to go through the bag in its own order spares unpacking chunks twice.
 void RecordingReader::Impl::ReadAhead(size_t position) {
   for (; next_position <= position; ++next_position) {
     if (orders[next_position] < static_cast<int64_t>(next_order)) continue;  // or passed over
@@ -348,17 +269,10 @@ bool RecordingReader::Impl::Next(ScanLine* scan_line) {
 }
 
 RecordingReader::RecordingReader(const std::string& path, const Rig& rig)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->path = path;
+    : impl_(std::make_unique<Impl>(path)) {
   impl_->directions.resize(rig.scanners.size());
-  OpenBag(path, &impl_->bag);
-  impl_->CheckTopics(rig);
   impl_->IndexMessages(rig);
-  if (impl_->order.positions.empty()) {
-    std::string reasons;
-    for (const std::string& warning : impl_->order.warnings) reasons += "; " + warning;
-    throw Error(path + ": has no scan lines of the rig's scanners" + reasons);
-  }
+  impl_->CollectWarnings(rig);
 }
 
 RecordingReader::~RecordingReader() = default;
@@ -385,83 +299,6 @@ int RecordingReader::num_scan_lines() const {
 
 double RecordingReader::scan_period_s() const { return impl_->order.scan_period_s; }
 
-const std::vector<std::string>& RecordingReader::warnings() const {
-  return impl_->order.warnings;
-}
-
-struct RecordingWriter::Impl {
-  Impl(const std::string& path, const Rig& rig)
-      : rig(rig), file(path), sequence(rig.scanners.size(), 0) {}
-
-  Rig rig;
-  AtomicFile file;
-  std::unique_ptr<rosbag::Bag> bag;
-  std::vector<uint32_t> sequence;  // by scanner: number of its next message
-  sensor_msgs::LaserScan message;
-
-  [[noreturn]] void Fail(const std::exception& exception) {
-    throw Error(file.path() + ": can not be written: " + exception.what());
-  }
-};
-
-RecordingWriter::RecordingWriter(const std::string& path, const Rig& rig)
-    : impl_(std::make_unique<Impl>(path, rig)) {
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  impl_->bag = std::make_unique<rosbag::Bag>();
-  try {
-    impl_->bag->open(impl_->file.temporary_path(), rosbag::bagmode::Write);
-    impl_->bag->setCompression(rosbag::compression::Uncompressed);
-  } catch (const std::exception& exception) {
-    impl_->Fail(exception);
-  }
-}
-
-RecordingWriter::~RecordingWriter() {
-  if (impl_->bag == nullptr) return;
-  try {
-    impl_->bag->close();
-  } catch (const std::exception&) {
-    Abandon(std::move(impl_->bag));
-  }
-}
-
-void RecordingWriter::Write(const ScanLine& scan_line) {
-  CHECK(impl_->bag != nullptr) << "Write() after Close()";
-  CHECK_GT(scan_line.stamp_ns, 0) << "ROS stamps begin after 0";
-  const size_t scanner_index = static_cast<size_t>(scan_line.scanner_index);
-  CHECK_LT(scanner_index, impl_->rig.scanners.size());
-  const Scanner& scanner = impl_->rig.scanners[scanner_index];
-
-  sensor_msgs::LaserScan& message = impl_->message;
-  ros::Time stamp;
-  stamp.fromNSec(static_cast<uint64_t>(scan_line.stamp_ns));
-  message.header.seq = impl_->sequence[scanner_index]++;
-  message.header.stamp = stamp;
-  message.header.frame_id = scanner.name;
-  message.angle_min = static_cast<float>(scan_line.angle_min);
-  message.angle_max = static_cast<float>(scan_line.BeamAngle(scan_line.num_beams() - 1));
-  message.angle_increment = static_cast<float>(scan_line.angle_increment);
-  message.time_increment = static_cast<float>(scan_line.time_increment_s);
-  message.scan_time = static_cast<float>(1.0 / scanner.scan_rate_hz);
-  message.range_min = static_cast<float>(scanner.min_range_m);
-  message.range_max = static_cast<float>(scanner.max_range_m);
-  message.ranges.assign(scan_line.ranges.begin(), scan_line.ranges.end());
-  try {
-    impl_->bag->write(scanner.topic, stamp, message);
-  } catch (const std::exception& exception) {
-    impl_->Fail(exception);
-  }
-}
-
-void RecordingWriter::Close() {
-  CHECK(impl_->bag != nullptr) << "Close() twice";
-  try {
-    impl_->bag->close();
-  } catch (const std::exception& exception) {
-    impl_->Fail(exception);
-  }
-  impl_->bag.reset();
-  impl_->file.Commit();
-}
+const std::vector<std::string>& RecordingReader::warnings() const { return impl_->warnings; }
 
 }  // namespace plumbline

@@ -16,12 +16,13 @@ namespace plumbline {
 class RecordingReader {
  public:
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or
-  // has no scan line at all.
+  // has no scan line at all. Of a damaged bag it reads what can be read; warnings() say what
+  // is missing.
   RecordingReader(const std::string& path, const Rig& rig);
   ~RecordingReader();
 
-  // Moves on to the next scan line; false at the end. Throws Error naming the message at fault
-  // when the recording breaks off or a message can not be decoded.
+  // Moves on to the next scan line; false at the end. Throws Error when the file has changed
+  // since it was opened.
   bool Next(ScanLine* scan_line);
 
   // Starts again from the first scan line.
@@ -32,24 +33,9 @@ class RecordingReader {
   int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;
-  // Sentences about scan lines that were passed over or look wrong, for the user and
-  // summary.json.
+  // Sentences about what is damaged or missing and about scan lines that were passed over or
+  // look wrong, for the user and summary.json.
   const std::vector<std::string>& warnings() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-// Writes scan lines as a ROS 1 bag that ROS tools and RecordingReader open. The file appears
-// under its name when Close() has written it whole.
-class RecordingWriter {
- public:
-  RecordingWriter(const std::string& path, const Rig& rig);
-  ~RecordingWriter();  // without Close(): the unfinished file is removed
-
-  void Write(const ScanLine& scan_line);
-  void Close();
 
  private:
   struct Impl;

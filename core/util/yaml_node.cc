@@ -1,5 +1,6 @@
 #include "core/util/yaml_node.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <charconv>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "core/util/error.h"
+#include "core/util/one_line.h"
 
 namespace plumbline {
 namespace {
@@ -29,34 +31,57 @@ int LineOf(const YAML::Node& node, int fallback) {
   return mark.line < 0 || node.IsNull() ? fallback : mark.line + 1;
 }
 
-std::string OnOneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
+// Keys and yaml-cpp's own words in messages.
+constexpr size_t kMaxQuotedBytes = 100;
+
+std::string Quoted(const std::string& key) {
+  return "'" + OnOneLine(key, kMaxQuotedBytes) + "'";
 }
 
-// yaml-cpp keeps both entries of a key that stands twice and answers with the first.
-void CheckMappings(const YAML::Node& node, const std::string& name, int line, int depth) {
-  line = LineOf(node, line);
-  if (depth > kMaxDepth) throw Error(LocationOf(name, line) + ": nested too deeply");
-  if (node.IsSequence()) {
-    for (const auto& element : node) CheckMappings(element, name, line, depth + 1);
-  }
-  if (!node.IsMap()) return;
-  std::set<std::string> keys;
-  for (const auto& entry : node) {
-    const int key_line = LineOf(entry.first, line);
-    if (!entry.first.IsScalar()) {
-      throw Error(LocationOf(name, key_line) + ": a key must be a single word");
+// Checks what yaml-cpp lets pass. An alias stands for all that its anchor holds, so a few
+// lines of aliases within aliases stand for billions of entries: these are counted as they are
+// passed, and without aliases there are at most as many as the text has bytes.
+class DocumentCheck {
+ public:
+  DocumentCheck(const std::string& name, size_t text_bytes)
+      : name_(name), entries_left_(kMaxAliasEntries + text_bytes) {}
+
+  void Check(const YAML::Node& node, int line, int depth) {
+    line = LineOf(node, line);
+    if (depth > kMaxDepth) throw Error(LocationOf(name_, line) + ": nested too deeply");
+    if (entries_left_ == 0) {
+      throw Error(LocationOf(name_, line) +
+                  ": aliases within aliases (*name) stand for too many entries");
     }
-    if (!keys.insert(entry.first.Scalar()).second) {
-      throw Error(LocationOf(name, key_line) + ": duplicate key '" +
-                  OnOneLine(entry.first.Scalar()) + "'");
+    --entries_left_;
+    if (node.IsSequence()) {
+      for (const auto& element : node) Check(element, line, depth + 1);
     }
-    CheckMappings(entry.second, name, key_line, depth + 1);
+    if (node.IsMap()) CheckMapping(node, line, depth);
   }
-}
+
+ private:
+  static constexpr size_t kMaxAliasEntries = 10000;
+
+  // yaml-cpp keeps both entries of a key that stands twice and answers with the first.
+  void CheckMapping(const YAML::Node& node, int line, int depth) {
+    std::set<std::string> keys;
+    for (const auto& entry : node) {
+      const int key_line = LineOf(entry.first, line);
+      if (!entry.first.IsScalar()) {
+        throw Error(LocationOf(name_, key_line) + ": a key must be a single word");
+      }
+      if (!keys.insert(entry.first.Scalar()).second) {
+        throw Error(LocationOf(name_, key_line) + ": duplicate key " +
+                    Quoted(entry.first.Scalar()));
+      }
+      Check(entry.second, key_line, depth + 1);
+    }
+  }
+
+  const std::string& name_;
+  size_t entries_left_;
+};
 
 // Strict and independent of the locale; nullopt unless the whole text is a number.
 template <typename Number>
@@ -75,6 +100,45 @@ std::string FormatNumber(Number value) {
   std::ostringstream out;
   out << value;
   return out.str();
+}
+
+// Notices where each document of a text begins.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  int last_line() const { return last_line_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override { last_line_ = mark.line + 1; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&,
+                const std::string&,
+                YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&,
+                       const std::string&,
+                       YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&,
+                  const std::string&,
+                  YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int last_line_ = 1;
+};
+
+// Throws Error when the text holds more than one document. (YAML::LoadAll takes a stray comma
+// for documents without end.)
+void CheckDocuments(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  DocumentStarts starts;
+  if (!parser.HandleNextDocument(starts) || !parser.HandleNextDocument(starts)) return;
+  throw Error(LocationOf(name, starts.last_line()) +
+              ": only one YAML document is allowed in a file");
 }
 
 }  // namespace
@@ -103,23 +167,21 @@ YamlNode YamlNode::ReadFile(const std::string& path) {
 }
 
 YamlNode YamlNode::ReadText(const std::string& text, const std::string& name) {
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    CheckDocuments(text, name);
+    document = YAML::Load(text);
   } catch (const YAML::Exception& exception) {
     const int line = exception.mark.line < 0 ? 1 : exception.mark.line + 1;
-    throw Error(LocationOf(name, line) + ": not valid YAML: " + OnOneLine(exception.msg));
+    throw Error(LocationOf(name, line) +
+                ": not valid YAML: " + OnOneLine(exception.msg, kMaxQuotedBytes));
   }
-  if (documents.empty() || documents[0].IsNull()) throw Error(name + ":1: the file is empty");
-  if (documents.size() > 1) {
-    throw Error(LocationOf(name, LineOf(documents[1], 1)) +
-                ": only one YAML document is allowed in a file");
-  }
-  CheckMappings(documents[0], name, 1, 0);
+  if (!document.IsDefined() || document.IsNull()) throw Error(name + ":1: the file is empty");
+  DocumentCheck(name, text.size()).Check(document, 1, 0);
   auto state = std::make_shared<State>();
-  state->node = documents[0];
+  state->node = document;
   state->file = name;
-  state->line = LineOf(documents[0], 1);
+  state->line = LineOf(document, 1);
   return YamlNode(std::move(state));
 }
 
@@ -246,7 +308,7 @@ void YamlNode::RejectUnreadKeys() const {
     const std::string key = entry.first.Scalar();
     if (state_->known_keys.count(key) > 0) continue;
     throw Error(LocationOf(state_->file, LineOf(entry.first, state_->line)) +
-                ": unknown key '" + OnOneLine(key) + "'");
+                ": unknown key " + Quoted(key));
   }
 }
 

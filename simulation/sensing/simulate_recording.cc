@@ -6,10 +6,10 @@
 #include <system_error>
 
 #include "core/result/result_text.h"
-#include "core/sensor/recording.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
+#include "simulation/sensing/recording_writer.h"
 
 namespace plumbline {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 
@@ -35,6 +36,10 @@ class BadInputTest : public MappingTest {
 
   static double SecondsIn(const SimulatedRecording& recording, const ScanLine& scan_line) {
     return SecondsBetween(recording.scan_lines.front().stamp_ns, scan_line.stamp_ns);
+  }
+
+  static int NumScans(const SimulatedRecording& recording) {
+    return static_cast<int>(recording.scan_lines.size() / recording.rig.scanners.size());
   }
 
   template <typename Condition>
@@ -77,16 +82,43 @@ TEST_F(BadInputTest, MissingFilesAreNamed) {
   EXPECT_THAT(MapError(), HasSubstr(Path("rig.yaml")));
 }
 
-TEST_F(BadInputTest, TruncatedRecordingIsAnError) {
+TEST_F(BadInputTest, RecordingThatBreaksOffAtOnceIsAnError) {
   WriteRecording(Record(1.0));
   const std::string bytes = ReadBytes(Path("recording.bag"));
-  for (const double share : {0.0, 0.3, 0.9, 0.999}) {
-    const auto size = static_cast<size_t>(share * static_cast<double>(bytes.size()));
+  for (const size_t size : {0, 1000, 5000}) {
     WriteBytes(Path("recording.bag"), bytes.substr(0, size));
-    EXPECT_THAT(MapError(), HasSubstr(Path("recording.bag"))) << share;
+    EXPECT_THAT(MapError(), HasSubstr(Path("recording.bag"))) << size;
   }
   WriteBytes(Path("recording.bag"), "this is no bag\n");
   EXPECT_THAT(MapError(), HasSubstr(Path("recording.bag")));
+}
+
+TEST_F(BadInputTest, RecordingThatBreaksOffIsMappedSoFar) {
+  const SimulatedRecording recording = Record();
+  WriteRecording(recording);
+  const auto size = static_cast<double>(fs::file_size(Path("recording.bag")));
+  fs::resize_file(Path("recording.bag"), static_cast<size_t>(0.8 * size));
+  Map();
+  EXPECT_THAT(summary_.warnings, Contains(HasSubstr("damaged bag: ")));
+  EXPECT_GT(summary_.scans, 7 * NumScans(recording) / 10);
+  ExpectTruePlanes(EvaluateResult(recording));
+}
+
+// What a recorder leaves that is killed: recording.bag.active.
+TEST_F(BadInputTest, RecordingWithoutIndexIsMapped) {
+  const SimulatedRecording recording = Record();
+  WriteRecording(recording);
+  std::string bytes = ReadBytes(Path("recording.bag"));
+  const size_t field = bytes.find("index_pos=") + 10;
+  uint64_t index_position = 0;
+  std::memcpy(&index_position, bytes.data() + field, 8);
+  bytes.resize(index_position);
+  bytes.replace(field, 8, std::string(8, '\0'));
+  WriteBytes(Path("recording.bag"), bytes);
+  Map();
+  EXPECT_THAT(summary_.warnings, Contains(HasSubstr("was never closed and has no index")));
+  EXPECT_EQ(summary_.scans, NumScans(recording));
+  ExpectTruePlanes(EvaluateResult(recording));
 }
 
 TEST_F(BadInputTest, TopicThatIsNotThereIsNamed) {

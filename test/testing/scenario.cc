@@ -9,8 +9,8 @@
 #include "core/options/mapper_options.h"
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"
-#include "core/sensor/recording.h"
 #include "simulation/sensing/experiment.h"
+#include "simulation/sensing/recording_writer.h"
 #include "simulation/sensing/simulate_recording.h"
 #include "simulation/sensing/simulator.h"
 

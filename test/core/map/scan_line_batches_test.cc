@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulation/sensing/recording_writer.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {

@@ -12,6 +12,8 @@
 #include <functional>
 #include <limits>
 
+#include "simulation/sensing/recording_writer.h"
+#include "test/core/sensor/recording_fixture.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -22,89 +24,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr int64_t kStart = 1'600'000'000'000'000'000;
-constexpr int64_t kMillisecond = 1'000'000;
-constexpr int64_t kPeriod = 25 * kMillisecond;
-
-Rig MakeRig(const std::vector<std::string>& names) {
-  Rig rig;
-  for (const std::string& name : names) {
-    Scanner scanner;
-    scanner.name = name;
-    scanner.topic = "/" + name + "_scan";
-    rig.scanners.push_back(scanner);
-  }
-  return rig;
-}
-
-ScanLine MakeScanLine(int scanner_index, int64_t stamp_ns) {
-  ScanLine scan_line;
-  scan_line.scanner_index = scanner_index;
-  scan_line.stamp_ns = stamp_ns;
-  scan_line.angle_min = -0.5f;
-  scan_line.angle_increment = 0.25f;
-  scan_line.time_increment_s = 0.0009765625;
-  scan_line.ranges = {1.0f, 2.0f, 3.0f + static_cast<float>(scanner_index), 4.0f, 5.0f};
-  return scan_line;
-}
-
-sensor_msgs::LaserScan MakeMessage(int64_t stamp_ns) {
-  sensor_msgs::LaserScan message;
-  message.header.stamp.fromNSec(static_cast<uint64_t>(stamp_ns));
-  message.angle_min = -0.5f;
-  message.angle_increment = 0.25f;
-  message.time_increment = 0.001f;
-  message.ranges = {1.0f, 2.0f, 3.0f};
-  return message;
-}
-
-class RecordingTest : public TemporaryDirectoryTest {
- protected:
-  void SetUp() override {
-    TemporaryDirectoryTest::SetUp();
-    path_ = (directory_ / "recording.bag").string();
-  }
-
-  // Receipt times are a millisecond apart, whatever the stamp in the message.
-  template <typename Message>
-  void Record(rosbag::Bag* bag, const std::string& topic, const Message& message) {
-    receipt_ns_ += kMillisecond;
-    ros::Time receipt;
-    receipt.fromNSec(static_cast<uint64_t>(receipt_ns_));
-    bag->write(topic, receipt, message);
-  }
-
-  // Scan lines of one scanner with these stamps in milliseconds.
-  void RecordStamps(const std::vector<int>& stamps_ms) {
-    rosbag::Bag bag(path_, rosbag::bagmode::Write);
-    for (int stamp_ms : stamps_ms) {
-      Record(&bag, "/top_scan", MakeMessage(kStart + stamp_ms * kMillisecond));
-    }
-  }
-
-  std::vector<ScanLine> ReadAll(RecordingReader* reader) {
-    std::vector<ScanLine> scan_lines;
-    ScanLine scan_line;
-    while (reader->Next(&scan_line)) scan_lines.push_back(scan_line);
-    return scan_lines;
-  }
-
-  std::vector<int> DeliveredStampsMs(RecordingReader* reader) {
-    std::vector<int> stamps_ms;
-    for (const ScanLine& scan_line : ReadAll(reader)) {
-      stamps_ms.push_back(static_cast<int>((scan_line.stamp_ns - kStart) / kMillisecond));
-    }
-    return stamps_ms;
-  }
-
-  std::string OpenError(const std::vector<std::string>& names) {
-    return ErrorOf([&] { RecordingReader reader(path_, MakeRig(names)); });
-  }
-
-  std::string path_;
-  int64_t receipt_ns_ = kStart;
-};
 
 TEST_F(RecordingTest, DeliversWhatWasWritten) {
   const Rig rig = MakeRig({"top", "left"});
@@ -214,27 +133,6 @@ TEST_F(RecordingTest, RefusesWhatIsNoBag) {
   EXPECT_EQ(OpenError({"top"}), path_ + ": is not a file");
 }
 
-TEST_F(RecordingTest, RefusesABagThatBreaksOff) {
-  std::vector<int> stamps_ms;
-  for (int i = 0; i < 200; ++i) stamps_ms.push_back(25 * i);
-  RecordStamps(stamps_ms);
-  const auto size = fs::file_size(path_);
-  for (const auto cut : {size - 1, size - 300, size / 2, size / 10, size_t{13}}) {
-    fs::resize_file(path_, cut);
-    EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": the recording breaks off")) << cut;
-  }
-}
-
-TEST_F(RecordingTest, RefusesABagThatWasNeverClosed) {
-  RecordStamps({0, 25, 50});
-  // rosbag notes the position of the index in the file's header when it closes the bag.
-  std::string bytes = ReadBytes(path_);
-  const size_t position = bytes.find("index_pos=") + 10;
-  bytes.replace(position, 8, std::string(8, '\0'));
-  WriteBytes(path_, bytes);
-  EXPECT_THAT(OpenError({"top"}), HasSubstr("the bag was never closed and has no index"));
-}
-
 TEST_F(RecordingTest, NamesTheTopicsThereAreWhenOneIsMissing) {
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
@@ -277,25 +175,6 @@ TEST_F(RecordingTest, RefusesARecordingWithoutAUsableScanLine) {
   EXPECT_THAT(OpenError({"top"}),
               AllOf(HasSubstr(path_ + ": has no scan lines of the rig's scanners"),
                     HasSubstr("1 scan line passed over: no ranges")));
-}
-
-TEST_F(RecordingTest, NamesTheMessageThatCanNotBeDecoded) {
-  {
-    rosbag::Bag bag(path_, rosbag::bagmode::Write);
-    for (int i = 0; i < 2; ++i) Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
-  }
-  // The number of ranges of the second message: 3 becomes 1000.
-  std::string bytes = ReadBytes(path_);
-  const float ranges[] = {1.0f, 2.0f, 3.0f};
-  const std::string pattern(reinterpret_cast<const char*>(ranges), sizeof(ranges));
-  const size_t position = bytes.rfind(pattern) - 4;
-  ASSERT_EQ(bytes[position], 3);
-  bytes[position] = '\xe8';
-  bytes[position + 1] = '\x03';
-  WriteBytes(path_, bytes);
-  EXPECT_THAT(OpenError({"top"}),
-              HasSubstr(path_ + ": message 2 of 2 (topic /top_scan, recorded at "
-                                "1600000000.002000000 s) can not be decoded"));
 }
 
 TEST_F(RecordingTest, PassesOverStampsThatJumpBack) {

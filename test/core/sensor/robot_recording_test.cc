@@ -2,6 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/LaserScan.h>
+
+#include <algorithm>
+#include <tuple>
 
 #include "core/options/config.h"
 #include "core/sensor/recording.h"
@@ -9,7 +15,9 @@
 namespace plumbline {
 namespace {
 
-TEST(RobotRecordingTest, IsReadWholeAndInOrder) {
+constexpr char kBag[] = PLUMBLINE_TEST_DATA_DIR "/robot_three_scanners.bag";
+
+Rig RobotRig() {
   Rig rig;
   for (const char* name : {"left", "right", "rear"}) {
     Scanner scanner;
@@ -17,7 +25,46 @@ TEST(RobotRecordingTest, IsReadWholeAndInOrder) {
     scanner.topic = "/" + scanner.name + "_scan";
     rig.scanners.push_back(scanner);
   }
-  RecordingReader reader(PLUMBLINE_TEST_DATA_DIR "/robot_three_scanners.bag", rig);
+  return rig;
+}
+
+// What ROS' own library reads, in the order of stamps and scanners.
+std::vector<std::pair<int, sensor_msgs::LaserScan>> ReadWithRos(const Rig& rig) {
+  std::vector<std::pair<int, sensor_msgs::LaserScan>> scans;
+  rosbag::Bag bag(kBag);
+  rosbag::View view(bag);
+  for (const rosbag::MessageInstance& instance : view) {
+    for (size_t i = 0; i < rig.scanners.size(); ++i) {
+      if (instance.getTopic() != rig.scanners[i].topic) continue;
+      scans.emplace_back(static_cast<int>(i), *instance.instantiate<sensor_msgs::LaserScan>());
+    }
+  }
+  std::stable_sort(scans.begin(), scans.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second.header.stamp, a.first) < std::tie(b.second.header.stamp, b.first);
+  });
+  return scans;
+}
+
+TEST(RobotRecordingTest, ScanLinesAreThoseThatRosReads) {
+  const Rig rig = RobotRig();
+  const auto expected = ReadWithRos(rig);
+  RecordingReader reader(kBag, rig);
+  for (const auto& [scanner_index, scan] : expected) {
+    ScanLine scan_line;
+    ASSERT_TRUE(reader.Next(&scan_line));
+    ASSERT_EQ(scan_line.scanner_index, scanner_index);
+    ASSERT_EQ(scan_line.stamp_ns, static_cast<int64_t>(scan.header.stamp.toNSec()));
+    ASSERT_EQ(scan_line.angle_min, scan.angle_min);
+    ASSERT_EQ(scan_line.angle_increment, scan.angle_increment);
+    ASSERT_EQ(scan_line.time_increment_s, scan.time_increment);
+    ASSERT_TRUE(scan_line.ranges == scan.ranges);
+  }
+  ScanLine scan_line;
+  EXPECT_FALSE(reader.Next(&scan_line));
+}
+
+TEST(RobotRecordingTest, IsReadWholeAndInOrder) {
+  RecordingReader reader(kBag, RobotRig());
   EXPECT_THAT(reader.warnings(), testing::IsEmpty());
   EXPECT_EQ(reader.num_scan_lines(), 1304);
   EXPECT_NEAR(SecondsBetween(reader.start_ns(), reader.end_ns()), 57.839, 0.001);

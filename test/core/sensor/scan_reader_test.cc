@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/sensor/beam_instant.h"
+#include "simulation/sensing/recording_writer.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {

@@ -114,7 +114,7 @@ TEST(YamlNode, MalformedFilesNameFileAndLine) {
             std::string::npos);
   EXPECT_EQ(ErrorOf([] { Read(""); }), "f.yaml:1: the file is empty");
   EXPECT_EQ(ErrorOf([] { Read("a: 1\n---\nb: 2\n"); }),
-            "f.yaml:3: only one YAML document is allowed in a file");
+            "f.yaml:2: only one YAML document is allowed in a file");
   EXPECT_EQ(ErrorOf([] { Read("a: &x [*x]\n"); }).rfind("f.yaml:1: ", 0), 0u);
 }
 
@@ -122,6 +122,44 @@ TEST(YamlNode, UnreadableFileIsNamed) {
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("no/such.yaml"); }),
             "no/such.yaml: can not read the file");
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("/"); }), "/: can not read the file");
+}
+
+// Each line stands for nine times what the line before does: 9^9 entries in all.
+TEST(YamlNode, AliasesWithinAliasesAreRefusedAtOnce) {
+  std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string alias = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + alias;
+    for (int j = 1; j < 9; ++j) text += ", " + alias;
+    text += "]\n";
+  }
+  const std::string error = ErrorOf([&] { Read(text); });
+  EXPECT_EQ(error.rfind("f.yaml:", 0), 0u) << error;
+  EXPECT_NE(error.find("aliases within aliases (*name) stand for too many entries"),
+            std::string::npos)
+      << error;
+}
+
+// yaml-cpp takes a stray comma for the beginning of documents without end.
+TEST(YamlNode, StrayCommaIsAnError) {
+  for (const char* text : {",", ", a: 1\n", "\n,\n"}) {
+    EXPECT_EQ(ErrorOf([&] { Read(text); }).rfind("f.yaml:", 0), 0u) << text;
+  }
+}
+
+TEST(YamlNode, AliasesThatRepeatALittleAreRead) {
+  std::string text = "a: &a [1, 2, 3]\nlist:\n";
+  for (int i = 0; i < 100; ++i) text += "  - *a\n";
+  const YamlNode root = Read(text);
+  EXPECT_EQ(root["list"].Elements().size(), 100u);
+  EXPECT_EQ(root["list"].Elements()[99].AsDoubles(3, 0.0, 9.0)[2], 3.0);
+}
+
+TEST(YamlNode, ErrorsStayOnOneLine) {
+  EXPECT_EQ(ErrorOf([] { Read("\"a\\nb\": 1\n\"a\\nb\": 2\n"); }),
+            "f.yaml:2: duplicate key 'a\\nb'");
+  const YamlNode root = Read("\"\\e[2J\\t\": 1\n");
+  EXPECT_EQ(ErrorOf([&] { root.RejectUnreadKeys(); }), "f.yaml:1: unknown key '\\x1b[2J\\t'");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/visibility/resegmentation.h"
+#include "simulation/sensing/recording_writer.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {

@@ -1,0 +1,102 @@
+#include "simulation/sensing/recording_writer.h"
+
+#include <glog/logging.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/LaserScan.h>
+
+#include <exception>
+#include <memory>
+#include <utility>
+
+#include "core/util/atomic_file.h"
+#include "core/util/error.h"
+
+namespace plumbline {
+
+namespace {
+
+// Takes a bag that can not be closed, for want of space: its destructor would try again,
+// throw, and so end the program. The list keeps it reachable.
+void Abandon(std::unique_ptr<rosbag::Bag> bag) {
+  static auto* abandoned = new std::vector<rosbag::Bag*>();
+  abandoned->push_back(bag.release());
+}
+
+}  // namespace
+
+struct RecordingWriter::Impl {
+  Impl(const std::string& path, const Rig& rig)
+      : rig(rig), file(path), sequence(rig.scanners.size(), 0) {}
+
+  Rig rig;
+  AtomicFile file;
+  std::unique_ptr<rosbag::Bag> bag;
+  std::vector<uint32_t> sequence;  // by scanner: number of its next message
+  sensor_msgs::LaserScan message;
+
+  [[noreturn]] void Fail(const std::exception& exception) {
+    throw Error(file.path() + ": can not be written: " + exception.what());
+  }
+};
+
+RecordingWriter::RecordingWriter(const std::string& path, const Rig& rig)
+    : impl_(std::make_unique<Impl>(path, rig)) {
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  impl_->bag = std::make_unique<rosbag::Bag>();
+  try {
+    impl_->bag->open(impl_->file.temporary_path(), rosbag::bagmode::Write);
+    impl_->bag->setCompression(rosbag::compression::Uncompressed);
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+}
+
+RecordingWriter::~RecordingWriter() {
+  if (impl_->bag == nullptr) return;
+  try {
+    impl_->bag->close();
+  } catch (const std::exception&) {
+    Abandon(std::move(impl_->bag));
+  }
+}
+
+void RecordingWriter::Write(const ScanLine& scan_line) {
+  CHECK(impl_->bag != nullptr) << "Write() after Close()";
+  CHECK_GT(scan_line.stamp_ns, 0) << "ROS stamps begin after 0";
+  const size_t scanner_index = static_cast<size_t>(scan_line.scanner_index);
+  CHECK_LT(scanner_index, impl_->rig.scanners.size());
+  const Scanner& scanner = impl_->rig.scanners[scanner_index];
+
+  sensor_msgs::LaserScan& message = impl_->message;
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<uint64_t>(scan_line.stamp_ns));
+  message.header.seq = impl_->sequence[scanner_index]++;
+  message.header.stamp = stamp;
+  message.header.frame_id = scanner.name;
+  message.angle_min = static_cast<float>(scan_line.angle_min);
+  message.angle_max = static_cast<float>(scan_line.BeamAngle(scan_line.num_beams() - 1));
+  message.angle_increment = static_cast<float>(scan_line.angle_increment);
+  message.time_increment = static_cast<float>(scan_line.time_increment_s);
+  message.scan_time = static_cast<float>(1.0 / scanner.scan_rate_hz);
+  message.range_min = static_cast<float>(scanner.min_range_m);
+  message.range_max = static_cast<float>(scanner.max_range_m);
+  message.ranges.assign(scan_line.ranges.begin(), scan_line.ranges.end());
+  try {
+    impl_->bag->write(scanner.topic, stamp, message);
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+}
+
+void RecordingWriter::Close() {
+  CHECK(impl_->bag != nullptr) << "Close() twice";
+  try {
+    impl_->bag->close();
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+  impl_->bag.reset();
+  impl_->file.Commit();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/sensor/rig.h"
+#include "core/sensor/scan_line.h"
+
+namespace plumbline {
+
+// Writes scan lines as a ROS 1 bag that ROS tools and RecordingReader open. The file appears
+// under its name when Close() has written it whole.
+class RecordingWriter {
+ public:
+  RecordingWriter(const std::string& path, const Rig& rig);
+  ~RecordingWriter();  // without Close(): the unfinished file is removed
+
+  void Write(const ScanLine& scan_line);
+  void Close();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumbline
