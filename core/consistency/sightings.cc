@@ -31,13 +31,17 @@ auto KeyOf(const Sighting& sighting) {
   return std::make_tuple(sighting.landmark_id, sighting.cell.first, sighting.cell.second);
 }
 
-// Whether the plane has been seen on the cell and on the four beside it: at its rim an opening
-// or an edge may lie within the cell.
-bool IsInside(const CellGrid& cells, const CellGrid::Cell& cell) {
-  return cells.Count(cell) > 0 && cells.Count({cell.first - 1, cell.second}) > 0 &&
-         cells.Count({cell.first + 1, cell.second}) > 0 &&
-         cells.Count({cell.first, cell.second - 1}) > 0 &&
-         cells.Count({cell.first, cell.second + 1}) > 0;
+// Whether the plane has been seen on the cell and on those beside it: at its rim an opening or
+// an edge may lie within the cell. Of what level scan planes alone have seen, one or two rows,
+// those above and below do not count.
+bool IsInside(const PatchExtent& extent, const CellGrid::Cell& cell) {
+  const CellGrid& cells = extent.cells();
+  const auto is_seen = [&](int i, int j) {
+    return cells.Count({cell.first + i, cell.second + j}) > 0;
+  };
+  if (!is_seen(0, 0) || !is_seen(-1, 0) || !is_seen(1, 0)) return false;
+  const double height_m = extent.max_corner().y() - extent.min_corner().y();
+  return height_m < PatchExtent::kCellSize || (is_seen(0, -1) && is_seen(0, 1));
 }
 
 // A box on the floor plan around all that has been seen of a plane.
@@ -103,7 +107,7 @@ class SecondCaster {
     const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
     const PatchExtent& extent = plane.landmark->extent;
     const CellGrid::Cell cell = PatchExtent::CellAt(extent.axes().Project(at));
-    if (!IsInside(extent.cells(), cell)) return;
+    if (!IsInside(extent, cell)) return;
     counted_.push_back({plane.landmark->id, cell, 0, 0, 1});
   }
 
