@@ -9,6 +9,7 @@
 #include "core/consistency/degeneracy.h"
 #include "core/consistency/doubled_surfaces.h"
 #include "core/consistency/evidence.h"
+#include "core/consistency/mounting.h"
 #include "core/consistency/passages.h"
 #include "core/consistency/pose_jumps.h"
 #include "core/consistency/revisits.h"
@@ -23,8 +24,6 @@ constexpr double kDoubtfulShare = 0.10;
 constexpr double kContradictoryShare = 0.25;
 constexpr double kMinComparable = 40.0;
 constexpr double kMinDoubled = 30.0;
-constexpr double kMaxOffset = 0.04;  // m
-const double kMaxTurn = 0.7 * M_PI / 180.0;
 constexpr int kMaxGap = 3;  // s, between seconds of one interval
 
 // Points of a second's segments with and without a plane.
@@ -52,6 +51,7 @@ struct Evidence {
   std::vector<PositionStrength> strengths;
   std::vector<ScannerAgreement> scanners;
   std::vector<ScannerFault> faults;
+  std::vector<MountingError> mountings;
 };
 
 template <typename Element>
@@ -71,7 +71,7 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
     std::snprintf(text,
                   sizeof(text),
                   "second %zu: passed %.3f of %.0f, doubled %.3f of %.0f, revisit %d segs "
-                  "%.3f m %.2f deg near %.2f, acc %.2f ang %.2f, no plane %.2f, weakest %.4f m",
+                  "%.3f m %.2f deg near %.2f moved %.2f, acc %.2f ang %.2f, no plane %.2f, weakest %.4f m",
                   s,
                   passages.value(),
                   passages.comparable,
@@ -81,6 +81,7 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
                   revisit.translation_m,
                   revisit.rotation_rad * 180.0 / M_PI,
                   revisit.near_share,
+                  revisit.moved_share,
                   motion.acceleration_m_s2,
                   motion.angular_acceleration_rad_s2,
                   At(evidence.without_plane, s).value(),
@@ -93,6 +94,13 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
             << a.used_share << ", alone " << a.alone_share << ", difference "
             << a.difference_m << " m, ratio " << a.difference_ratio << " of "
             << a.num_differences << ", deviation ratio " << a.deviation_ratio;
+  }
+  for (size_t i = 0; i < evidence.mountings.size(); ++i) {
+    const MountingError& m = evidence.mountings[i];
+    VLOG(1) << "mounting of " << rig.scanners[i].name << ": " << m.num_segments << " segs, "
+            << m.rotation_rad.transpose() * 180.0 / M_PI << " deg, "
+            << m.translation_m.transpose() << " m, " << m.time_offset_s << " s, near "
+            << m.near_share << " moved " << m.moved_share;
   }
   for (const DoubledSurface& pair : evidence.doubled.pairs) {
     VLOG(1) << "doubled: planes " << pair.landmark_a << " and " << pair.landmark_b << ", "
@@ -124,6 +132,7 @@ Evidence Collect(const Rig& rig,
   evidence.strengths = StrengthOverTime(rig, planar, state, start_ns);
   evidence.scanners = CompareScanners(rig, state, activity, start_ns);
   evidence.faults = FindScannerFaults(rig, evidence.scanners, activity);
+  evidence.mountings = CompareMountings(rig, planar, state);
   return evidence;
 }
 
@@ -192,8 +201,8 @@ class Judge {
     std::vector<bool> marked;
     double largest = 0.0;
     for (const RevisitOffset& offset : evidence_.revisits) {
-      marked.push_back(offset.translation_m > kMaxOffset || offset.rotation_rad > kMaxTurn);
-      largest = std::max(largest, offset.translation_m);
+      marked.push_back(offset.is_shift());
+      if (offset.is_shift()) largest = std::max(largest, offset.translation_m);
     }
     char text[120];
     std::snprintf(text,

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +24,9 @@ constexpr int kIterations = 8;
 constexpr double kPriorShift = 0.5;  // m
 constexpr double kPriorTurn = 0.05;  // rad
 constexpr int kMinSegments = 20;
+// A place that a later visit sees so far off has moved: in a right map it is a few millimetres.
+constexpr double kMaxShift = 0.04;                // m
+constexpr double kMaxTurn = 0.7 * M_PI / 180.0;  // rad
 
 // A segment's middle and the earlier plane it is compared with.
 struct Pair {
@@ -47,6 +49,13 @@ bool WasSeenBefore(const Sightings& sightings,
          });
 }
 
+// The derivative of a pair's distance by a shift and a turn.
+Eigen::Vector4d RowOf(const Pair& pair) {
+  Eigen::Vector4d row;
+  row << pair.normal, Eigen::Vector3d::UnitZ().cross(pair.p_world).dot(pair.normal);
+  return row;
+}
+
 RevisitOffset Fit(const std::vector<Pair>& pairs) {
   RevisitOffset offset;
   offset.num_segments = static_cast<int>(pairs.size());
@@ -59,8 +68,7 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
     Eigen::Matrix4d normal_matrix = prior.asDiagonal();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (const Pair& pair : pairs) {
-      Eigen::Vector4d row;
-      row << pair.normal, Eigen::Vector3d::UnitZ().cross(pair.p_world).dot(pair.normal);
+      const Eigen::Vector4d row = RowOf(pair);
       const double left = pair.distance_m + row.dot(motion);
       const double scaled = left / kRobustScale;
       const double weight =
@@ -71,10 +79,16 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
     motion = normal_matrix.ldlt().solve(right);
   }
   int num_near = 0;
-  for (const Pair& pair : pairs) num_near += std::abs(pair.distance_m) < kOnPlane ? 1 : 0;
+  int num_moved = 0;
+  for (const Pair& pair : pairs) {
+    const double moved = pair.distance_m + RowOf(pair).dot(motion);
+    num_near += std::abs(pair.distance_m) < kOnPlane ? 1 : 0;
+    num_moved += std::abs(moved) < kOnPlane ? 1 : 0;
+  }
   offset.translation_m = motion.head<3>().norm();
   offset.rotation_rad = std::abs(motion(3));
   offset.near_share = static_cast<double>(num_near) / offset.num_segments;
+  offset.moved_share = static_cast<double>(num_moved) / offset.num_segments;
   return offset;
 }
 
@@ -137,6 +151,12 @@ class VisitComparer {
 };
 
 }  // namespace
+
+bool RevisitOffset::is_shift() const {
+  constexpr double kMinGain = 0.1;
+  const bool is_large = translation_m > kMaxShift || rotation_rad > kMaxTurn;
+  return is_large && moved_share > near_share + kMinGain;
+}
 
 std::vector<RevisitOffset> CompareVisits(const Rig& rig,
                                          const MapState& state,

@@ -14,7 +14,12 @@ struct RevisitOffset {
   int num_segments = 0;      // that could be compared
   double translation_m = 0.0;  // of the rigid motion that would take them onto those planes
   double rotation_rad = 0.0;   // about the vertical
-  double near_share = 0.0;     // of the segments' weight, on those planes as they stand
+  double near_share = 0.0;     // of the segments, on those planes as they stand
+  double moved_share = 0.0;    // of the segments, on those planes after the motion
+
+  // Whether the motion is a shift of the rig: it takes many more of the segments onto the
+  // planes. Where only few are off, they lie on something else.
+  bool is_shift() const;
 };
 
 // Compares each second of the recording with what was seen `kVisitGap` seconds earlier and
