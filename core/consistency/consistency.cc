@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/consistency/degeneracy.h"
 #include "core/consistency/doubled_surfaces.h"
@@ -130,9 +131,9 @@ Evidence Collect(const Rig& rig,
   evidence.jumps = FindJumps(evidence.motion);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, planar, state, start_ns);
-  evidence.scanners = CompareScanners(rig, state, activity, start_ns);
-  evidence.faults = FindScannerFaults(rig, evidence.scanners, activity);
   evidence.mountings = CompareMountings(rig, planar, state);
+  evidence.scanners = CompareScanners(rig, state, activity, start_ns);
+  evidence.faults = FindScannerFaults(rig, evidence.scanners, evidence.mountings, activity);
   return evidence;
 }
 
@@ -142,7 +143,9 @@ std::string Percent(double share) {
 
 class Judge {
  public:
-  explicit Judge(const Evidence& evidence) : evidence_(evidence) {}
+  // span: the seconds of the recording that the map covers.
+  Judge(const Evidence& evidence, const std::pair<size_t, size_t>& span)
+      : evidence_(evidence), span_(span) {}
 
   ConsistencyReport Report(double variance_factor) {
     JudgeShares(evidence_.passages,
@@ -216,9 +219,10 @@ class Judge {
     for (const ScannerFault& fault : evidence_.faults) {
       report_.warnings.push_back(fault.sentence);
       if (fault.contradicts) {
-        Raise(Verdict::kContradictory);
+        Raise(Verdict::kDoubtful);
+        const auto [first, last] = span_;
         report_.consistency.doubtful_intervals.push_back(
-            {0.0, static_cast<double>(evidence_.without_plane.size()), fault.sentence});
+            {static_cast<double>(first), static_cast<double>(last), fault.sentence});
       }
     }
   }
@@ -262,6 +266,7 @@ class Judge {
   }
 
   const Evidence& evidence_;
+  std::pair<size_t, size_t> span_;
   ConsistencyReport report_;
 };
 
@@ -275,7 +280,7 @@ ConsistencyReport JudgeConsistency(const Rig& rig,
                                    int64_t start_ns) {
   const Evidence evidence = Collect(rig, planar, state, activity, start_ns);
   LogEvidence(rig, state, evidence);
-  return Judge(evidence).Report(variance_factor);
+  return Judge(evidence, activity.Span()).Report(variance_factor);
 }
 
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <map>
 
 #include "core/consistency/sightings.h"
@@ -31,6 +32,14 @@ constexpr int kMinDifferences = 20;
 // Most of a scanner's points on planes that no other scanner sees, where the others see their
 // planes together: it builds a map of its own.
 constexpr double kMaxAloneShare = 0.6;
+
+// A correction of the mounting counts where it brings so many more of the scanner's segments
+// onto the planes of the others; of a right rig it brings one in five hundred.
+constexpr double kMinMountingGain = 0.03;
+// Larger errors bend a map by centimetres.
+constexpr double kLargeTurn = 1.5 * M_PI / 180.0;  // rad
+constexpr double kLargeShift = 0.05;               // m
+constexpr double kLargeTime = 0.01;                // s
 
 // Weighted mean of the segments of one scanner on one plane in one second.
 struct Mean {
@@ -114,8 +123,9 @@ class FaultFinder {
  public:
   FaultFinder(const Rig& rig,
               const std::vector<ScannerAgreement>& agreements,
+              const std::vector<MountingError>& mountings,
               const ScannerActivity& activity)
-      : rig_(rig), agreements_(agreements), activity_(activity) {}
+      : rig_(rig), agreements_(agreements), mountings_(mountings), activity_(activity) {}
 
   std::vector<ScannerFault> Find() {
     for (size_t i = 0; i < agreements_.size(); ++i) {
@@ -126,6 +136,7 @@ class FaultFinder {
       CheckActivity(i);
       if (agreements_.size() > 1) CheckAgreement(i);
     }
+    CheckMountings();
     return std::move(faults_);
   }
 
@@ -136,18 +147,25 @@ class FaultFinder {
                        "scanner " + rig_.scanners[scanner].name + " " + what});
   }
 
+  static ScannerActivity::Second CountsAt(const std::vector<ScannerActivity::Second>& seconds,
+                                          size_t second) {
+    return second < seconds.size() ? seconds[second] : ScannerActivity::Second();
+  }
+
   void CheckActivity(size_t scanner) {
     if (scanner >= activity_.seconds().size()) return;
     const auto& seconds = activity_.seconds()[scanner];
     std::vector<int64_t> counts;
-    for (const auto& second : seconds) counts.push_back(second.num_points);
+    const auto [first, last] = activity_.Span();
+    for (size_t s = first; s < last; ++s) counts.push_back(CountsAt(seconds, s).num_points);
     std::nth_element(counts.begin(),
                      counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2),
                      counts.end());
     const auto usual = static_cast<double>(counts[counts.size() / 2]);
-    std::vector<bool> silent;
-    std::vector<bool> frozen;
-    for (const auto& second : seconds) {
+    std::vector<bool> silent(first, false);
+    std::vector<bool> frozen(first, false);
+    for (size_t s = first; s < last; ++s) {
+      const ScannerActivity::Second second = CountsAt(seconds, s);
       silent.push_back(static_cast<double>(second.num_points) < kSilentShare * usual);
       frozen.push_back(second.num_repeated > 1 &&
                        100 * second.num_repeated > kFrozenPercent * second.num_lines);
@@ -161,6 +179,29 @@ class FaultFinder {
              "contradicts the others: it repeats the very same ranges " + when_frozen +
                  ", as a frozen driver does");
     }
+  }
+
+  // Names the one scanner whose correction brings most of its segments onto the planes of the
+  // others: these have been drawn along by it, and look wrong themselves.
+  void CheckMountings() {
+    const auto gain = [](const MountingError& error) {
+      return error.moved_share - error.near_share;
+    };
+    const auto worst = std::max_element(
+        mountings_.begin(), mountings_.end(), [&](const auto& a, const auto& b) {
+          return gain(a) < gain(b);
+        });
+    if (worst == mountings_.end() || gain(*worst) < kMinMountingGain) return;
+    const std::string words = MountingInWords(*worst);
+    if (words.empty()) return;
+    const bool is_large = worst->rotation_rad.norm() > kLargeTurn ||
+                          worst->translation_m.norm() > kLargeShift ||
+                          std::abs(worst->time_offset_s) > kLargeTime;
+    Report(static_cast<size_t>(worst - mountings_.begin()),
+           is_large,
+           (is_large ? "contradicts the others: " : "differs from the others: ") +
+               ("against the planes that they see it looks " + words) +
+               "; check body_from_scanner and time_offset_s in the rig file");
   }
 
   void CheckAgreement(size_t scanner) {
@@ -200,6 +241,7 @@ class FaultFinder {
 
   const Rig& rig_;
   const std::vector<ScannerAgreement>& agreements_;
+  const std::vector<MountingError>& mountings_;
   const ScannerActivity& activity_;
   std::vector<ScannerFault> faults_;
 };
@@ -224,6 +266,19 @@ void ScannerActivity::Add(int scanner_index,
   now.num_used += num_used;
   if (fingerprint != 0 && fingerprint == last_fingerprints_[scanner]) ++now.num_repeated;
   last_fingerprints_[scanner] = fingerprint;
+}
+
+std::pair<size_t, size_t> ScannerActivity::Span() const {
+  size_t first = std::numeric_limits<size_t>::max();
+  size_t last = 0;
+  for (const std::vector<Second>& of_scanner : seconds_) {
+    for (size_t second = 0; second < of_scanner.size(); ++second) {
+      if (of_scanner[second].num_points == 0) continue;
+      first = std::min(first, second);
+      last = std::max(last, second + 1);
+    }
+  }
+  return {std::min(first, last), last};
 }
 
 uint64_t FingerprintOf(const std::vector<float>& ranges) {
@@ -298,8 +353,9 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
 
 std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
                                             const std::vector<ScannerAgreement>& agreements,
+                                            const std::vector<MountingError>& mountings,
                                             const ScannerActivity& activity) {
-  return FaultFinder(rig, agreements, activity).Find();
+  return FaultFinder(rig, agreements, mountings, activity).Find();
 }
 
 }  // namespace plumbline

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/consistency/mounting.h"
 #include "core/map/map_state.h"
 #include "core/sensor/rig.h"
 
@@ -28,6 +30,8 @@ class ScannerActivity {
   };
   // By scanner, by second.
   const std::vector<std::vector<Second>>& seconds() const { return seconds_; }
+  // The first second in which any scanner measures, and the one after the last.
+  std::pair<size_t, size_t> Span() const;
 
  private:
   std::vector<std::vector<Second>> seconds_;
@@ -65,9 +69,11 @@ struct ScannerFault {
   std::string sentence;      // naming the scanner
 };
 
-// The faults of scanners: silent, frozen, off all planes, or in contradiction to the others.
+// The faults of scanners: silent, frozen, off all planes, mounted otherwise than the rig file
+// says, or in contradiction to the others.
 std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
                                             const std::vector<ScannerAgreement>& agreements,
+                                            const std::vector<MountingError>& mountings,
                                             const ScannerActivity& activity);
 
 }  // namespace plumbline
