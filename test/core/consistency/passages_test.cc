@@ -1,0 +1,60 @@
+#include "core/consistency/passages.h"
+
+#include <gtest/gtest.h>
+
+#include "test/core/consistency/hand_made_map.h"
+
+namespace plumbline {
+namespace {
+
+SharesOverTime PassagesOf(HandMadeMap* map) {
+  return FindContradictedPassages(CollectSightings(map->rig(), map->state(), 0));
+}
+
+TEST(PassagesTest, AWallThatIsSeenAgainIsNoContradiction) {
+  HandMadeMap map;
+  const int wall = map.AddWall(5.0, -2.0, 2.0);
+  for (int second = 0; second < 8; ++second) map.See(second, wall, 5.0, -2.0, 2.0);
+  const SharesOverTime shares = PassagesOf(&map);
+  ASSERT_EQ(shares.size(), 8u);
+  for (const Share& share : shares) {
+    EXPECT_GT(share.comparable, 4.0);
+    EXPECT_EQ(share.contradicted, 0.0);
+  }
+}
+
+TEST(PassagesTest, BeamsThroughAWallOfOtherTimesContradictIt) {
+  HandMadeMap map;
+  const int wall = map.AddWall(5.0, -2.0, 2.0);
+  const int behind = map.AddWall(8.0, -2.0, 2.0);
+  for (int second = 0; second < 4; ++second) map.See(second, wall, 5.0, -2.0, 2.0);
+  for (int second = 4; second < 8; ++second) map.See(second, behind, 8.0, -2.0, 2.0);
+  const SharesOverTime shares = PassagesOf(&map);
+  // Both times contradict each other; the first seconds have seen the nearer wall only, which
+  // all of the last ones passed.
+  EXPECT_GT(Smoothed(shares, 1).value(), 0.4);
+  EXPECT_GT(Smoothed(shares, 6).value(), 0.2);
+}
+
+TEST(PassagesTest, BeamsThatEndCloseBehindDoNotPass) {
+  HandMadeMap map;
+  const int wall = map.AddWall(5.0, -2.0, 2.0);
+  const int behind = map.AddWall(5.03, -2.0, 2.0);
+  for (int second = 0; second < 4; ++second) map.See(second, wall, 5.0, -2.0, 2.0);
+  for (int second = 4; second < 8; ++second) map.See(second, behind, 5.03, -2.0, 2.0);
+  for (const Share& share : PassagesOf(&map)) EXPECT_EQ(share.contradicted, 0.0);
+}
+
+TEST(PassagesTest, AnOpeningThatIsSeenThroughInTheSameSecondsIsNone) {
+  HandMadeMap map;
+  const int wall = map.AddWall(5.0, -2.0, 2.0);
+  const int behind = map.AddWall(8.0, -2.0, 2.0);
+  for (int second = 0; second < 8; ++second) {
+    map.See(second, wall, 5.0, 1.0, 2.0);
+    map.See(second, behind, 8.0, -2.0, -0.5);
+  }
+  for (const Share& share : PassagesOf(&map)) EXPECT_EQ(share.contradicted, 0.0);
+}
+
+}  // namespace
+}  // namespace plumbline
