@@ -207,10 +207,11 @@ class FaultFinder {
   void CheckAgreement(size_t scanner) {
     const ScannerAgreement& agreement = agreements_[scanner];
     double others_used = 0.0;
-    double others_alone = 1.0;
+    double others_alone = 1.0;  // of those that see planes at all
     for (size_t i = 0; i < agreements_.size(); ++i) {
       if (i == scanner) continue;
       others_used = std::max(others_used, agreements_[i].used_share);
+      if (agreements_[i].num_segments == 0) continue;
       others_alone = std::min(others_alone, agreements_[i].alone_share);
     }
     char text[200];
@@ -302,7 +303,6 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
   std::vector<ScannerAgreement> agreements(num_scanners);
   std::vector<std::vector<int64_t>> points(state.landmarks.size(),
                                            std::vector<int64_t>(num_scanners, 0));
-  std::vector<double> num_segments(num_scanners, 0.0);
   SharedPoses poses(rig, state.trajectory);
   for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
     std::map<int, MeansOfScanners> means;
@@ -324,18 +324,18 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
       of_scanners[scanner].Add(distance, 1.0 / (sigma * sigma));
       agreements[scanner].deviation_ratio +=
           distance * distance / (sigma * sigma + kFlatness * kFlatness);
-      num_segments[scanner] += 1.0;
+      ++agreements[scanner].num_segments;
     }
     AddDifferences(means, &agreements);
   }
   AddAloneShares(points, &agreements);
   for (size_t i = 0; i < num_scanners; ++i) {
     ScannerAgreement& agreement = agreements[i];
+    const double num_segments = std::max(1, agreement.num_segments);
     const double num_differences = std::max(1, agreement.num_differences);
     agreement.difference_m = std::sqrt(agreement.difference_m / num_differences);
     agreement.difference_ratio = std::sqrt(agreement.difference_ratio / num_differences);
-    agreement.deviation_ratio =
-        std::sqrt(agreement.deviation_ratio / std::max(1.0, num_segments[i]));
+    agreement.deviation_ratio = std::sqrt(agreement.deviation_ratio / num_segments);
     int64_t num_used = 0;
     if (i < activity.seconds().size()) {
       for (const auto& second : activity.seconds()[i]) {

@@ -44,6 +44,7 @@ uint64_t FingerprintOf(const std::vector<float>& ranges);
 // How a scanner agrees with the map and with the other scanners.
 struct ScannerAgreement {
   int64_t num_points = 0;
+  int num_segments = 0;     // on planes
   double used_share = 0.0;  // of its points, on planes
   // Of its points on planes, those on planes that hardly any other scanner sees.
   double alone_share = 0.0;
