@@ -25,11 +25,11 @@ TEST(PassagesTest, AWallThatIsSeenAgainIsNoContradiction) {
 
 TEST(PassagesTest, BeamsThroughAWallOfOtherTimesContradictIt) {
   HandMadeMap map;
-  const int wall = map.AddWall(5.0, -2.0, 2.0);
-  const int behind = map.AddWall(8.0, -3.2, 3.2);
-  for (int second = 0; second < 4; ++second) map.See(second, wall, 5.0, -2.0, 2.0);
+  const int wall = map.AddWall(5.0, -2.3, 2.4);
+  const int behind = map.AddWall(8.0, -3.5, 3.7);
+  for (int second = 0; second < 4; ++second) map.See(second, wall, 5.0, -1.9, 2.1);
   // The same beams go on to the wall behind.
-  for (int second = 4; second < 8; ++second) map.See(second, behind, 8.0, -3.2, 3.2);
+  for (int second = 4; second < 8; ++second) map.See(second, behind, 8.0, -3.04, 3.36);
   const SharesOverTime shares = PassagesOf(&map);
   // Of the five or six other seconds that say anything of a cell, four say the contrary; the
   // wall behind is contradicted by none.
