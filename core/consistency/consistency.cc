@@ -48,6 +48,7 @@ struct Evidence {
   std::vector<RevisitOffset> revisits;
   std::vector<SecondOfMotion> motion;
   std::vector<bool> jumps;
+  std::vector<bool> glitches;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
   std::vector<ScannerAgreement> scanners;
@@ -129,6 +130,7 @@ Evidence Collect(const Rig& rig,
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state.trajectory, start_ns);
   evidence.jumps = FindJumps(evidence.motion);
+  evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, planar, state, start_ns);
   evidence.mountings = CompareMountings(rig, planar, state);
@@ -156,6 +158,8 @@ class Judge {
                 "surfaces stand twice: seen here and, at other times, beside it");
     JudgeRevisits();
     AddIntervals(evidence_.jumps, "the pose jumps: no rig accelerates so");
+    AddIntervals(evidence_.glitches,
+                 "for an instant segments lie off the planes, and the rig seems to jerk");
     JudgeScanners();
     Share all;
     for (const Share& share : evidence_.passages) {

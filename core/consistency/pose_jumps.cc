@@ -16,6 +16,13 @@ constexpr double kUsualShare = 0.9;
 constexpr double kMinAcceleration = 6.0;          // m/s^2
 constexpr double kMinAngularAcceleration = 20.0;  // rad/s^2
 
+// A glitch: the share of points on planes falls to so much of its median over kNeighbours
+// intervals before and after, and the acceleration is so many times the usual.
+constexpr double kGlitchSupport = 0.85;
+constexpr int kNeighbours = 8;
+constexpr double kGlitchTimesUsual = 1.5;
+constexpr double kMinPoints = 100.0;  // in an interval
+
 // The value below which a share of them lies.
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -54,6 +61,50 @@ std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t
     has_previous = true;
   }
   return seconds;
+}
+
+SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns) {
+  SharesOverTime shares;
+  for (const Observation& observation : state.observations) {
+    const double since_s = SecondsBetween(start_ns, observation.middle_time_ns());
+    const auto at = static_cast<size_t>(std::max(0.0, since_s) / kSupportStep);
+    if (at >= shares.size()) shares.resize(at + 1);
+    shares[at].comparable += observation.num_points;
+    if (observation.landmark_id < 0) shares[at].contradicted += observation.num_points;
+  }
+  return shares;
+}
+
+std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
+                               const SharesOverTime& support) {
+  std::vector<double> accelerations;
+  std::vector<double> angular;
+  for (const SecondOfMotion& second : motion) {
+    accelerations.push_back(second.acceleration_m_s2);
+    angular.push_back(second.angular_acceleration_rad_s2);
+  }
+  const double limit = kGlitchTimesUsual * Quantile(accelerations, kUsualShare);
+  const double angular_limit = kGlitchTimesUsual * Quantile(angular, kUsualShare);
+  std::vector<bool> is_glitch(motion.size(), false);
+  const auto size = static_cast<int>(support.size());
+  for (int i = 0; i < size; ++i) {
+    const auto second = static_cast<size_t>(i * kSupportStep);
+    if (second >= motion.size() || support[static_cast<size_t>(i)].comparable < kMinPoints) {
+      continue;
+    }
+    const bool is_hard = motion[second].acceleration_m_s2 > limit ||
+                         motion[second].angular_acceleration_rad_s2 > angular_limit;
+    if (!is_hard) continue;
+    std::vector<double> near;
+    for (int j = std::max(0, i - kNeighbours); j < std::min(size, i + kNeighbours + 1); ++j) {
+      near.push_back(1.0 - support[static_cast<size_t>(j)].value());
+    }
+    const double usual = Quantile(near, 0.5);
+    if (1.0 - support[static_cast<size_t>(i)].value() < kGlitchSupport * usual) {
+      is_glitch[second] = true;
+    }
+  }
+  return is_glitch;
 }
 
 std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion) {

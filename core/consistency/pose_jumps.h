@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/consistency/evidence.h"
+#include "core/map/map_state.h"
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
@@ -16,6 +18,16 @@ struct SecondOfMotion {
 
 // One element for each second of the recording that the trajectory covers.
 std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t start_ns);
+
+// Points of segments without a plane, of all points of segments, by intervals of kSupportStep.
+inline constexpr double kSupportStep = 0.125;  // s
+SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns);
+
+// Seconds in which, for an instant, far fewer segments than just before and after have a plane
+// while the rig seems to move harder than it usually does: a few poses that are wrong between
+// right ones.
+std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
+                               const SharesOverTime& support);
 
 // Seconds in which the rig would have accelerated as no other second shows it, and as hardly
 // any rig does: a pose that jumped.

@@ -154,8 +154,9 @@ class VisitComparer {
 
 bool RevisitOffset::is_shift() const {
   constexpr double kMinGain = 0.1;
+  constexpr double kMaxNear = 0.75;  // in a right map it is 0.85 or more
   const bool is_large = translation_m > kMaxShift || rotation_rad > kMaxTurn;
-  return is_large && moved_share > near_share + kMinGain;
+  return is_large && near_share < kMaxNear && moved_share > near_share + kMinGain;
 }
 
 std::vector<RevisitOffset> CompareVisits(const Rig& rig,
