@@ -27,15 +27,39 @@ DEFINE_int32(
 DEFINE_validator(threads, [](const char*, int32_t threads) { return threads >= 0; });
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
+namespace {
+
+// The exit code where a map was written that must not be trusted.
+constexpr int kContradictoryMap = 3;
+
+void Print(const plumbline::Summary& summary) {
+  std::printf("%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time, %s\n",
+              summary.scans,
+              summary.planes,
+              1e3 * summary.residual_rms_m,
+              summary.duration_s,
+              summary.real_time_factor,
+              plumbline::VerdictName(summary.consistency.verdict).c_str());
+  if (summary.consistency.verdict == plumbline::Verdict::kContradictory) {
+    std::fflush(stdout);
+    std::fprintf(stderr,
+                 "plumbline_map: the map was written, but it contradicts the scans it was made "
+                 "from: do not trust it (the warnings say where and why)\n");
+  }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  return plumbline::RunApp(
+  auto verdict = plumbline::Verdict::kConsistent;
+  const int exit_code = plumbline::RunApp(
       argc,
       argv,
       "estimates the trajectory of a rig and the planes of a building from the scan lines of "
       "2D laser scanners",
       __FILE__,
       {"recording", "rig", "output"},
-      [] {
+      [&verdict] {
         plumbline::Progress progress("map");
         const plumbline::Summary summary = plumbline::RunMapJob(
             {FLAGS_recording,
@@ -45,12 +69,9 @@ int main(int argc, char** argv) {
              FLAGS_threads,
              plumbline::WatchStopSignals()},
             [&](double share) { progress.Report(share); });
-        std::printf(
-            "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time\n",
-            summary.scans,
-            summary.planes,
-            1e3 * summary.residual_rms_m,
-            summary.duration_s,
-            summary.real_time_factor);
+        Print(summary);
+        verdict = summary.consistency.verdict;
       });
+  const bool is_untrusted = verdict == plumbline::Verdict::kContradictory;
+  return exit_code == 0 && is_untrusted ? kContradictoryMap : exit_code;
 }

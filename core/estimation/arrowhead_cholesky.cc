@@ -76,7 +76,7 @@ ArrowheadCholesky::ArrowheadCholesky(ArrowheadMatrix matrix)
   corner_scale_ = corner_.diagonal().cwiseSqrt().cwiseInverse();
   corner_factor_.compute(corner_scale_.asDiagonal() * corner_ * corner_scale_.asDiagonal());
   if (corner_.rows() > 0 && corner_factor_.info() != Eigen::Success) {
-    throw Error("the planes are not determined: singular normal matrix");
+    throw Error("the scans do not determine where the planes lie");
   }
   corner_.resize(0, 0);
 }
@@ -139,7 +139,7 @@ void ArrowheadCholesky::Eliminate(Level* level,
     }
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(tile.diagonal);
     if (factor.info() != Eigen::Success) {
-      throw Error("the trajectory is not determined: singular normal matrix");
+      throw Error("the scans do not determine the trajectory");
     }
     UpperOf(tile).solveInPlace<Eigen::OnTheRight>(border);
     UpperOf(tile).solveInPlace<Eigen::OnTheRight>(tile.next);

@@ -30,7 +30,7 @@ struct Dense {
     const Eigen::LLT<Eigen::MatrixXd> cholesky(
         Eigen::MatrixXd(equations->hessian(free, free)));
     if (cholesky.info() != Eigen::Success) {
-      throw Error("the estimation failed: its normal equations are singular");
+      throw Error("the scans do not determine all poses and planes");
     }
     const Eigen::VectorXd gradient = equations->gradient(free);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(layout.size());

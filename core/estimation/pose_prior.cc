@@ -69,7 +69,7 @@ Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
   const Eigen::LLT<Eigen::MatrixXd> cholesky(
       Eigen::MatrixXd(gaussian.information(rows, rows)));
   if (cholesky.info() != Eigen::Success) {
-    throw Error("the poses are not determined by the scans: singular estimate");
+    throw Error("the scans do not determine the poses");
   }
   const auto num_rows = static_cast<Eigen::Index>(rows.size());
   prior.linear.root.setZero(num_rows, tangent_size);

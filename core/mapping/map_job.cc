@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
@@ -120,7 +121,6 @@ Summary Summarise(const RecordingReader& recording,
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
   summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
-  if (!result.ended_by.empty()) summary.ends_at_s = result.end_s;
   for (const auto* warnings : {&recording.warnings(), &result.warnings, &points.warnings}) {
     summary.warnings.insert(summary.warnings.end(), warnings->begin(), warnings->end());
   }
@@ -131,13 +131,33 @@ void LogWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) LOG(WARNING) << warning;
 }
 
+// Judges the map, for its summary.
+void Judge(const Rig& rig,
+           const MapResult& result,
+           const PointReport& points,
+           const RecordingReader& recording,
+           Summary* summary) {
+  const ConsistencyReport report = JudgeConsistency(rig,
+                                                    result.planar,
+                                                    result.state,
+                                                    result.batch.variance_factor,
+                                                    points.activity,
+                                                    recording.start_ns());
+  LogWarnings(report.warnings);
+  summary->consistency = report.consistency;
+  if (!result.ended_by.empty()) summary->consistency.ends_at_s = result.end_s;
+  summary->warnings.insert(
+      summary->warnings.end(), report.warnings.begin(), report.warnings.end());
+}
+
 // Writes all files but the summary, which is returned without times.
 Summary WriteResult(const Rig& rig,
                     const MapperOptions& options,
                     const MapResult& result,
                     const ProgressCallback& progress,
                     RecordingReader* recording,
-                    ResultWriter* writer) {
+                    ResultWriter* writer,
+                    Stopwatch* judging_watch) {
   const std::vector<PlanePatch> planes = PlanePatches(result.state);
   const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
   writer->WriteTrajectory(Poses(result));
@@ -149,6 +169,8 @@ Summary WriteResult(const Rig& rig,
   LogWarnings(points.warnings);
   writer->WriteConfig(MapperOptionsToYaml(options));
   Summary summary = Summarise(*recording, result, points, covariance);
+  const Stopwatch::Running judging(judging_watch);
+  Judge(rig, result, points, *recording, &summary);
   summary.planes = static_cast<int>(planes.size());
   return summary;
 }
@@ -157,7 +179,8 @@ Summary WriteResult(const Rig& rig,
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch total_watch;
   Stopwatch reading_watch;
-  Stopwatch writing_watch;
+  Stopwatch writing_watch;  // the judging included
+  Stopwatch judging_watch;
   auto total = std::make_unique<Stopwatch::Running>(&total_watch);
   const Rig rig = ReadRig(job.rig);
   const MapperOptions options =
@@ -195,12 +218,14 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
           progress(kMappingShare + (1.0 - kMappingShare) * done);
         },
         &recording,
-        writers.back().get()));
+        writers.back().get(),
+        &judging_watch));
     part_summaries.push_back({folder,
                               parts[i].start_s,
                               parts[i].end_s,
                               summaries.back().scans,
-                              summaries.back().planes});
+                              summaries.back().planes,
+                              summaries.back().consistency.verdict});
   }
   writing.reset();
   total.reset();
@@ -215,7 +240,8 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
       summary.stages.insert(
           summary.stages.end(), parts[i].stages.begin(), parts[i].stages.end());
   }
-  summary.stages.emplace_back("writing", writing_watch.seconds());
+  summary.stages.emplace_back("writing", writing_watch.seconds() - judging_watch.seconds());
+  summary.stages.emplace_back("judging", judging_watch.seconds());
   summary.stages.emplace_back("total", total_watch.seconds());
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
   summary.peak_memory_mb = PeakMemoryMb();

@@ -163,6 +163,24 @@ PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const Map
   return {std::move(patches), last.landmark_covariance(rows, rows)};
 }
 
+// What was seen where a map could not be estimated, and what to try.
+std::string FailureInWords(const std::string& what, const MapState& state) {
+  const auto has_plane = [](const Observation& observation) {
+    return observation.landmark_id >= 0;
+  };
+  const auto num_on_planes =
+      std::count_if(state.observations.begin(), state.observations.end(), has_plane);
+  const auto num_planes = std::count_if(
+      state.landmarks.begin(), state.landmarks.end(), [](const Landmark& landmark) {
+        return landmark.num_segments > 0;
+      });
+  return what + " (" + std::to_string(num_on_planes) + " of " +
+         std::to_string(state.observations.size()) + " segments lie on " +
+         std::to_string(num_planes) +
+         " planes). No single map fits the scans: check topics, body_from_scanner and "
+         "time_offset_s of each scanner in the rig file, and whether the scanners see walls";
+}
+
 // The batch over one part.
 MapResult EstimatePart(const Rig& rig,
                        bool planar,
@@ -185,7 +203,11 @@ MapResult EstimatePart(const Rig& rig,
   {
     const Stopwatch::Running running(&batch_watch);
     ReturnFreeMemoryOfLargeJob();
-    result.batch = EstimateBatch(rig, planar, options, progress, recording, &result.state);
+    try {
+      result.batch = EstimateBatch(rig, planar, options, progress, recording, &result.state);
+    } catch (const Error& error) {
+      throw Error(FailureInWords(error.what(), result.state));
+    }
   }
   if (!result.ended_by.empty()) {
     result.warnings.push_back("the map ends " + FormatSeconds(result.end_s) +
@@ -248,7 +270,7 @@ std::vector<MapResult> MapRecording(const Rig& rig,
     } catch (const Error& error) {
       failed = "the part from " + FormatSeconds(parts[i].start_s) + " to " +
                FormatSeconds(parts[i].end_s) + " could not be estimated: " + error.what();
-      if (parts.size() == 1) throw;
+      if (parts.size() == 1) throw Error(failed);
       LOG(WARNING) << failed;
     }
   }

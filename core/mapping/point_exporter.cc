@@ -73,6 +73,8 @@ class SupportOverTime {
 
 // How many of a scan line's points came into the map.
 struct LineCount {
+  int scanner_index = 0;
+  uint64_t fingerprint = 0;
   double time_s = 0.0;     // of its middle, since the recording's start
   int64_t num_points = 0;  // valid ranges
   int64_t num_placed = 0;  // within the map's time
@@ -131,6 +133,8 @@ class LinePlacer {
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     std::optional<ScanMotion> motion;
     LineCount count;
+    count.scanner_index = scan_line.scanner_index;
+    count.fingerprint = FingerprintOf(scan_line.ranges);
     count.time_s =
         SecondsBetween(start_ns_, BeamInstant(scan_line, scan_line.num_beams() / 2, rig_));
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
@@ -205,6 +209,13 @@ PointReport ExportPoints(const Rig& rig,
           report.num_points += count.num_points;
           report.num_used += count.num_used;
           sum_squares += count.sum_squares;
+          if (count.num_placed > 0 || count.num_points == 0) {
+            report.activity.Add(count.scanner_index,
+                                count.time_s,
+                                count.num_placed,
+                                count.num_used,
+                                count.fingerprint);
+          }
           if (count.num_placed > 0) {
             support.Add(count.time_s, count.num_placed, count.num_used);
           }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/consistency/scanner_agreement.h"
 #include "core/map/map_state.h"
 #include "core/result/result_writer.h"
 #include "core/sensor/recording.h"
@@ -17,6 +18,7 @@ struct PointReport {
   int64_t num_points = 0;       // valid ranges in the recording
   int64_t num_used = 0;         // of these on planes' segments and sub-minimum segments
   double residual_rms_m = 0.0;  // of what is used
+  ScannerActivity activity;
   std::vector<std::string> warnings;
 };
 

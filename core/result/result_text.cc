@@ -161,6 +161,31 @@ std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& pos
   return text;
 }
 
+namespace {
+
+nlohmann::ordered_json ConsistencyJson(const Consistency& consistency) {
+  nlohmann::ordered_json json;
+  json["verdict"] = VerdictName(consistency.verdict);
+  json["contradicted_share"] = consistency.contradicted_share;
+  json["doubtful_intervals"] = nlohmann::ordered_json::array();
+  for (const DoubtfulInterval& interval : consistency.doubtful_intervals) {
+    json["doubtful_intervals"].push_back({{"start_s", interval.start_s},
+                                          {"end_s", interval.end_s},
+                                          {"reason", interval.reason}});
+  }
+  json["degenerate_intervals"] = nlohmann::ordered_json::array();
+  for (const DegenerateInterval& interval : consistency.degenerate_intervals) {
+    json["degenerate_intervals"].push_back({{"start_s", interval.start_s},
+                                            {"end_s", interval.end_s},
+                                            {"direction", interval.direction},
+                                            {"stddev_m", interval.stddev_m}});
+  }
+  if (consistency.ends_at_s) json["ends_at_s"] = *consistency.ends_at_s;
+  return json;
+}
+
+}  // namespace
+
 std::string FormatSummary(const Summary& summary) {
   nlohmann::ordered_json json;
   json["scans"] = summary.scans;
@@ -197,16 +222,15 @@ std::string FormatSummary(const Summary& summary) {
   json["motion_noise"] = object(summary.motion_noise);
   json["motion_found"] = object(summary.motion_found);
   json["reference_plane_id"] = summary.reference_plane_id;
-  nlohmann::ordered_json consistency = nlohmann::ordered_json::object();
-  if (summary.ends_at_s) consistency["ends_at_s"] = *summary.ends_at_s;
-  if (!consistency.empty()) json["consistency"] = consistency;
+  json["consistency"] = ConsistencyJson(summary.consistency);
   if (!summary.parts.empty()) json["parts"] = nlohmann::ordered_json::array();
   for (const PartSummary& part : summary.parts) {
     json["parts"].push_back({{"folder", part.folder},
                              {"start_s", part.start_s},
                              {"end_s", part.end_s},
                              {"scans", part.scans},
-                             {"planes", part.planes}});
+                             {"planes", part.planes},
+                             {"verdict", VerdictName(part.verdict)}});
   }
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.

@@ -16,4 +16,16 @@ std::string PlaneTypeName(PlaneType type) {
   LOG(FATAL) << "plane type " << static_cast<int>(type);
 }
 
+std::string VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "consistent";
+    case Verdict::kDoubtful:
+      return "doubtful";
+    case Verdict::kContradictory:
+      return "contradictory";
+  }
+  LOG(FATAL) << "verdict " << static_cast<int>(verdict);
+}
+
 }  // namespace plumbline

@@ -51,6 +51,42 @@ struct PlanePatch {
   }
 };
 
+// Verdict says how far a finished map may be trusted: it agrees with all that was measured;
+// parts of it are in doubt; or measurements contradict it, and its stated standard deviations
+// mean nothing.
+enum class Verdict { kConsistent, kDoubtful, kContradictory };
+
+std::string VerdictName(Verdict verdict);  // "consistent", "doubtful", "contradictory"
+
+// A stretch of the recording whose poses are in doubt, and why, in words. Times in seconds
+// since the recording's first scan line.
+struct DoubtfulInterval {
+  double start_s = 0.0;
+  double end_s = 0.0;
+  std::string reason;
+};
+
+// A stretch of the recording in which a second's measurements leave one direction of the
+// position open.
+struct DegenerateInterval {
+  double start_s = 0.0;
+  double end_s = 0.0;
+  std::string direction;  // in words
+  double stddev_m = 0.0;  // along it, from one second's measurements alone
+};
+
+// Consistency is the judgement on a finished map (core/consistency/consistency.h).
+struct Consistency {
+  Verdict verdict = Verdict::kConsistent;
+  // Of the places that were seen at several times, the share whose sightings contradict each
+  // other.
+  double contradicted_share = 0.0;
+  std::vector<DoubtfulInterval> doubtful_intervals;
+  std::vector<DegenerateInterval> degenerate_intervals;
+  // Where the map ends before the recording does, seconds since the recording's start.
+  std::optional<double> ends_at_s;
+};
+
 // PartSummary is one part of a recording that could not be mapped in one piece.
 struct PartSummary {
   std::string folder;    // of its result, relative to that of the summary
@@ -58,6 +94,7 @@ struct PartSummary {
   double end_s = 0.0;
   int scans = 0;
   int planes = 0;
+  Verdict verdict = Verdict::kConsistent;
 };
 
 // Summary holds the figures of summary.json.
@@ -84,9 +121,9 @@ struct Summary {
   // Standard deviations of the accelerations that the recording shows; the covariances are for
   // these.
   std::vector<std::pair<std::string, double>> motion_found;
-  std::optional<double> ends_at_s;  // where the map ends before the recording; since its start
-  std::vector<PartSummary> parts;   // in the order of time; empty where there is one only
-  int reference_plane_id = -1;      // the wall whose normal is the x axis of the model frame
+  int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
+  Consistency consistency;
+  std::vector<PartSummary> parts;  // in the order of time; empty where there is one only
   std::vector<std::string> warnings;
 };
 

@@ -94,7 +94,7 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
   const std::vector<int> rows = FreeRows(information.rows());
   std::optional<Eigen::MatrixXd> inverse =
       planar_ ? SymmetricInverse(information(rows, rows)) : SymmetricInverse(information);
-  if (!inverse) throw Error("the poses are not determined by the scans: singular estimate");
+  if (!inverse) throw Error("the scans do not determine the pose");
   if (!planar_) return std::move(*inverse);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
   covariance(rows, rows) = *inverse;

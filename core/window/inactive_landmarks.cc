@@ -18,7 +18,7 @@ namespace plumbline {
 namespace {
 
 constexpr char kNotDetermined[] =
-    "the planes are not determined by the scans: singular estimate";
+    "the scans do not determine where the planes lie";
 
 // The marginal prior without its leading variables, in the order [ leaving rows | other rows
 // ]; the elimination that takes them out.

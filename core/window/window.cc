@@ -28,7 +28,7 @@ namespace {
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
 constexpr char kNotDetermined[] =
-    "the poses and planes are not determined by the scans: singular estimate";
+    "the scans do not determine poses and planes";
 
 // Inverse on the rows and directions that are estimated; zero on the others.
 Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<int>& on) {

@@ -91,6 +91,24 @@ TEST(FormatPlanePolygonsTest, CountsCornersAndFaces) {
   EXPECT_THAT(text, HasSubstr("\n4 0 1 2 3 255 64 64 0\n3 4 5 6 "));
 }
 
+TEST(FormatSummaryTest, StatesTheVerdict) {
+  Summary summary;
+  summary.consistency.verdict = Verdict::kDoubtful;
+  summary.consistency.contradicted_share = 0.125;
+  summary.consistency.doubtful_intervals = {{3.0, 5.0, "walls stand twice"}};
+  summary.consistency.degenerate_intervals = {{1.0, 2.0, "vertical", 0.5}};
+  const auto json = nlohmann::ordered_json::parse(FormatSummary(summary))["consistency"];
+  EXPECT_EQ(json.dump(),
+            "{\"verdict\":\"doubtful\",\"contradicted_share\":0.125,"
+            "\"doubtful_intervals\":[{\"start_s\":3.0,\"end_s\":5.0,"
+            "\"reason\":\"walls stand twice\"}],"
+            "\"degenerate_intervals\":[{\"start_s\":1.0,\"end_s\":2.0,"
+            "\"direction\":\"vertical\",\"stddev_m\":0.5}]}");
+  summary.consistency.ends_at_s = 7.5;
+  EXPECT_EQ(nlohmann::ordered_json::parse(FormatSummary(summary))["consistency"]["ends_at_s"],
+            7.5);
+}
+
 TEST(FormatSummaryTest, HasTheAgreedKeys) {
   Summary summary;
   summary.scans = 3;
@@ -127,6 +145,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
                           "motion_noise",
                           "motion_found",
                           "reference_plane_id",
+                          "consistency",
                           "warnings"));
   EXPECT_EQ(json["points"], int64_t{1} << 40);
   EXPECT_EQ(json["residual_rms_m"], 0.0217);

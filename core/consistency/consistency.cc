@@ -1,0 +1,290 @@
+#include "core/consistency/consistency.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "core/consistency/degeneracy.h"
+#include "core/consistency/doubled_surfaces.h"
+#include "core/consistency/evidence.h"
+#include "core/consistency/mounting.h"
+#include "core/consistency/passages.h"
+#include "core/consistency/pose_jumps.h"
+#include "core/consistency/revisits.h"
+#include "core/consistency/sightings.h"
+
+namespace plumbline {
+namespace {
+
+// A second is in doubt where so large a share of what it saw again contradicts other times,
+// out of at least kMinComparable places; the map is contradictory where it is kContradictory.
+constexpr double kDoubtfulShare = 0.10;
+constexpr double kContradictoryShare = 0.25;
+constexpr double kMinComparable = 40.0;
+constexpr double kMinDoubled = 30.0;
+constexpr int kMaxGap = 3;  // s, between seconds of one interval
+
+// Points of a second's segments with and without a plane.
+SharesOverTime SegmentsWithoutPlane(const MapState& state, int64_t start_ns) {
+  SharesOverTime shares;
+  for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
+    Share& share = shares.emplace_back();
+    for (size_t i = first; i < last; ++i) {
+      const Observation& observation = state.observations[i];
+      share.comparable += observation.num_points;
+      if (observation.landmark_id < 0) share.contradicted += observation.num_points;
+    }
+  }
+  return shares;
+}
+
+// What all tests say, by second.
+struct Evidence {
+  SharesOverTime passages;
+  DoubledSurfaces doubled;
+  std::vector<RevisitOffset> revisits;
+  std::vector<SecondOfMotion> motion;
+  std::vector<bool> jumps;
+  std::vector<bool> glitches;
+  SharesOverTime without_plane;
+  std::vector<PositionStrength> strengths;
+  std::vector<ScannerAgreement> scanners;
+  std::vector<ScannerFault> faults;
+  std::vector<MountingError> mountings;
+};
+
+template <typename Element>
+Element At(const std::vector<Element>& elements, size_t index) {
+  return index < elements.size() ? elements[index] : Element();
+}
+
+void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence) {
+  if (!VLOG_IS_ON(1)) return;
+  for (size_t s = 0; s < evidence.without_plane.size(); ++s) {
+    const Share passages = At(evidence.passages, s);
+    const Share doubled = At(evidence.doubled.shares, s);
+    const RevisitOffset revisit = At(evidence.revisits, s);
+    const SecondOfMotion motion = At(evidence.motion, s);
+    const PositionStrength strength = At(evidence.strengths, s);
+    char text[300];
+    std::snprintf(text,
+                  sizeof(text),
+                  "second %zu: passed %.3f of %.0f, doubled %.3f of %.0f, revisit %d segs "
+                  "%.3f m %.2f deg near %.2f moved %.2f, acc %.2f ang %.2f, no plane %.2f, weakest %.4f m",
+                  s,
+                  passages.value(),
+                  passages.comparable,
+                  doubled.value(),
+                  doubled.comparable,
+                  revisit.num_segments,
+                  revisit.translation_m,
+                  revisit.rotation_rad * 180.0 / M_PI,
+                  revisit.near_share,
+                  revisit.moved_share,
+                  motion.acceleration_m_s2,
+                  motion.angular_acceleration_rad_s2,
+                  At(evidence.without_plane, s).value(),
+                  strength.stddev_m);
+    VLOG(1) << text;
+  }
+  for (size_t i = 0; i < evidence.scanners.size(); ++i) {
+    const ScannerAgreement& a = evidence.scanners[i];
+    VLOG(1) << "scanner " << rig.scanners[i].name << ": " << a.num_points << " points, used "
+            << a.used_share << ", alone " << a.alone_share << ", difference "
+            << a.difference_m << " m, ratio " << a.difference_ratio << " of "
+            << a.num_differences << ", deviation ratio " << a.deviation_ratio;
+  }
+  for (size_t i = 0; i < evidence.mountings.size(); ++i) {
+    const MountingError& m = evidence.mountings[i];
+    VLOG(1) << "mounting of " << rig.scanners[i].name << ": " << m.num_segments << " segs, "
+            << m.rotation_rad.transpose() * 180.0 / M_PI << " deg, "
+            << m.translation_m.transpose() << " m, " << m.time_offset_s << " s, near "
+            << m.near_share << " moved " << m.moved_share;
+  }
+  for (const DoubledSurface& pair : evidence.doubled.pairs) {
+    VLOG(1) << "doubled: planes " << pair.landmark_a << " and " << pair.landmark_b << ", "
+            << pair.separation_m << " m apart, over " << pair.area_m2 << " m2";
+  }
+  int num_planes = 0;
+  double area = 0.0;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    ++num_planes;
+    area += landmark.extent.area_m2();
+  }
+  VLOG(1) << num_planes << " planes, " << area << " m2";
+}
+
+Evidence Collect(const Rig& rig,
+                 bool planar,
+                 const MapState& state,
+                 const ScannerActivity& activity,
+                 int64_t start_ns) {
+  Evidence evidence;
+  const Sightings sightings = CollectSightings(rig, state, start_ns);
+  evidence.passages = FindContradictedPassages(sightings);
+  evidence.doubled = FindDoubledSurfaces(state, sightings);
+  evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
+  evidence.motion = MotionOverTime(state.trajectory, start_ns);
+  evidence.jumps = FindJumps(evidence.motion);
+  evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
+  evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
+  evidence.strengths = StrengthOverTime(rig, planar, state, start_ns);
+  evidence.mountings = CompareMountings(rig, planar, state);
+  evidence.scanners = CompareScanners(rig, state, activity, start_ns);
+  evidence.faults = FindScannerFaults(rig, evidence.scanners, evidence.mountings, activity);
+  return evidence;
+}
+
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
+}
+
+class Judge {
+ public:
+  // span: the seconds of the recording that the map covers.
+  Judge(const Evidence& evidence, const std::pair<size_t, size_t>& span)
+      : evidence_(evidence), span_(span) {}
+
+  ConsistencyReport Report(double variance_factor) {
+    JudgeShares(evidence_.passages,
+                kMinComparable,
+                "beams pass through what were surfaces at other times");
+    JudgeShares(evidence_.doubled.shares,
+                kMinDoubled,
+                "surfaces stand twice: seen here and, at other times, beside it");
+    JudgeRevisits();
+    AddIntervals(evidence_.jumps, "the pose jumps: no rig accelerates so");
+    AddIntervals(evidence_.glitches,
+                 "for an instant segments lie off the planes, and the rig seems to jerk");
+    JudgeScanners();
+    Share all;
+    for (const Share& share : evidence_.passages) {
+      all.contradicted += share.contradicted;
+      all.comparable += share.comparable;
+    }
+    Consistency& consistency = report_.consistency;
+    consistency.contradicted_share = all.value();
+    consistency.degenerate_intervals = DegenerateIntervals(evidence_.strengths);
+    std::sort(consistency.doubtful_intervals.begin(),
+              consistency.doubtful_intervals.end(),
+              [](const auto& a, const auto& b) { return a.start_s < b.start_s; });
+    AddWarnings(variance_factor);
+    return std::move(report_);
+  }
+
+ private:
+  void Raise(Verdict verdict) {
+    report_.consistency.verdict = std::max(report_.consistency.verdict, verdict);
+  }
+
+  void AddIntervals(const std::vector<bool>& marked, const std::string& reason) {
+    const std::vector<DoubtfulInterval> intervals = IntervalsOf(marked, kMaxGap, reason);
+    if (intervals.empty()) return;
+    Raise(Verdict::kDoubtful);
+    auto& all = report_.consistency.doubtful_intervals;
+    all.insert(all.end(), intervals.begin(), intervals.end());
+  }
+
+  void JudgeShares(const SharesOverTime& shares,
+                   double min_comparable,
+                   const std::string& reason) {
+    std::vector<bool> marked;
+    double largest = 0.0;
+    for (size_t s = 0; s < shares.size(); ++s) {
+      const Share smooth = Smoothed(shares, static_cast<int>(s));
+      const bool counts = smooth.comparable >= min_comparable;
+      marked.push_back(counts && smooth.value() > kDoubtfulShare);
+      if (counts) largest = std::max(largest, smooth.value());
+    }
+    AddIntervals(marked, reason + " (up to " + Percent(largest) + " of the places seen again)");
+    if (largest > kContradictoryShare) Raise(Verdict::kContradictory);
+  }
+
+  void JudgeRevisits() {
+    std::vector<bool> marked;
+    double largest = 0.0;
+    for (const RevisitOffset& offset : evidence_.revisits) {
+      marked.push_back(offset.is_shift());
+      if (offset.is_shift()) largest = std::max(largest, offset.translation_m);
+    }
+    char text[120];
+    std::snprintf(text,
+                  sizeof(text),
+                  "the place lies up to %.0f cm off where an earlier visit saw it",
+                  100.0 * largest);
+    AddIntervals(marked, text);
+  }
+
+  void JudgeScanners() {
+    for (const ScannerFault& fault : evidence_.faults) {
+      report_.warnings.push_back(fault.sentence);
+      if (fault.contradicts) {
+        Raise(Verdict::kDoubtful);
+        const auto [first, last] = span_;
+        report_.consistency.doubtful_intervals.push_back(
+            {static_cast<double>(first), static_cast<double>(last), fault.sentence});
+      }
+    }
+  }
+
+  void AddWarnings(double variance_factor) {
+    constexpr double kNoiseTooLarge = 0.35;  // about the square of 1 / 1.7
+    char text[240];
+    if (variance_factor < kNoiseTooLarge) {
+      std::snprintf(text,
+                    sizeof(text),
+                    "the scans deviate from the planes only %.2f times as far as the rig file's "
+                    "noise says: range_noise_m is too large, and so are the stated deviations",
+                    std::sqrt(variance_factor));
+      report_.warnings.emplace_back(text);
+    }
+    for (const DegenerateInterval& interval : report_.consistency.degenerate_intervals) {
+      std::snprintf(text,
+                    sizeof(text),
+                    "from %.0f to %.0f s the scans leave one direction of the position open "
+                    "(%s): to %.2g m from a second's measurements",
+                    interval.start_s,
+                    interval.end_s,
+                    interval.direction.c_str(),
+                    interval.stddev_m);
+      report_.warnings.emplace_back(text);
+    }
+    for (const DoubtfulInterval& interval : report_.consistency.doubtful_intervals) {
+      std::snprintf(text,
+                    sizeof(text),
+                    "doubtful from %.0f to %.0f s: %s",
+                    interval.start_s,
+                    interval.end_s,
+                    interval.reason.c_str());
+      report_.warnings.emplace_back(text);
+    }
+    if (report_.consistency.verdict == Verdict::kContradictory) {
+      report_.warnings.emplace_back(
+          "the map contradicts the scans it was made from: do not trust it, nor the standard "
+          "deviations that it states");
+    }
+  }
+
+  const Evidence& evidence_;
+  std::pair<size_t, size_t> span_;
+  ConsistencyReport report_;
+};
+
+}  // namespace
+
+ConsistencyReport JudgeConsistency(const Rig& rig,
+                                   bool planar,
+                                   const MapState& state,
+                                   double variance_factor,
+                                   const ScannerActivity& activity,
+                                   int64_t start_ns) {
+  const Evidence evidence = Collect(rig, planar, state, activity, start_ns);
+  LogEvidence(rig, state, evidence);
+  return Judge(evidence, activity.Span()).Report(variance_factor);
+}
+
+}  // namespace plumbline

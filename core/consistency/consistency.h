@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/consistency/scanner_agreement.h"
+#include "core/map/map_state.h"
+#include "core/result/result_types.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// The judgement on a finished map, and sentences for the user.
+struct ConsistencyReport {
+  Consistency consistency;
+  std::vector<std::string> warnings;
+};
+
+// Judges a finished map by what it says of itself, since a wrong map can explain every
+// segment by planes of its own and still have small residuals (docs/robustness.md):
+//   - beams that pass through what was a surface at other times,
+//   - surfaces that stand twice, never seen together,
+//   - places that a later visit sees shifted,
+//   - poses that jump,
+//   - segments without planes,
+//   - scanners that contradict the others.
+// The state is as the batch leaves it. start_ns: of the recording. Works on the threads of the
+// caller's tbb::task_arena.
+ConsistencyReport JudgeConsistency(const Rig& rig,
+                                   bool planar,
+                                   const MapState& state,
+                                   double variance_factor,
+                                   const ScannerActivity& activity,
+                                   int64_t start_ns);
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/map/map_state.h"
+#include "core/result/result_types.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// How well one second's segments determine the rig's position with the planes taken as known
+// and no motion assumed, rotation being estimated as well.
+struct PositionStrength {
+  int num_segments = 0;
+  double stddev_m = 0.0;  // along the weakest direction
+  Eigen::Vector3d direction_world = Eigen::Vector3d::Zero();  // unit vector, either sense
+};
+
+// One element for each second of the map. In planar motion heights do not count.
+std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
+                                               bool planar,
+                                               const MapState& state,
+                                               int64_t start_ns);
+
+// A direction in words: "vertical", or "horizontal, 35 deg from the x axis" of the model
+// frame.
+std::string DirectionInWords(const Eigen::Vector3d& direction_world);
+
+// The stretches in which a direction is not determined. Intervals of the same direction, less
+// than some seconds apart, are one.
+std::vector<DegenerateInterval> DegenerateIntervals(
+    const std::vector<PositionStrength>& strengths);
+
+}  // namespace plumbline

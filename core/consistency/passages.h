@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/consistency/evidence.h"
+#include "core/consistency/sightings.h"
+
+namespace plumbline {
+
+// Where beams of one time pass through what was a surface at other times: by second, how many
+// of its cells other seconds have seen, and how many of these they saw differently. A cell
+// that others saw both ways counts by the share of those that disagree.
+SharesOverTime FindContradictedPassages(const Sightings& sightings);
+
+}  // namespace plumbline

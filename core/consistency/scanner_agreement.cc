@@ -1,0 +1,361 @@
+#include "core/consistency/scanner_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <map>
+
+#include "core/consistency/sightings.h"
+
+namespace plumbline {
+namespace {
+
+// Planes of which the other scanners together have fewer of the points than this are seen by
+// one scanner alone.
+constexpr double kAloneShare = 0.1;
+// Real walls differ from planes by as much, and so may two scanners that see different parts.
+constexpr double kFlatness = 0.004;  // m
+// A second without a twentieth of the scanner's usual points is silent.
+constexpr double kSilentShare = 0.05;
+constexpr int kMinSilent = 2;      // s in a row
+constexpr int kFrozenPercent = 50;  // of a second's lines
+// A scanner with so small a share of the points on planes that the others have shows something
+// else than the building.
+constexpr double kMinUsedRatio = 0.3;
+// Scanners whose views of a plane differ by so many times the noise, and by so much, do not
+// sit where the rig file says, or not at the same time.
+constexpr double kMaxDifferenceRatio = 4.0;
+constexpr double kMaxDifference = 0.03;  // m
+constexpr int kMinDifferences = 20;
+// Most of a scanner's points on planes that no other scanner sees, where the others see their
+// planes together: it builds a map of its own.
+constexpr double kMaxAloneShare = 0.6;
+
+// A correction of the mounting counts where it brings so many more of the scanner's segments
+// onto the planes of the others; of a right rig it brings one in five hundred.
+constexpr double kMinMountingGain = 0.03;
+// Larger errors bend a map by centimetres.
+constexpr double kLargeTurn = 1.5 * M_PI / 180.0;  // rad
+constexpr double kLargeShift = 0.05;               // m
+constexpr double kLargeTime = 0.01;                // s
+
+// Weighted mean of the segments of one scanner on one plane in one second.
+struct Mean {
+  double sum_weights = 0.0;
+  double sum = 0.0;
+
+  void Add(double value, double weight) {
+    sum_weights += weight;
+    sum += weight * value;
+  }
+  double value() const { return sum / sum_weights; }
+};
+
+using MeansOfScanners = std::vector<Mean>;
+
+// The differences between scanners in one second.
+void AddDifferences(const std::map<int, MeansOfScanners>& means,
+                    std::vector<ScannerAgreement>* agreements) {
+  for (const auto& [landmark_id, of_scanners] : means) {
+    for (size_t i = 0; i < of_scanners.size(); ++i) {
+      if (of_scanners[i].sum_weights == 0.0) continue;
+      Mean others;
+      for (size_t j = 0; j < of_scanners.size(); ++j) {
+        if (j != i && of_scanners[j].sum_weights > 0.0) {
+          others.Add(of_scanners[j].value(), of_scanners[j].sum_weights);
+        }
+      }
+      if (others.sum_weights == 0.0) continue;
+      const double difference = of_scanners[i].value() - others.value();
+      const double variance = 1.0 / of_scanners[i].sum_weights + 1.0 / others.sum_weights +
+                              2.0 * kFlatness * kFlatness;
+      ScannerAgreement& agreement = (*agreements)[i];
+      ++agreement.num_differences;
+      agreement.difference_m += difference * difference;
+      agreement.difference_ratio += difference * difference / variance;
+    }
+  }
+}
+
+void AddAloneShares(const std::vector<std::vector<int64_t>>& points,
+                    std::vector<ScannerAgreement>* agreements) {
+  std::vector<int64_t> alone(agreements->size(), 0);
+  std::vector<int64_t> all(agreements->size(), 0);
+  for (const std::vector<int64_t>& of_scanners : points) {
+    int64_t sum = 0;
+    for (const int64_t count : of_scanners) sum += count;
+    for (size_t i = 0; i < of_scanners.size(); ++i) {
+      all[i] += of_scanners[i];
+      const auto others = static_cast<double>(sum - of_scanners[i]);
+      if (others < kAloneShare * static_cast<double>(sum)) alone[i] += of_scanners[i];
+    }
+  }
+  for (size_t i = 0; i < agreements->size(); ++i) {
+    if (all[i] > 0) {
+      (*agreements)[i].alone_share = static_cast<double>(alone[i]) / static_cast<double>(all[i]);
+    }
+  }
+}
+
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
+}
+
+// "from 3 to 8 s" for each run of marked seconds, at least min_length long; empty if none.
+std::string RunsInWords(const std::vector<bool>& marked, size_t min_length) {
+  std::string words;
+  for (size_t first = 0; first < marked.size(); ++first) {
+    if (!marked[first]) continue;
+    size_t last = first;
+    while (last < marked.size() && marked[last]) ++last;
+    if (last - first >= min_length) {
+      words += (words.empty() ? "from " : ", from ") + std::to_string(first) + " to " +
+               std::to_string(last) + " s";
+    }
+    first = last;
+  }
+  return words;
+}
+
+class FaultFinder {
+ public:
+  FaultFinder(const Rig& rig,
+              const std::vector<ScannerAgreement>& agreements,
+              const std::vector<MountingError>& mountings,
+              const ScannerActivity& activity)
+      : rig_(rig), agreements_(agreements), mountings_(mountings), activity_(activity) {}
+
+  std::vector<ScannerFault> Find() {
+    for (size_t i = 0; i < agreements_.size(); ++i) {
+      if (agreements_[i].num_points == 0) {
+        Report(i, false, "returned no valid range in the whole recording");
+        continue;
+      }
+      CheckActivity(i);
+      if (agreements_.size() > 1) CheckAgreement(i);
+    }
+    CheckMountings();
+    return std::move(faults_);
+  }
+
+ private:
+  void Report(size_t scanner, bool contradicts, const std::string& what) {
+    faults_.push_back({static_cast<int>(scanner),
+                       contradicts,
+                       "scanner " + rig_.scanners[scanner].name + " " + what});
+  }
+
+  static ScannerActivity::Second CountsAt(const std::vector<ScannerActivity::Second>& seconds,
+                                          size_t second) {
+    return second < seconds.size() ? seconds[second] : ScannerActivity::Second();
+  }
+
+  void CheckActivity(size_t scanner) {
+    if (scanner >= activity_.seconds().size()) return;
+    const auto& seconds = activity_.seconds()[scanner];
+    std::vector<int64_t> counts;
+    const auto [first, last] = activity_.Span();
+    for (size_t s = first; s < last; ++s) counts.push_back(CountsAt(seconds, s).num_points);
+    std::nth_element(counts.begin(),
+                     counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2),
+                     counts.end());
+    const auto usual = static_cast<double>(counts[counts.size() / 2]);
+    std::vector<bool> silent(first, false);
+    std::vector<bool> frozen(first, false);
+    for (size_t s = first; s < last; ++s) {
+      const ScannerActivity::Second second = CountsAt(seconds, s);
+      silent.push_back(static_cast<double>(second.num_points) < kSilentShare * usual);
+      frozen.push_back(second.num_repeated > 1 &&
+                       100 * second.num_repeated > kFrozenPercent * second.num_lines);
+    }
+    const std::string when_silent = RunsInWords(silent, kMinSilent);
+    if (!when_silent.empty()) Report(scanner, false, "returned next to nothing " + when_silent);
+    const std::string when_frozen = RunsInWords(frozen, 1);
+    if (!when_frozen.empty()) {
+      Report(scanner,
+             true,
+             "contradicts the others: it repeats the very same ranges " + when_frozen +
+                 ", as a frozen driver does");
+    }
+  }
+
+  // Names the one scanner whose correction brings most of its segments onto the planes of the
+  // others: these have been drawn along by it, and look wrong themselves.
+  void CheckMountings() {
+    const auto gain = [](const MountingError& error) {
+      return error.moved_share - error.near_share;
+    };
+    const auto worst = std::max_element(
+        mountings_.begin(), mountings_.end(), [&](const auto& a, const auto& b) {
+          return gain(a) < gain(b);
+        });
+    if (worst == mountings_.end() || gain(*worst) < kMinMountingGain) return;
+    const std::string words = MountingInWords(*worst);
+    if (words.empty()) return;
+    const bool is_large = worst->rotation_rad.norm() > kLargeTurn ||
+                          worst->translation_m.norm() > kLargeShift ||
+                          std::abs(worst->time_offset_s) > kLargeTime;
+    Report(static_cast<size_t>(worst - mountings_.begin()),
+           is_large,
+           (is_large ? "contradicts the others: " : "differs from the others: ") +
+               ("against the planes that they see it looks " + words) +
+               "; check body_from_scanner and time_offset_s in the rig file");
+  }
+
+  void CheckAgreement(size_t scanner) {
+    const ScannerAgreement& agreement = agreements_[scanner];
+    double others_used = 0.0;
+    double others_alone = 1.0;  // of those that see planes at all
+    for (size_t i = 0; i < agreements_.size(); ++i) {
+      if (i == scanner) continue;
+      others_used = std::max(others_used, agreements_[i].used_share);
+      if (agreements_[i].num_segments == 0) continue;
+      others_alone = std::min(others_alone, agreements_[i].alone_share);
+    }
+    char text[200];
+    if (agreement.used_share < kMinUsedRatio * others_used) {
+      Report(scanner,
+             true,
+             "contradicts the others: only " + Percent(agreement.used_share) +
+                 " of its points lie on planes, " + Percent(others_used) +
+                 " of another's: it may be turned, mirrored or mistaken for another, or it "
+                 "returns noise");
+    } else if (agreement.num_differences >= kMinDifferences &&
+               agreement.difference_ratio > kMaxDifferenceRatio &&
+               agreement.difference_m > kMaxDifference) {
+      std::snprintf(text,
+                    sizeof(text),
+                    "contradicts the others: it sees the same planes %.0f mm away from where "
+                    "they see them; check body_from_scanner and time_offset_s in the rig file",
+                    1e3 * agreement.difference_m);
+      Report(scanner, true, text);
+    } else if (agreement.alone_share > kMaxAloneShare && others_alone < 0.5 * kMaxAloneShare) {
+      Report(scanner,
+             true,
+             "contradicts the others: " + Percent(agreement.alone_share) +
+                 " of its points lie on planes that no other scanner sees; check "
+                 "body_from_scanner in the rig file");
+    }
+  }
+
+  const Rig& rig_;
+  const std::vector<ScannerAgreement>& agreements_;
+  const std::vector<MountingError>& mountings_;
+  const ScannerActivity& activity_;
+  std::vector<ScannerFault> faults_;
+};
+
+}  // namespace
+
+void ScannerActivity::Add(int scanner_index,
+                          double time_s,
+                          int64_t num_points,
+                          int64_t num_used,
+                          uint64_t fingerprint) {
+  const auto scanner = static_cast<size_t>(scanner_index);
+  if (scanner >= seconds_.size()) {
+    seconds_.resize(scanner + 1);
+    last_fingerprints_.resize(scanner + 1, 0);
+  }
+  const auto second = static_cast<size_t>(std::max(0.0, time_s));
+  if (second >= seconds_[scanner].size()) seconds_[scanner].resize(second + 1);
+  Second& now = seconds_[scanner][second];
+  ++now.num_lines;
+  now.num_points += num_points;
+  now.num_used += num_used;
+  if (fingerprint != 0 && fingerprint == last_fingerprints_[scanner]) ++now.num_repeated;
+  last_fingerprints_[scanner] = fingerprint;
+}
+
+std::pair<size_t, size_t> ScannerActivity::Span() const {
+  size_t first = std::numeric_limits<size_t>::max();
+  size_t last = 0;
+  for (const std::vector<Second>& of_scanner : seconds_) {
+    for (size_t second = 0; second < of_scanner.size(); ++second) {
+      if (of_scanner[second].num_points == 0) continue;
+      first = std::min(first, second);
+      last = std::max(last, second + 1);
+    }
+  }
+  return {std::min(first, last), last};
+}
+
+uint64_t FingerprintOf(const std::vector<float>& ranges) {
+  constexpr int kMinDistinct = 10;  // valid ranges; a covered scanner repeats itself rightly
+  uint64_t hash = 1469598103934665603ULL;  // Fowler, Noll and Vo's, of 64 bits
+  int num_valid = 0;
+  for (const float range : ranges) {
+    uint32_t bits = 0;
+    std::memcpy(&bits, &range, sizeof(bits));
+    hash = (hash ^ bits) * 1099511628211ULL;
+    if (std::isfinite(range) && range > 0.0F) ++num_valid;
+  }
+  return num_valid < kMinDistinct ? 0 : std::max<uint64_t>(1, hash);
+}
+
+std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
+                                              const MapState& state,
+                                              const ScannerActivity& activity,
+                                              int64_t start_ns) {
+  const size_t num_scanners = rig.scanners.size();
+  std::vector<ScannerAgreement> agreements(num_scanners);
+  std::vector<std::vector<int64_t>> points(state.landmarks.size(),
+                                           std::vector<int64_t>(num_scanners, 0));
+  SharedPoses poses(rig, state.trajectory);
+  for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
+    std::map<int, MeansOfScanners> means;
+    for (size_t i = first; i < last; ++i) {
+      const Observation& observation = state.observations[i];
+      if (observation.landmark_id < 0) continue;
+      const auto scanner = static_cast<size_t>(observation.scanner_index);
+      const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+      points[static_cast<size_t>(landmark.id)][scanner] += observation.num_points;
+      const ScanPlacement placement =
+          poses.Of(observation).motion.At(observation.middle_time_ns());
+      const Eigen::Vector3d normal = landmark.Normal();
+      const double cut = (placement.leftCols<2>().transpose() * normal).norm();
+      const double sigma = std::max(1e-4, cut * observation.sigma_offset_m);
+      const double distance =
+          landmark.SignedDistance(placement * observation.centroid().homogeneous());
+      MeansOfScanners& of_scanners = means[landmark.id];
+      of_scanners.resize(num_scanners);
+      of_scanners[scanner].Add(distance, 1.0 / (sigma * sigma));
+      agreements[scanner].deviation_ratio +=
+          distance * distance / (sigma * sigma + kFlatness * kFlatness);
+      ++agreements[scanner].num_segments;
+    }
+    AddDifferences(means, &agreements);
+  }
+  AddAloneShares(points, &agreements);
+  for (size_t i = 0; i < num_scanners; ++i) {
+    ScannerAgreement& agreement = agreements[i];
+    const double num_segments = std::max(1, agreement.num_segments);
+    const double num_differences = std::max(1, agreement.num_differences);
+    agreement.difference_m = std::sqrt(agreement.difference_m / num_differences);
+    agreement.difference_ratio = std::sqrt(agreement.difference_ratio / num_differences);
+    agreement.deviation_ratio = std::sqrt(agreement.deviation_ratio / num_segments);
+    int64_t num_used = 0;
+    if (i < activity.seconds().size()) {
+      for (const auto& second : activity.seconds()[i]) {
+        agreement.num_points += second.num_points;
+        num_used += second.num_used;
+      }
+    }
+    if (agreement.num_points > 0) {
+      agreement.used_share =
+          static_cast<double>(num_used) / static_cast<double>(agreement.num_points);
+    }
+  }
+  return agreements;
+}
+
+std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
+                                            const std::vector<ScannerAgreement>& agreements,
+                                            const std::vector<MountingError>& mountings,
+                                            const ScannerActivity& activity) {
+  return FaultFinder(rig, agreements, mountings, activity).Find();
+}
+
+}  // namespace plumbline

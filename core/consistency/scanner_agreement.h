@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/consistency/mounting.h"
+#include "core/map/map_state.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// Counts what a scanner's lines hold, by second: whether it measures at all, and whether it
+// measures anew.
+class ScannerActivity {
+ public:
+  // Takes in the next line of a scanner. num_used: of its points, on planes.
+  void Add(int scanner_index,
+           double time_s,
+           int64_t num_points,
+           int64_t num_used,
+           uint64_t fingerprint);
+
+  struct Second {
+    int num_lines = 0;
+    int num_repeated = 0;  // lines that hold the very ranges of the one before
+    int64_t num_points = 0;
+    int64_t num_used = 0;
+  };
+  // By scanner, by second.
+  const std::vector<std::vector<Second>>& seconds() const { return seconds_; }
+  // The first second in which any scanner measures, and the one after the last.
+  std::pair<size_t, size_t> Span() const;
+
+ private:
+  std::vector<std::vector<Second>> seconds_;
+  std::vector<uint64_t> last_fingerprints_;
+};
+
+// A number that differs for lines of different ranges; 0 for one with hardly any.
+uint64_t FingerprintOf(const std::vector<float>& ranges);
+
+// How a scanner agrees with the map and with the other scanners.
+struct ScannerAgreement {
+  int64_t num_points = 0;
+  int num_segments = 0;     // on planes
+  double used_share = 0.0;  // of its points, on planes
+  // Of its points on planes, those on planes that hardly any other scanner sees.
+  double alone_share = 0.0;
+  // Root mean square difference between where it and where the others see a plane in the same
+  // second, m.
+  double difference_m = 0.0;
+  int num_differences = 0;
+  // The same over the standard deviation that the noise lets expect.
+  double difference_ratio = 0.0;
+  // Root mean square distance of its segments from their planes, over the noise's.
+  double deviation_ratio = 0.0;
+};
+
+std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
+                                              const MapState& state,
+                                              const ScannerActivity& activity,
+                                              int64_t start_ns);
+
+// What is wrong with a scanner.
+struct ScannerFault {
+  int scanner_index = -1;
+  bool contradicts = false;  // the other scanners
+  std::string sentence;      // naming the scanner
+};
+
+// The faults of scanners: silent, frozen, off all planes, mounted otherwise than the rig file
+// says, or in contradiction to the others.
+std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
+                                            const std::vector<ScannerAgreement>& agreements,
+                                            const std::vector<MountingError>& mountings,
+                                            const ScannerActivity& activity);
+
+}  // namespace plumbline

@@ -1,0 +1,50 @@
+#include "core/consistency/pose_jumps.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+Trajectory WalkAlongX(double speed_m_s) {
+  Trajectory trajectory(0, 125'000'000, Rigid3d());
+  trajectory.ExtendTo(20'000'000'000);
+  for (int i = 0; i < trajectory.num_control_points(); ++i) {
+    trajectory.control_point(i).position[0] = 0.125 * speed_m_s * i;
+  }
+  return trajectory;
+}
+
+TEST(PoseJumpsTest, AWalkHasNone) {
+  const std::vector<SecondOfMotion> motion = MotionOverTime(WalkAlongX(1.0), 0);
+  ASSERT_GE(motion.size(), 20u);
+  EXPECT_NEAR(motion[5].speed_m_s, 1.0, 1e-9);
+  EXPECT_NEAR(motion[5].acceleration_m_s2, 0.0, 1e-9);
+  for (const bool is_jump : FindJumps(motion)) EXPECT_FALSE(is_jump);
+}
+
+TEST(PoseJumpsTest, FindsAShiftOfHalfAMetre) {
+  Trajectory trajectory = WalkAlongX(1.0);
+  const int half = trajectory.num_control_points() / 2;
+  for (int i = half; i < trajectory.num_control_points(); ++i) {
+    trajectory.control_point(i).position[1] += 0.5;
+  }
+  const std::vector<bool> jumps = FindJumps(MotionOverTime(trajectory, 0));
+  const int num_jumps = static_cast<int>(std::count(jumps.begin(), jumps.end(), true));
+  EXPECT_GE(num_jumps, 1);
+  EXPECT_LE(num_jumps, 2);
+  const auto at = std::find(jumps.begin(), jumps.end(), true) - jumps.begin();
+  EXPECT_NEAR(static_cast<double>(at), (half - 1) * 0.125, 1.5);
+}
+
+TEST(PoseJumpsTest, ARigThatShakesAllTheTimeDoesNotJump) {
+  Trajectory trajectory = WalkAlongX(1.0);
+  for (int i = 0; i < trajectory.num_control_points(); ++i) {
+    trajectory.control_point(i).position[1] += i % 2 == 0 ? 0.1 : -0.1;
+  }
+  for (const bool is_jump : FindJumps(MotionOverTime(trajectory, 0))) EXPECT_FALSE(is_jump);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,106 @@
+#include "core/consistency/scanner_agreement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "test/core/consistency/hand_made_map.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Two scanners that measure ten lines a second, for ten seconds.
+class ScannerAgreementTest : public testing::Test {
+ protected:
+  std::vector<float> NewRanges() {
+    std::vector<float> ranges(100);
+    std::uniform_real_distribution<float> range(1.0F, 5.0F);
+    for (float& one : ranges) one = range(random_);
+    return ranges;
+  }
+  void Take(int scanner, double time_s, const std::vector<float>& ranges, int num_used = 90) {
+    activity_.Add(scanner,
+                  time_s,
+                  static_cast<int64_t>(ranges.size()),
+                  num_used,
+                  FingerprintOf(ranges));
+  }
+  std::vector<ScannerFault> Find() {
+    const auto agreements = CompareScanners(map_.rig(), map_.state(), activity_, 0);
+    const auto mountings = CompareMountings(map_.rig(), true, map_.state());
+    return FindScannerFaults(map_.rig(), agreements, mountings, activity_);
+  }
+
+  HandMadeMap map_{2};
+  ScannerActivity activity_;
+  std::mt19937 random_{1};
+};
+
+TEST_F(ScannerAgreementTest, TwoGoodScannersHaveNoFaults) {
+  for (int i = 0; i < 100; ++i) {
+    Take(0, 0.1 * i, NewRanges());
+    Take(1, 0.1 * i, NewRanges());
+  }
+  EXPECT_THAT(Find(), IsEmpty());
+}
+
+TEST_F(ScannerAgreementTest, NamesAFrozenScanner) {
+  const std::vector<float> frozen = NewRanges();
+  for (int i = 0; i < 100; ++i) {
+    Take(0, 0.1 * i, NewRanges());
+    Take(1, 0.1 * i, i >= 40 && i < 70 ? frozen : NewRanges());
+  }
+  const std::vector<ScannerFault> faults = Find();
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].scanner_index, 1);
+  EXPECT_TRUE(faults[0].contradicts);
+  EXPECT_THAT(faults[0].sentence, HasSubstr("scanner_1"));
+  EXPECT_THAT(faults[0].sentence, HasSubstr("from 4 to 7 s"));
+}
+
+TEST_F(ScannerAgreementTest, NamesASilentScanner) {
+  for (int i = 0; i < 100; ++i) {
+    Take(0, 0.1 * i, NewRanges());
+    Take(1, 0.1 * i, i >= 50 && i < 80 ? std::vector<float>() : NewRanges());
+  }
+  const std::vector<ScannerFault> faults = Find();
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_FALSE(faults[0].contradicts);
+  EXPECT_THAT(faults[0].sentence, HasSubstr("scanner_1 returned next to nothing from 5 to 8 s"));
+}
+
+TEST_F(ScannerAgreementTest, NamesAScannerOffAllPlanes) {
+  for (int i = 0; i < 100; ++i) {
+    Take(0, 0.1 * i, NewRanges());
+    Take(1, 0.1 * i, NewRanges(), 5);
+  }
+  const std::vector<ScannerFault> faults = Find();
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_TRUE(faults[0].contradicts);
+  EXPECT_THAT(faults[0].sentence, HasSubstr("only 5 % of its points lie on planes"));
+}
+
+TEST_F(ScannerAgreementTest, NamesAScannerThatSitsElsewhere) {
+  constexpr double kShift = 0.1;  // m, of what scanner 1 sees
+  const int wall = map_.AddWall(5.0, -2.0, 2.0);
+  for (int second = 0; second < 12; ++second) {
+    map_.SeeAlong(second, wall, {5.0, -2.0}, {5.0, 2.0}, 0);
+    map_.SeeAlong(second, -1, {5.0 + kShift, -2.0}, {5.0 + kShift, 2.0}, 1);
+    for (int i = 0; i < 10; ++i) {
+      Take(0, second + 0.1 * i, NewRanges());
+      Take(1, second + 0.1 * i, NewRanges());
+    }
+  }
+  const std::vector<ScannerFault> faults = Find();
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].scanner_index, 1);
+  EXPECT_TRUE(faults[0].contradicts);
+  EXPECT_THAT(faults[0].sentence, HasSubstr("shifted by"));
+}
+
+}  // namespace
+}  // namespace plumbline
