@@ -15,30 +15,38 @@ namespace {
 
 const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
 
-std::vector<std::string> FilesIn(const std::string& folder) {
+std::vector<std::string> FilesIn(const std::string& folder, const std::string& ending) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(kConfigs + "/" + folder)) {
-    files.push_back(entry.path().string());
+    if (entry.path().extension() == ending) files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
 TEST(Experiment, EveryShippedRigLoads) {
-  for (const std::string& file : FilesIn("rigs")) EXPECT_FALSE(ReadRig(file).scanners.empty());
+  for (const std::string& file : FilesIn("rigs", ".yaml")) {
+    EXPECT_FALSE(ReadRig(file).scanners.empty());
+  }
 }
 
 TEST(Experiment, EveryShippedBuildingLoads) {
-  for (const std::string& file : FilesIn("buildings")) {
-    EXPECT_GE(ReadBuilding(file).faces.size(), 6u) << file;
+  for (const std::string ending : {".yaml", ".ply"}) {
+    EXPECT_GE(FilesIn("buildings", ending).size(), 3u);
+    for (const std::string& file : FilesIn("buildings", ending)) {
+      EXPECT_GE(ReadBuilding(file).faces.size(), 6u) << file;
+    }
   }
 }
 
 // Also checks that the paths keep clear of the walls.
 TEST(Experiment, EveryShippedExperimentLoads) {
-  EXPECT_GE(FilesIn("experiments").size(), 6u);
-  for (const std::string& file : FilesIn("experiments")) {
-    EXPECT_GT(Simulator(ReadExperiment(file)).num_scan_lines(), 100) << file;
+  EXPECT_GE(FilesIn("experiments", ".yaml").size(), 6u);
+  EXPECT_GE(FilesIn("experiments/robustness", ".yaml").size(), 25u);
+  for (const std::string folder : {"experiments", "experiments/robustness"}) {
+    for (const std::string& file : FilesIn(folder, ".yaml")) {
+      EXPECT_GT(Simulator(ReadExperiment(file)).num_scan_lines(), 100) << file;
+    }
   }
 }
 
