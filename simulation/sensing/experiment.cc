@@ -15,10 +15,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxLength = 1e5;       // m; a day on foot
+constexpr double kMaxLength = 1e5;         // m; a day on foot
 constexpr double kDefaultTurnRate = 60.0;  // deg/s
-constexpr double kDefaultStart = 1.4e9;  // s since 1970; as large as those of recordings
-constexpr double kLatestStart = 4e9;     // s; a ROS 1 stamp holds no later instant
+constexpr double kDefaultStart = 1.4e9;    // s since 1970; as large as those of recordings
+constexpr double kLatestStart = 4e9;       // s; a ROS 1 stamp holds no later instant
 
 std::string Resolve(const YamlNode& node, const std::string& experiment_path) {
   namespace fs = std::filesystem;

@@ -60,8 +60,8 @@ void Recorder::Scatter(const PerfectScanLine& perfect, double share, ScanLine* l
                  kOutlierKey});
   for (float& range : line->ranges) {
     const bool is_outlier = random.Uniform() < share;
-    const double any = scanner.min_range_m +
-                       random.Uniform() * (scanner.max_range_m - scanner.min_range_m);
+    const double any =
+        scanner.min_range_m + random.Uniform() * (scanner.max_range_m - scanner.min_range_m);
     if (is_outlier) range = static_cast<float>(any);
   }
 }

@@ -25,7 +25,7 @@ struct Face {
   std::vector<Eigen::Vector3d> outline;
   std::vector<std::vector<Eigen::Vector3d>> holes;
   std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // cover the face, counter-clockwise
-  bool glass = false;  // a beam may go through
+  bool glass = false;                                     // a beam may go through
 
   double Area() const;
   Eigen::Vector3d Centroid() const;

@@ -46,8 +46,7 @@ std::vector<Box> BoxesOf(const Furniture& piece) {
 }
 
 void AddBox(const Box& box, const Furniture& piece, double floor, std::vector<Face>* faces) {
-  const Eigen::Quaterniond turn(
-      Eigen::AngleAxisd(piece.yaw_rad, Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(piece.yaw_rad, Eigen::Vector3d::UnitZ()));
   const Eigen::Vector3d origin(piece.position.x(), piece.position.y(), floor + piece.bottom_m);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {

@@ -126,8 +126,7 @@ double MovingThings::AngleOf(size_t index, const Path& path, int64_t time_ns) co
   // Shut for a while, open for a while.
   const double wave = Triangle(door_phases_[index] + time_s / door.period_s);
   const double swing = Smooth(2 * wave - 0.5);
-  const double distance =
-      (path.PoseAt(time_ns).translation - door.hinge).head<2>().norm();
+  const double distance = (path.PoseAt(time_ns).translation - door.hinge).head<2>().norm();
   const double near = Smooth((kDoorOpens - distance) / (kDoorOpens - kDoorIsOpen));
   return door.shut_rad + std::max(swing, near) * (door.open_rad - door.shut_rad);
 }
@@ -143,8 +142,8 @@ std::optional<double> MovingThings::Cast(const Eigen::Vector3d& origin_world,
     if (range) nearest = std::min(nearest, *range);
   }
   for (size_t i = 0; i < options_.doors.size(); ++i) {
-    const std::optional<double> range = CastLeaf(
-        origin_world, direction_world, options_.doors[i], AngleOf(i, path, time_ns));
+    const std::optional<double> range =
+        CastLeaf(origin_world, direction_world, options_.doors[i], AngleOf(i, path, time_ns));
     if (range) nearest = std::min(nearest, *range);
   }
   if (!std::isfinite(nearest)) return std::nullopt;

@@ -54,9 +54,9 @@ struct PathOptions {
   int64_t start_ns = 0;
 };
 
-// A path moves the rig along a walk (simulation/world/walk.h), or along way points at constant speed, heading along the path, as an
-// analytic function of time. Straight stretches are joined by corners along which the
-// curvature is
+// A path moves the rig along a walk (simulation/world/walk.h), or along way points at constant
+// speed, heading along the path, as an analytic function of time. Straight stretches are
+// joined by corners along which the curvature is
 //   k(s) = 2 turn / length * sin^2(pi s / length) ,
 // so that the yaw rate is continuous and smooth, and no polynomial spline can follow exactly.
 // A corner begins and ends where a circular arc of corner_radius_m would.

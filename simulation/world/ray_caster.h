@@ -12,7 +12,7 @@ inline constexpr int kNoFace = -1;
 
 // A ray ends at a hit.
 struct RayHit {
-  double range = 0.0;  // m
+  double range = 0.0;        // m
   int face_id = 0;           // kNoFace: something that moves
   bool from_behind = false;  // the ray goes along the face's normal
   bool is_glass = false;

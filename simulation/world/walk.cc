@@ -11,12 +11,12 @@ namespace {
 
 using Sample = Eigen::Matrix<double, 5, 1>;
 
-constexpr double kLengthStep = 0.02;                  // m, along the curve
-constexpr double kTimeStep = 0.01;                    // s, between control points
-constexpr double kHalfSmoothing = 0.25;               // s, half width of the smoothing over time
-constexpr double kAcceleration = 1.0;                 // m/s^2
-constexpr double kMinSpeed = 0.05;                    // m/s, while it does not stand
-constexpr double kTurnsBack = 100.0 * M_PI / 180.0;   // at a point: stands and turns
+constexpr double kLengthStep = 0.02;     // m, along the curve
+constexpr double kTimeStep = 0.01;       // s, between control points
+constexpr double kHalfSmoothing = 0.25;  // s, half width of the smoothing over time
+constexpr double kAcceleration = 1.0;    // m/s^2
+constexpr double kMinSpeed = 0.05;       // m/s, while it does not stand
+constexpr double kTurnsBack = 100.0 * M_PI / 180.0;  // at a point: stands and turns
 
 double Wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
 
@@ -74,7 +74,8 @@ std::vector<Section> SectionsOf(const WalkOptions& options) {
 
 // One section as samples at equal steps of the length.
 std::vector<Sample> Smoothed(const Section& section, double begin_m, double smooth_m) {
-  const int num_steps = std::max(2, static_cast<int>(std::ceil(section.length() / kLengthStep)));
+  const int num_steps =
+      std::max(2, static_cast<int>(std::ceil(section.length() / kLengthStep)));
   const double step = section.length() / num_steps;
   const int half = std::max(1, static_cast<int>(std::lround(smooth_m / step)));
   const std::vector<double> weights = RaisedCosine(half);

@@ -56,6 +56,23 @@ TEST(Experiment, OfficeIsAsLongAsThePapers) {
   EXPECT_EQ(simulator.path().end_ns() - simulator.path().start_ns(), 90875000000);
 }
 
+// Planned paths keep to what a person can do, all along.
+TEST(Experiment, WalksThroughHousesAreThoseOfAPerson) {
+  for (const std::string name : {"fzk_stairs", "duplex_a_stairs"}) {
+    const Path path(
+        ReadExperiment(kConfigs + "/experiments/robustness/" + name + ".yaml").path);
+    constexpr int64_t kStep = 10000000;
+    for (int64_t time = path.start_ns(); time + kStep <= path.end_ns(); time += kStep) {
+      const Rigid3d a = path.PoseAt(time);
+      const Rigid3d b = path.PoseAt(time + kStep);
+      // 0.9 m/s and the steps' bob of 0.23 m/s.
+      ASSERT_LT((b.translation - a.translation).norm(), 1.2 * 0.01);
+      // 60 deg/s and the swings' 17 and 21 deg/s.
+      ASSERT_LT(a.rotation.angularDistance(b.rotation), 70 * M_PI / 180 * 0.01);
+    }
+  }
+}
+
 class ExperimentText : public testing::Test {
  protected:
   // Reads the text as an experiment beside the shipped building and rig; the message without
@@ -93,6 +110,70 @@ TEST_F(ExperimentText, ReadsEveryKey) {
   EXPECT_EQ(experiment_.noise.dropout, 0.1);
   EXPECT_EQ(experiment_.path.start_ns, 5000000000);
   EXPECT_EQ(experiment_.scanner_phases_s, (std::vector<double>{0, 0.001, 0.002}));
+}
+
+TEST_F(ExperimentText, ReadsWalks) {
+  const std::string way =
+      "path:\n  way_points: [[1, 1], [4, 1], [1, 1]]\n  corner_radius_m: 0.3\n"
+      "  body_height_m: 1.5\n  max_turn_rate_deg_s: 45\n  length_m: 4\n  start_fraction: "
+      "0.25\n"
+      "  pauses: [{at_m: 1, duration_s: 2}]\nspeed_m_s: 0.8\n";
+  ASSERT_EQ(Error(files_ + way), "");
+  ASSERT_TRUE(experiment_.path.walk);
+  const WalkOptions& walk = *experiment_.path.walk;
+  ASSERT_EQ(walk.points.size(), 3u);
+  EXPECT_LT((walk.points[0] - Eigen::Vector3d(2.5, 1, 0)).norm(), 1e-12);
+  EXPECT_LT((walk.points[2] - Eigen::Vector3d(1.5, 1, 0)).norm(), 1e-12);
+  EXPECT_EQ(walk.smooth_m, 0.3);
+  EXPECT_EQ(walk.speed_m_s, 0.8);
+  EXPECT_NEAR(walk.max_turn_rate_rad_s, M_PI / 4, 1e-12);
+  ASSERT_EQ(walk.stops.size(), 1u);
+  EXPECT_EQ(walk.stops[0].duration_s, 2.0);
+  EXPECT_EQ(experiment_.path.height_m, 1.5);
+
+  const std::string in_space =
+      "path: {way_points: [[1, 1, 0], [4, 1, 0.5]], corner_radius_m: 0.3, body_height_m: 1}\n"
+      "speed_m_s: 1\n";
+  ASSERT_EQ(Error(files_ + in_space), "");
+  EXPECT_EQ(experiment_.path.walk->points[1].z(), 0.5);
+  EXPECT_EQ(Error(files_ + "path: {way_points: [[1, 1, 0], [4]], corner_radius_m: 0.3, "
+                           "body_height_m: 1}\nspeed_m_s: 1\n"),
+            ":3: a way point is [x, y] or [x, y, z]");
+  EXPECT_EQ(Error(files_ + "path: {way_points: [[1, 1, 0], [4, 1, 0]], length_m: 4, "
+                           "corner_radius_m: 0.3, body_height_m: 1}\nspeed_m_s: 1\n"),
+            ":3: the path is only 3.000000 m long");
+}
+
+TEST_F(ExperimentText, ReadsPathFilesAndDropsTheirDoors) {
+  WriteTestFile("way.path", "smooth 0.2\ndrop 17468\npoint 1.5 2.2 0\npoint 3 2.2 0\n");
+  const std::string name = "ExperimentText_ReadsPathFilesAndDropsTheirDoors_way.path";
+  const std::string text =
+      "building: " + kConfigs + "/buildings/AC20-FZK-Haus.ply\nrig: " + kConfigs +
+      "/rigs/paper.yaml\npath: {file: " + name + ", body_height_m: 1.5}\nspeed_m_s: 1\n";
+  ASSERT_EQ(Error(text), "");
+  ASSERT_TRUE(experiment_.path.walk);
+  EXPECT_EQ(experiment_.path.walk->smooth_m, 0.2);
+  const size_t num_faces = experiment_.building.faces.size();
+  ASSERT_EQ(Error(text + "drop: [19199, 19504]\n"), "");
+  EXPECT_LT(experiment_.building.faces.size(), num_faces);
+}
+
+TEST_F(ExperimentText, ReadsWhatMovesAndFaults) {
+  ASSERT_EQ(
+      Error(all_ + "moving:\n  people: [{walks: [[1, 1], [2, 1]]}, {follows_m: 2}]\n"
+                   "  doors: [{hinge: [1, 2], shut_deg: 0, open_deg: 90, period_s: 3}]\n"
+                   "faults: {outliers: 0.1, scanners: [{name: top, range_bias_m: 0.02}]}\n"),
+      "");
+  ASSERT_EQ(experiment_.moving.people.size(), 2u);
+  EXPECT_EQ(experiment_.moving.people[1].follows_m, 2.0);
+  EXPECT_EQ(experiment_.moving.body_height_m, 1.5);
+  ASSERT_EQ(experiment_.moving.doors.size(), 1u);
+  EXPECT_NEAR(experiment_.moving.doors[0].open_rad, M_PI / 2, 1e-12);
+  EXPECT_EQ(experiment_.faults.outliers, 0.1);
+  ASSERT_EQ(experiment_.faults.scanners.size(), 3u);
+  EXPECT_EQ(experiment_.faults.scanners[0].range_bias_m, 0.02);
+  EXPECT_EQ(Error(all_ + "moving:\n  people: [{speed_m_s: 1}]\n"),
+            ":9: a person has one of walks, follows_m and circles_m");
 }
 
 TEST_F(ExperimentText, ErrorsNameFileAndLine) {

@@ -108,12 +108,13 @@ TEST(Faults, MirroredBeamsComeInTheOtherOrder) {
 
 TEST(Faults, RigFileGoesOnSayingWhatItSaid) {
   Experiment experiment = Hall();
-  experiment.faults = Faults("scanners: [{name: left, rotation_error_deg: [0, 0, 90], "
-                             "translation_error_m: [0.5, 0, 0]}]");
+  experiment.faults = Faults(
+      "scanners: [{name: left, rotation_error_deg: [0, 0, 90], "
+      "translation_error_m: [0.5, 0, 0]}]");
   const Rig rig = TrueRig(experiment.rig, experiment.faults);
-  EXPECT_LT((rig.scanners[0].body_from_scanner.translation - Eigen::Vector3d(0.5, 0.1, 0))
-                .norm(),
-            1e-12);
+  EXPECT_LT(
+      (rig.scanners[0].body_from_scanner.translation - Eigen::Vector3d(0.5, 0.1, 0)).norm(),
+      1e-12);
   const Eigen::Vector3d forward =
       rig.scanners[0].body_from_scanner.rotation * Eigen::Vector3d::UnitX();
   EXPECT_LT((forward - Eigen::Vector3d::UnitY()).norm(), 1e-12);

@@ -49,9 +49,9 @@ TEST(Furniture, TablesStandOnLegs) {
   const Building building =
       Room({Furniture::Kind::kTable, {4, 3}, {2, 1, 0.75}, 0.0, 0.0, false});
   EXPECT_EQ(building.faces.size(), 6u + 5 * 6u);
-  EXPECT_NEAR(Range(building, {4, 1, 1.5}, {0, 1, 0}), 5.0, 1e-12);      // between the legs
-  EXPECT_NEAR(Range(building, {3.02, 1, 1.5}, {0, 1, 0}), 1.5, 1e-12);   // a leg
-  EXPECT_NEAR(Range(building, {4, 1, 1.73}, {0, 1, 0}), 1.5, 1e-12);     // the board's edge
+  EXPECT_NEAR(Range(building, {4, 1, 1.5}, {0, 1, 0}), 5.0, 1e-12);     // between the legs
+  EXPECT_NEAR(Range(building, {3.02, 1, 1.5}, {0, 1, 0}), 1.5, 1e-12);  // a leg
+  EXPECT_NEAR(Range(building, {4, 1, 1.73}, {0, 1, 0}), 1.5, 1e-12);    // the board's edge
 }
 
 TEST(Furniture, ShelvesAreOpenBetweenTheirBoards) {

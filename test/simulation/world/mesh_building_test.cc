@@ -109,7 +109,8 @@ TEST(MeshBuilding, FrameHasAHole) {
 
 TEST(MeshBuilding, BeamsPassGlassOnRequest) {
   TriangleMesh mesh = Box();
-  for (TriangleMesh::Triangle& triangle : mesh.triangles) triangle.glass = triangle.element == 7;
+  for (TriangleMesh::Triangle& triangle : mesh.triangles)
+    triangle.glass = triangle.element == 7;
   const Building building = MakeBuilding(mesh, {});
   const RayCaster caster(building);
   const Eigen::Vector3d from_above(2, 1.4, 5);
@@ -127,9 +128,10 @@ TEST(MeshBuilding, BeamsPassGlassOnRequest) {
 
 // Bytes of a PLY file with one triangle.
 std::string Ply(const std::string& layout) {
-  std::string text = "ply\nformat binary_little_endian 1.0\ncomment m\nelement vertex 3\n"
-                     "property float x\nproperty float y\nproperty float z\n" +
-                     layout + "end_header\n";
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\ncomment m\nelement vertex 3\n"
+      "property float x\nproperty float y\nproperty float z\n" +
+      layout + "end_header\n";
   const auto append = [&text](const auto& value) {
     char bytes[sizeof(value)];
     std::memcpy(bytes, &value, sizeof(value));
@@ -145,8 +147,9 @@ std::string Ply(const std::string& layout) {
   return text;
 }
 
-constexpr char kFaces[] = "element face 1\nproperty list uchar int vertex_indices\n"
-                          "property int element\nproperty uchar glass\n";
+constexpr char kFaces[] =
+    "element face 1\nproperty list uchar int vertex_indices\n"
+    "property int element\nproperty uchar glass\n";
 
 TEST(TriangleMesh, ReadsWhatTheFileHolds) {
   const TriangleMesh mesh = ReadTriangleMesh(WriteTestFile("one.ply", Ply(kFaces)));
@@ -167,8 +170,9 @@ TEST(TriangleMesh, ErrorsNameTheFile) {
   const std::string whole = Ply(kFaces);
   EXPECT_EQ(error(whole.substr(0, whole.size() - 1)), "the file breaks off");
   EXPECT_EQ(error("solid box\n"), "this is no PLY file");
-  EXPECT_EQ(error(Ply("element face 1\n")).rfind("the PLY file must be binary_little_endian", 0),
-            0u);
+  EXPECT_EQ(
+      error(Ply("element face 1\n")).rfind("the PLY file must be binary_little_endian", 0),
+      0u);
   std::string wrong_vertex = whole;
   wrong_vertex[whole.size() - 9] = 3;  // the last vertex index
   EXPECT_EQ(error(wrong_vertex), "a triangle has a vertex that does not exist");

@@ -72,7 +72,8 @@ TEST(MovingThings, FollowersAndCirclersStayWithTheRig) {
   const MovingThings things(options, 1);
   const Path path = Straight();
   const Eigen::Vector3d rig(2 + 5, 4, 0);
-  EXPECT_LT((things.PlaceOf(0, path, At(5)) - (rig - Eigen::Vector3d(1.5, 0, 0))).norm(), 1e-9);
+  EXPECT_LT((things.PlaceOf(0, path, At(5)) - (rig - Eigen::Vector3d(1.5, 0, 0))).norm(),
+            1e-9);
   EXPECT_NEAR((things.PlaceOf(1, path, At(5)) - rig).norm(), 1.0, 1e-9);
   // At the beginning the follower stands where the rig does, and steps aside.
   EXPECT_NEAR((things.PlaceOf(0, path, 0) - Eigen::Vector3d(2, 4, 0)).norm(), 0.6, 1e-9);

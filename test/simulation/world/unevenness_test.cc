@@ -44,8 +44,8 @@ TEST(Unevenness, IsTheSameWheneverASpotIsSeen) {
   const Unevenness unevenness({0.004, 0.5}, walls, 7);
   const Eigen::Vector3d p(0, 1, 2);
   const double straight = unevenness.RangeError(3, p, -Eigen::Vector3d::UnitX());
-  EXPECT_EQ(straight, Unevenness({0.004, 0.5}, walls, 7)
-                          .RangeError(3, p, -Eigen::Vector3d::UnitX()));
+  EXPECT_EQ(straight,
+            Unevenness({0.004, 0.5}, walls, 7).RangeError(3, p, -Eigen::Vector3d::UnitX()));
   EXPECT_NE(straight, unevenness.RangeError(4, p, -Eigen::Vector3d::UnitX()));
   // A beam at 60 degrees to the normal meets the bump twice as early.
   const Eigen::Vector3d slanting(-0.5, std::sqrt(0.75), 0);

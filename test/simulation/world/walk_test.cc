@@ -114,8 +114,8 @@ TEST(Walk, PathAddsBodyHeightAndOscillations) {
   EXPECT_NEAR(pose.translation.z(),
               state.place.z() + 1.5 + 0.02 * std::sin(2 * M_PI * 1.8 * 4.0),
               1e-12);
-  const Eigen::Quaterniond expected = RotationFromRollPitchYaw(
-      0.05 * std::sin(2 * M_PI * 0.9 * 4.0), 0.0, state.heading_rad);
+  const Eigen::Quaterniond expected =
+      RotationFromRollPitchYaw(0.05 * std::sin(2 * M_PI * 0.9 * 4.0), 0.0, state.heading_rad);
   EXPECT_LT(pose.rotation.angularDistance(expected), 1e-9);
 }
 
@@ -128,7 +128,8 @@ TEST(Walk, OnePointIsNoWalk) {
 
 TEST(PathFile, ReadsPointsSmoothingAndDoors) {
   const PathFile file = ReadPathFile(WriteTestFile(
-      "a.path", "# a path\nbuilding house\nsmooth 0.3\ndrop 12 7\npoint 1 2 3\npoint 4 5 6\n"));
+      "a.path",
+      "# a path\nbuilding house\nsmooth 0.3\ndrop 12 7\npoint 1 2 3\npoint 4 5 6\n"));
   EXPECT_EQ(file.smooth_m, 0.3);
   EXPECT_EQ(file.dropped, (std::set<int>{7, 12}));
   ASSERT_EQ(file.points.size(), 2u);
