@@ -4,7 +4,7 @@ says of each run whether the map is right, or wrong with a warning, or wrong in 
 
     right     the whole trajectory within 5 cm and 0.5 degrees after rigid alignment
     flagged   it is not, and the mapper says so: an error, exit code 3, a verdict other than
-              consistent, or a trajectory that ends early with a warning
+              consistent, or a trajectory that lacks a part of the recording, with a warning
     silent    it is not, and nobody says so
 
 Each run is one directory below --output, named by case and seed. Runs that are there already are
@@ -13,7 +13,6 @@ not done again. The table goes to robustness.md and robustness.json there, and i
 
 import argparse
 import collections
-import math
 import sys
 
 import experiment_files
@@ -27,7 +26,7 @@ REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json
 CONTRADICTED = 3            # exit code of plumbline_map: a map, which contradicts itself
 MAX_POSITION_M = 0.05       # of the largest error of a map that is right
 MAX_ROTATION_DEG = 0.5
-MAX_MISSING_S = 1.0         # of the recording's end
+MAX_MISSING_S = 1.0         # of the recording, at its begin or its end
 MIN_FALSE_PLANE_M = 1.0     # extent of a plane without a true face that is worth counting
 FLAGGING_VERDICTS = ("doubtful", "contradictory")
 OUTCOMES = ("right", "flagged", "silent", "no recording")
@@ -84,11 +83,18 @@ def make_jobs(arguments, cases):
         for case, experiment in cases.items() for seed in seeds]
 
 
-def last_stamp(path):
-    """Of a trajectory file, in seconds."""
+def time_span(path):
+    """First and last stamp of a trajectory file, in seconds."""
     lines = [line for line in job_runner.read_text(path).splitlines()
              if line and not line.startswith("#")]
-    return float(lines[-1].split()[0]) if lines else -math.inf
+    return float(lines[0].split()[0]), float(lines[-1].split()[0])
+
+
+def missing_time(directory):
+    """Seconds of the recording that the trajectory lacks at its begin and its end."""
+    begin, end = time_span(directory / "trajectory.tum")
+    true_begin, true_end = time_span(directory / "truth_trajectory.tum")
+    return sum(lack for lack in (begin - true_begin, true_end - end) if lack > MAX_MISSING_S)
 
 
 def extent(plane):
@@ -108,8 +114,6 @@ def figures_of(directory, case, seed):
         for name in ("evaluation.json", "summary.json", "planes.json", "exit_codes.json"))
     aligned = evaluation["trajectory"]["aligned"]
     found = evaluation["planes"]
-    missing_s = (last_stamp(directory / "truth_trajectory.tum") -
-                 last_stamp(directory / "trajectory.tum"))
     row = {
         "case": case, "seed": seed, "exit_code": exit_codes[1],
         "verdict": (summary.get("consistency") or {}).get("verdict"),
@@ -123,18 +127,19 @@ def figures_of(directory, case, seed):
         "planes_wrong": found["wrong"],
         "false_planes": count_false_planes(evaluation, planes),
         "real_time_factor": summary["real_time_factor"],
-        "ends_early_s": max(0.0, missing_s) if missing_s > MAX_MISSING_S else 0.0,
+        "parts": len(summary.get("parts", ())) or 1,
+        "missing_s": missing_time(directory),
     }
     return {**row, "outcome": outcome_of(row)}
 
 
 def outcome_of(row):
     if (row["position_max_m"] <= MAX_POSITION_M and row["rotation_max_deg"] <= MAX_ROTATION_DEG
-            and row["ends_early_s"] == 0.0):
+            and row["missing_s"] == 0.0):
         return "right"
     if row["exit_code"] == CONTRADICTED or row["verdict"] in FLAGGING_VERDICTS:
         return "flagged"
-    return "flagged" if row["ends_early_s"] > 0.0 and row["warnings"] else "silent"
+    return "flagged" if row["missing_s"] > 0.0 and row["warnings"] else "silent"
 
 
 def failure_row(failure):
@@ -162,8 +167,10 @@ def cells_of(row):
 
     planes = f"{row['planes_matched']} of {row['planes_true']}" if "planes_true" in row else ""
     outcome = row["outcome"]
-    if row.get("ends_early_s"):
-        outcome += f", ends {row['ends_early_s']:.0f} s early"
+    if row.get("missing_s"):
+        outcome += f", {row['missing_s']:.0f} s missing"
+    if row.get("parts", 1) > 1:
+        outcome += f", the longest of {row['parts']} parts"
     if "error" in row:
         outcome += f": {row['error']}"
     return (row["case"], str(row["seed"]), str(row["exit_code"]), row.get("verdict") or "",

@@ -4,6 +4,7 @@
 import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "testing"))
@@ -51,7 +52,7 @@ class RobustnessTest(ScriptTest):
 
 
 class OutcomeTest(unittest.TestCase):
-    GOOD = {"position_max_m": 0.01, "rotation_max_deg": 0.1, "ends_early_s": 0.0,
+    GOOD = {"position_max_m": 0.01, "rotation_max_deg": 0.1, "missing_s": 0.0,
             "exit_code": 0, "verdict": None, "warnings": []}
 
     def outcome(self, **changes):
@@ -61,10 +62,10 @@ class OutcomeTest(unittest.TestCase):
         self.assertEqual(self.outcome(), "right")
         self.assertEqual(self.outcome(position_max_m=0.051), "silent")
         self.assertEqual(self.outcome(rotation_max_deg=0.51), "silent")
-        self.assertEqual(self.outcome(ends_early_s=3.0), "silent")
+        self.assertEqual(self.outcome(missing_s=3.0), "silent")
 
-    def test_a_map_that_ends_early_needs_a_warning(self):
-        self.assertEqual(self.outcome(ends_early_s=3.0, warnings=["ends"]), "flagged")
+    def test_a_map_that_lacks_a_part_needs_a_warning(self):
+        self.assertEqual(self.outcome(missing_s=3.0, warnings=["ends"]), "flagged")
         self.assertEqual(self.outcome(position_max_m=1.0, warnings=["noise"]), "silent")
 
     def test_verdicts(self):
@@ -81,6 +82,16 @@ class OutcomeTest(unittest.TestCase):
                                           {"id": 3, "status": "matched"}]}}
         planes = [plane(1, 2.0), plane(2, 0.9), plane(3, 5.0)]
         self.assertEqual(robustness.count_false_planes(evaluation, planes), 1)
+
+
+class MissingTimeTest(unittest.TestCase):
+    def test_both_ends_count_from_a_second_on(self):
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            (directory / "truth_trajectory.tum").write_text("# truth\n10.0 0\n15.0 0\n20.0 0\n")
+            for first, last, missing in ((10.5, 19.5, 0.0), (12.0, 19.5, 2.0), (13.0, 16.0, 7.0)):
+                (directory / "trajectory.tum").write_text(f"{first} 0\n{last} 0\n")
+                self.assertAlmostEqual(robustness.missing_time(directory), missing)
 
 
 class ExperimentFilesTest(unittest.TestCase):
