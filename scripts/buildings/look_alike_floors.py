@@ -126,11 +126,12 @@ def triangles_of(box):
             yield corners[0], corners[2], corners[3]
 
 
-def write_ply(path, boxes):
+def write_ply(path, elements):
+    """elements: the triangles of each."""
     vertices = {}
     faces = []
-    for element, box in enumerate(boxes):
-        for triangle in triangles_of(box):
+    for element, triangles in enumerate(elements):
+        for triangle in triangles:
             faces.append(([vertices.setdefault(p, len(vertices)) for p in triangle], element))
     header = ("ply\nformat binary_little_endian 1.0\ncomment metres, z up\n"
               f"element vertex {len(vertices)}\n"
@@ -160,7 +161,8 @@ def main():
     output = parse_arguments().output
     (output / "buildings").mkdir(parents=True, exist_ok=True)
     (output / "experiments" / "robustness").mkdir(parents=True, exist_ok=True)
-    write_ply(output / "buildings" / "look_alike_floors.ply", make_boxes())
+    write_ply(output / "buildings" / "look_alike_floors.ply",
+              [triangles_of(box) for box in make_boxes()])
     points = "\n".join(f"    - [{x:g}, {y:g}, {z:g}]" for x, y, z in make_walk())
     path = output / "experiments" / "robustness" / "look_alike_floors.yaml"
     path.write_text(EXPERIMENT.format(points=points), encoding="utf-8")

@@ -69,6 +69,19 @@ def run_name(case, seed):
     return f"{case}_{seed:04d}"
 
 
+def check_experiments(output, cases):
+    """Keeps in experiments.json what each case was when it was run first. An error when one of
+    the chosen cases has changed since."""
+    path = output.path / "experiments.json"
+    stored = job_runner.read_json(path) if path.exists() else {}
+    checksums = {case: experiment_files.checksum(file) for case, file in cases.items()}
+    changed = [case for case in checksums if stored.get(case, checksums[case]) != checksums[case]]
+    if changed:
+        raise job_runner.InputError(f"{output.path} holds results of another {changed[0]}; "
+                                    "choose another --output")
+    output.write_json("experiments.json", {**stored, **checksums})
+
+
 def make_jobs(arguments, cases):
     seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)
     return [
@@ -195,14 +208,13 @@ def main():
     cases = chosen_cases(arguments.cases)
     setup = {
         "program": "robustness.py",
-        "experiments": {case: experiment_files.checksum(path)
-                        for case, path in known_cases().items()},
         "config": arguments.config and job_runner.read_text(arguments.config),
         "version": job_runner.check_binaries(arguments.binaries, PROGRAMS),
     }
     jobs = make_jobs(arguments, cases)
     with job_runner.open_executor(arguments) as executor, \
             job_runner.Output(arguments.output, setup) as output:
+        check_experiments(output, cases)
         output.run(jobs, executor, arguments.retry_failed, "runs")
         rows = collect(output, jobs)
         output.write_json("robustness.json", rows)

@@ -45,6 +45,16 @@ class RobustnessTest(ScriptTest):
         attempts = (self.control / "attempts").read_text().splitlines()
         self.assertEqual(sorted(line.split()[0] for line in attempts), ["1", "1", "2", "2"])
 
+    def test_results_of_another_world_are_not_mixed_in(self):
+        self.assertEqual(self.run_script("plain", "--seeds", "1").returncode, 0)
+        path = self.output / "experiments.json"
+        self.assertEqual(list(json.loads(path.read_text())), ["plain"])
+        path.write_text(json.dumps({"plain": "something else"}))
+        result = self.run_script("plain", "--seeds", "1")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("holds results of another plain; choose another --output", result.stderr)
+        self.assertEqual(self.run_script("furniture", "--seeds", "1").returncode, 0)
+
     def test_unknown_case(self):
         result = self.run_script("no_such_case")
         self.assertEqual(result.returncode, 1)
