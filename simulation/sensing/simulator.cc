@@ -99,7 +99,8 @@ void Simulator::CheckPlace(const Eigen::Vector3d& p, int64_t time_ns) const {
                            : ray_caster_.Cast(p, -Eigen::Vector3d::UnitZ()).has_value();
   if (is_free && ray_caster_.Clearance(p) >= kMinClearance) return;
   std::ostringstream message;
-  message << path_.LocationAt(time_ns) << ": after this way point the path "
+  message << path_.LocationAt(time_ns)
+          << (path_.is_walk() ? ": the path " : ": after this way point the path ")
           << (is_free               ? "comes too close to a wall, floor or ceiling"
               : building_is_closed_ ? "leaves the building or goes into a wall"
                                     : "has no floor below")

@@ -217,5 +217,25 @@ TEST_F(ExperimentText, PathsThroughWallsAreErrors) {
             0u);
 }
 
+TEST_F(ExperimentText, WalksIntoMeshesAreErrors) {
+  const auto simulate = [&](const std::string& way_points) {
+    const std::string path = WriteTestFile(
+        "experiment.yaml",
+        "building: " + kConfigs + "/buildings/look_alike_floors.ply\nrig: " + kConfigs +
+            "/rigs/paper.yaml\npath: {way_points: " + way_points +
+            ", corner_radius_m: 0.3, body_height_m: 1.5}\nspeed_m_s: 1\n");
+    const std::string message = ErrorOf([&] { Simulator simulator(ReadExperiment(path)); });
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  EXPECT_EQ(simulate("[[4, 4, 0], [5, 4, 0]]"), "");
+  // Into the wall between the halves, beside its door, and out of the house from its roof.
+  EXPECT_EQ(simulate("[[5, 6.5, 0], [8, 6.5, 0]]")
+                .rfind(":3: the path comes too close to a wall, floor or ceiling at (6.8", 0),
+            0u);
+  EXPECT_EQ(
+      simulate("[[5, 4, 6], [-9, 4, 6]]").rfind(":3: the path has no floor below at (-0.2", 0),
+      0u);
+}
+
 }  // namespace
 }  // namespace plumbline
