@@ -60,6 +60,9 @@ class Job:
     required: tuple           # paths of the results
     optional: tuple = ()      # patterns of results that are kept where they exist
     failure_file: str = ""    # beside the destination
+    # Exit codes with which a command has done its work; exit_codes.json among the results holds
+    # those of all commands where it is required.
+    done_codes: tuple = (0,)
     info: dict = dataclasses.field(default_factory=dict)  # goes into the failure file
 
 
@@ -71,8 +74,9 @@ def run_job(job, work_root):
     except FileNotFoundError as error:
         raise GivenUp(str(job.destination)) from error
     try:
-        for command in job.commands:
-            run_command([str(part) for part in command], work)
+        exit_codes = [run_command([str(part) for part in command], work, job.done_codes)
+                      for command in job.commands]
+        (work / "exit_codes.json").write_text(json.dumps(exit_codes), encoding="utf-8")
         publish(job, work)
         return None
     except JobError as error:
@@ -81,8 +85,8 @@ def run_job(job, work_root):
         shutil.rmtree(work, ignore_errors=True)
 
 
-def run_command(command, work):
-    """Runs one command of a job. It has a session of its own, so that Ctrl-C reaches only the
+def run_command(command, work, done_codes):
+    """Runs one command of a job; returns its exit code, one of done_codes. It has a session of its own, so that Ctrl-C reaches only the
     script, and it dies with the process that started it, however that ends."""
     with open(work / "stderr.txt", "w+", encoding="utf-8", errors="replace") as stderr:
         with subprocess.Popen(["setpriv", "--pdeathsig", "KILL", *command], cwd=work,
@@ -93,9 +97,10 @@ def run_command(command, work):
             finally:
                 if process.poll() is None:
                     os.killpg(process.pid, signal.SIGKILL)
-        if exit_code != 0:
+        if exit_code not in done_codes:
             stderr.seek(0)
             raise command_error(command, exit_code, stderr.read().strip().splitlines())
+        return exit_code
 
 
 def wait_for(process, work):

@@ -13,11 +13,10 @@ import pathlib
 import statistics
 import sys
 
-import yaml
-
+import experiment_files
 import job_runner
 
-EXPERIMENTS = job_runner.ROOT / "configs" / "experiments"
+EXPERIMENTS = experiment_files.FOLDER
 PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
 REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json",
             "result/trajectory.tum", "truth/truth_planes.json", "truth/truth_trajectory.tum")
@@ -66,20 +65,6 @@ def find_experiment(name):
             return path.resolve()
     raise job_runner.InputError(
         f"no experiment {name}: neither a file nor a name in configs/experiments")
-
-
-def experiment_files(experiment):
-    """Text of everything the simulation depends on: the experiment, its building and its rig."""
-    text = job_runner.read_text(experiment)
-    try:
-        parts = yaml.safe_load(text)
-        names = [parts["building"], parts["rig"]]
-    except (yaml.YAMLError, KeyError, TypeError) as error:
-        reason = str(error).replace("\n", " ")
-        raise job_runner.InputError(
-            f"{experiment}: not an experiment with building and rig: {reason}") from error
-    files = {name: job_runner.read_text(experiment.parent / name) for name in names}
-    return {experiment.name: text, **files}
 
 
 def make_jobs(arguments, experiment, config):
@@ -145,7 +130,7 @@ def main():
     config = arguments.config or experiment
     setup = {
         "program": "monte_carlo.py",
-        "experiment": {"name": experiment.stem, "files": experiment_files(experiment)},
+        "experiment": {"name": experiment.stem, "files": experiment_files.read(experiment)},
         "config": {"name": config.stem, "text": job_runner.read_text(config)},
         "version": job_runner.check_binaries(arguments.binaries, PROGRAMS),
     }

@@ -60,7 +60,7 @@ std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
   for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
     const auto index = static_cast<size_t>(beam);
     const std::optional<RayHit>& hit = perfect.beams[index];
-    if (!hit || !std::isfinite(scan_line.ranges[index])) {
+    if (!hit || hit->face_id == kNoFace || !std::isfinite(scan_line.ranges[index])) {
       continues = false;
       continue;
     }

@@ -1,24 +1,120 @@
 #include "simulation/sensing/experiment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 #include "core/geometry/angles.h"
 #include "core/util/time.h"
 #include "core/util/yaml_node.h"
+#include "simulation/sensing/moving_reader.h"
+#include "simulation/world/path_file.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kMaxLength = 1e5;       // m; a day on foot
-constexpr double kDefaultStart = 1.4e9;  // s since 1970; as large as those of recordings
-constexpr double kLatestStart = 4e9;     // s; a ROS 1 stamp holds no later instant
+constexpr double kMaxLength = 1e5;         // m; a day on foot
+constexpr double kDefaultTurnRate = 60.0;  // deg/s
+constexpr double kDefaultStart = 1.4e9;    // s since 1970; as large as those of recordings
+constexpr double kLatestStart = 4e9;       // s; a ROS 1 stamp holds no later instant
 
 std::string Resolve(const YamlNode& node, const std::string& experiment_path) {
   namespace fs = std::filesystem;
   const fs::path path = (fs::path(experiment_path).parent_path() / node.AsString());
   if (!fs::is_regular_file(path)) node.Fail("there is no file " + path.string());
   return path.lexically_normal().string();
+}
+
+void ReadPauses(const YamlNode& node, PathOptions* path) {
+  if (!node.Has("pauses")) return;
+  for (const YamlNode& pause : node["pauses"].Elements()) {
+    path->pauses.push_back({pause["at_m"].AsDouble(0.0, kMaxLength),
+                            pause["duration_s"].AsDouble(0.0, 3600.0),
+                            pause.Location()});
+    pause.RejectUnreadKeys();
+  }
+}
+
+// The way points of a walk: those of a path file, or [x, y, z], or [x, y] on the floor.
+std::vector<Eigen::Vector3d> ReadWalkPoints(const YamlNode& node, double floor_height) {
+  std::vector<Eigen::Vector3d> points;
+  for (const YamlNode& point : node["way_points"].Elements()) {
+    const std::vector<double> xyz = point.AsDoubles(-1, -kMaxLength, kMaxLength);
+    if (xyz.size() != 2 && xyz.size() != 3) point.Fail("a way point is [x, y] or [x, y, z]");
+    points.emplace_back(xyz[0], xyz[1], xyz.size() == 3 ? xyz[2] : floor_height);
+  }
+  return points;
+}
+
+// The part of a polyline between two lengths along it.
+std::vector<Eigen::Vector3d> Trim(const std::vector<Eigen::Vector3d>& points,
+                                  double begin_m,
+                                  double end_m) {
+  std::vector<Eigen::Vector3d> part;
+  double passed_m = 0.0;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const Eigen::Vector3d step = points[i] - points[i - 1];
+    const double length = step.norm();
+    const double from = std::max(begin_m, passed_m);
+    const double to = std::min(end_m, passed_m + length);
+    if (from < to) {
+      if (part.empty()) part.push_back(points[i - 1] + (from - passed_m) / length * step);
+      part.push_back(points[i - 1] + (to - passed_m) / length * step);
+    }
+    passed_m += length;
+  }
+  return part;
+}
+
+double LengthOf(const std::vector<Eigen::Vector3d>& points) {
+  double length = 0.0;
+  for (size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+  return length;
+}
+
+// file: null unless the path names one.
+void ReadWalk(const YamlNode& node,
+              const PathFile* file,
+              double floor_height,
+              PathOptions* path) {
+  WalkOptions walk;
+  walk.location = path->location = node.Location();
+  walk.points = file ? file->points : ReadWalkPoints(node, floor_height);
+  if (file) {
+    walk.smooth_m = file->smooth_m;
+    node.Optional("corner_radius_m", &walk.smooth_m, 0.01, 1000.0);
+  } else {
+    walk.smooth_m = node["corner_radius_m"].AsDouble(0.01, 1000.0);
+  }
+  double turn_rate_deg_s = kDefaultTurnRate;
+  node.Optional("max_turn_rate_deg_s", &turn_rate_deg_s, 1.0, 1000.0);
+  walk.max_turn_rate_rad_s = turn_rate_deg_s * kRadiansPerDegree;
+  const double whole_m = LengthOf(walk.points);
+  double start_fraction = 0.0;
+  node.Optional("start_fraction", &start_fraction, 0.0, 1.0);
+  double length_m = (1.0 - start_fraction) * whole_m;
+  node.Optional("length_m", &length_m, 1e-3, kMaxLength);
+  const double begin_m = start_fraction * whole_m;
+  if (begin_m + length_m > whole_m + 1e-9) {
+    node.Fail("the path is only " + std::to_string(whole_m) + " m long");
+  }
+  walk.points = Trim(walk.points, begin_m, begin_m + length_m);
+  path->height_m = node["body_height_m"].AsDouble(0.0, 1000.0);
+  ReadPauses(node, path);
+  for (const Pause& pause : path->pauses) walk.stops.push_back({pause.at_m, pause.duration_s});
+  node.RejectUnreadKeys();
+  path->walk = walk;
+}
+
+// Whether the way is a walk: in space, or with turns on the spot.
+bool IsWalk(const YamlNode& node) {
+  if (node.Has("max_turn_rate_deg_s")) return true;
+  for (const YamlNode& point : node["way_points"].Elements()) {
+    if (point.AsDoubles(-1, -kMaxLength, kMaxLength).size() == 3) return true;
+  }
+  return false;
 }
 
 void ReadWay(const YamlNode& node, double floor_height, PathOptions* path) {
@@ -37,15 +133,34 @@ void ReadWay(const YamlNode& node, double floor_height, PathOptions* path) {
   node.Optional("start_fraction", &path->start_fraction, 0.0, 1.0);
   path->corner_radius_m = node["corner_radius_m"].AsDouble(0.01, 1000.0);
   path->height_m = floor_height + node["body_height_m"].AsDouble(0.0, 1000.0);
-  if (node.Has("pauses")) {
-    for (const YamlNode& pause : node["pauses"].Elements()) {
-      path->pauses.push_back({pause["at_m"].AsDouble(0.0, kMaxLength),
-                              pause["duration_s"].AsDouble(0.0, 3600.0),
-                              pause.Location()});
-      pause.RejectUnreadKeys();
+  ReadPauses(node, path);
+  node.RejectUnreadKeys();
+}
+
+// Building and path: the path file may name elements of the mesh that are left out.
+void ReadBuildingAndPath(const YamlNode& root, const std::string& path, Experiment* result) {
+  const std::string building = Resolve(root["building"], path);
+  const YamlNode way = root["path"];
+  std::optional<PathFile> file;
+  std::set<int> dropped;
+  if (way.Has("file")) {
+    file = ReadPathFile(Resolve(way["file"], path));
+    dropped = file->dropped;
+  }
+  if (root.Has("drop")) {
+    for (const YamlNode& element : root["drop"].Elements()) {
+      dropped.insert(element.AsInt(0, std::numeric_limits<int>::max()));
     }
   }
-  node.RejectUnreadKeys();
+  result->building = ReadBuilding(building, dropped);
+  const double floor_height = result->building.floor_height;
+  if (file || IsWalk(way)) {
+    ReadWalk(way, file ? &*file : nullptr, floor_height, &result->path);
+  } else {
+    ReadWay(way, floor_height, &result->path);
+  }
+  result->path.speed_m_s = root["speed_m_s"].AsDouble(0.001, 100.0);
+  if (result->path.walk) result->path.walk->speed_m_s = result->path.speed_m_s;
 }
 
 Oscillation ReadOscillation(const YamlNode& node, bool is_angle) {
@@ -82,12 +197,15 @@ NoiseOptions ReadNoise(const YamlNode& node) {
 Experiment ReadExperiment(const std::string& path) {
   const YamlNode root = YamlNode::ReadFile(path);
   Experiment experiment;
-  experiment.building = ReadBuilding(Resolve(root["building"], path));
+  ReadBuildingAndPath(root, path, &experiment);
   experiment.rig = ReadRig(Resolve(root["rig"], path));
-  ReadWay(root["path"], experiment.building.floor_height, &experiment.path);
-  experiment.path.speed_m_s = root["speed_m_s"].AsDouble(0.001, 100.0);
   if (root.Has("motion")) ReadMotion(root["motion"], &experiment.path);
   if (root.Has("noise")) experiment.noise = ReadNoise(root["noise"]);
+  if (root.Has("faults")) experiment.faults = ReadFaults(root["faults"], experiment.rig);
+  const double floor_height = experiment.building.floor_height;
+  if (root.Has("moving")) experiment.moving = ReadMoving(root["moving"], floor_height);
+  experiment.moving.body_height_m =
+      experiment.path.height_m - (experiment.path.walk ? 0.0 : floor_height);
   double start_time_s = kDefaultStart;
   root.Optional("start_time_s", &start_time_s, 1.0, kLatestStart);
   experiment.path.start_ns = NanosecondsFromSeconds(start_time_s);

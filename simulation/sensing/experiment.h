@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "core/sensor/rig.h"
+#include "simulation/sensing/faults.h"
 #include "simulation/world/building.h"
+#include "simulation/world/moving_things.h"
 #include "simulation/world/path.h"
 
 namespace plumbline {
@@ -16,12 +18,15 @@ struct NoiseOptions {
   double dropout = 0.0;  // probability that a beam has no return
 };
 
-// An experiment describes one run of the simulator: rig, building, path and noise.
+// An experiment describes one run of the simulator: rig, building, path and noise, what moves
+// and what is wrong.
 struct Experiment {
-  Rig rig;
+  Rig rig;  // as the rig file says; TrueRig(rig, faults) is what measures
   Building building;
   PathOptions path;
   NoiseOptions noise;
+  FaultOptions faults;
+  MovingOptions moving;
   std::vector<double> scanner_phases_s;  // of each scanner's first scan line, after the start
 };
 

@@ -10,6 +10,7 @@
 #include "core/util/error.h"
 #include "core/util/time.h"
 #include "simulation/sensing/recording_writer.h"
+#include "simulation/sensing/recorder.h"
 
 namespace plumbline {
 namespace {
@@ -28,6 +29,7 @@ TruthPlanes::TruthPlanes(const Building& building) {
     patch.centre = face.Centroid();
     patch.outline = face.outline;
   }
+  num_from_behind_.assign(patches_.size(), 0);
 }
 
 void TruthPlanes::Add(const PerfectScanLine& perfect,
@@ -36,20 +38,27 @@ void TruthPlanes::Add(const PerfectScanLine& perfect,
   const int64_t offset_ns = NanosecondsFromSeconds(time_offset_s);
   for (int beam = 0; beam < recorded.num_beams(); ++beam) {
     const std::optional<RayHit>& hit = perfect.beams[static_cast<size_t>(beam)];
-    if (!hit || !std::isfinite(recorded.ranges[static_cast<size_t>(beam)])) continue;
+    if (!hit || hit->face_id == kNoFace) continue;
+    if (!std::isfinite(recorded.ranges[static_cast<size_t>(beam)])) continue;
     PlanePatch& patch = patches_[static_cast<size_t>(hit->face_id)];
     const int64_t time_ns = recorded.BeamTime(beam) + offset_ns;
     if (patch.num_points == 0) patch.first_time_ns = patch.last_time_ns = time_ns;
     patch.first_time_ns = std::min(patch.first_time_ns, time_ns);
     patch.last_time_ns = std::max(patch.last_time_ns, time_ns);
     ++patch.num_points;
+    num_from_behind_[static_cast<size_t>(hit->face_id)] += hit->from_behind;
   }
 }
 
 std::vector<PlanePatch> TruthPlanes::Patches() const {
   std::vector<PlanePatch> seen;
-  for (const PlanePatch& patch : patches_) {
-    if (patch.num_points > 0) seen.push_back(patch);
+  for (size_t i = 0; i < patches_.size(); ++i) {
+    if (patches_[i].num_points == 0) continue;
+    PlanePatch& patch = seen.emplace_back(patches_[i]);
+    if (2 * num_from_behind_[i] <= patch.num_points) continue;
+    patch.normal = -patch.normal;
+    patch.distance = -patch.distance;
+    std::reverse(patch.outline.begin(), patch.outline.end());
   }
   return seen;
 }
@@ -68,7 +77,7 @@ void SimulateRecording(const std::string& experiment_path,
                        const std::string& output_directory,
                        const std::function<void(double)>& progress) {
   const Experiment experiment = ReadExperiment(experiment_path);
-  const Simulator simulator(experiment);
+  const Simulator simulator(experiment, seed);
   std::error_code error;
   std::filesystem::create_directories(output_directory, error);
   if (!std::filesystem::is_directory(output_directory)) {
@@ -77,13 +86,16 @@ void SimulateRecording(const std::string& experiment_path,
   const std::filesystem::path directory = output_directory;
   RecordingWriter writer((directory / "recording.bag").string(), experiment.rig);
   TruthPlanes truth_planes(experiment.building);
+  Recorder recorder(experiment, seed);
   int num_done = 0;
   simulator.Run([&](const PerfectScanLine& perfect) {
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
-    const Scanner& scanner = experiment.rig.scanners[scanner_index];
-    const ScanLine recorded = AddNoise(perfect, scanner, experiment.noise, seed);
-    truth_planes.Add(perfect, recorded, scanner.time_offset_s);
-    writer.Write(recorded);
+    const std::optional<ScanLine> recorded = recorder.Record(perfect);
+    if (recorded) {
+      const double offset_s = simulator.true_rig().scanners[scanner_index].time_offset_s;
+      truth_planes.Add(perfect, *recorded, offset_s);
+      writer.Write(*recorded);
+    }
     progress(static_cast<double>(++num_done) / simulator.num_scan_lines());
   });
   writer.Close();

@@ -14,14 +14,17 @@ class TruthPlanes {
  public:
   explicit TruthPlanes(const Building& building);
 
-  // Counts the beams of one scan line. recorded: the same line with noise.
+  // Counts the beams of one scan line. recorded: the same line with noise. time_offset_s: from
+  // the stamps to the true instants.
   void Add(const PerfectScanLine& perfect, const ScanLine& recorded, double time_offset_s);
 
-  // Returns the faces that were hit, with the ids that they have in the building.
+  // Returns the faces that were hit, with the ids that they have in the building and the
+  // normals to the side from which most beams came: not all meshes know their outside.
   std::vector<PlanePatch> Patches() const;
 
  private:
   std::vector<PlanePatch> patches_;
+  std::vector<int64_t> num_from_behind_;
 };
 
 // Samples world_from_body every 5 ms, from the first to the last instant of the path.

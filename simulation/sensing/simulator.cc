@@ -8,11 +8,13 @@
 
 #include "core/util/error.h"
 #include "core/util/time.h"
-#include "simulation/sensing/random.h"
+#include "simulation/world/random.h"
 
 namespace plumbline {
 namespace {
 
+// Keeps the chances of glass apart from the noise's.
+constexpr uint64_t kGlassKey = 0x676c6173;
 constexpr double kCheckStep = 0.02;  // m along the path; a fifth of the clearance
 
 // LaserScan messages hold angles and time increments in single precision: take the beams
@@ -57,11 +59,17 @@ ScanLine AddNoise(const PerfectScanLine& perfect,
   return scan_line;
 }
 
-Simulator::Simulator(const Experiment& experiment)
-    : rig_(experiment.rig),
+Simulator::Simulator(const Experiment& experiment, uint64_t seed)
+    : rig_(TrueRig(experiment.rig, experiment.faults)),
       scanner_phases_s_(experiment.scanner_phases_s),
       path_(experiment.path),
-      ray_caster_(experiment.building) {
+      building_is_closed_(experiment.building.is_closed),
+      ray_caster_(experiment.building),
+      moving_things_(experiment.moving, seed),
+      faults_(experiment.faults),
+      unevenness_(experiment.faults.surfaces, experiment.building, seed),
+      seed_(seed) {
+  faults_.scanners.resize(rig_.scanners.size());
   CheckPath();
   MakeSchedule();
   if (schedule_.empty()) {
@@ -81,17 +89,28 @@ void Simulator::CheckPath() const {
     for (const Scanner& scanner : rig_.scanners) {
       origins.push_back(world_from_body * scanner.body_from_scanner.translation);
     }
-    for (const Eigen::Vector3d& p : origins) {
-      const bool is_free = ray_caster_.IsInFreeSpace(p);
-      if (is_free && ray_caster_.Clearance(p) >= kMinClearance) continue;
-      std::ostringstream message;
-      message << path_.LocationAt(time_ns) << ": after this way point the path "
-              << (is_free ? "comes too close to a wall, floor or ceiling"
-                          : "leaves the building or goes into a wall")
-              << " at (" << p.x() << ", " << p.y() << ")";
-      throw Error(message.str());
-    }
+    for (const Eigen::Vector3d& p : origins) CheckPlace(p, time_ns);
   }
+}
+
+void Simulator::CheckPlace(const Eigen::Vector3d& p, int64_t time_ns) const {
+  const bool is_free = building_is_closed_
+                           ? ray_caster_.IsInFreeSpace(p)
+                           : ray_caster_.Cast(p, -Eigen::Vector3d::UnitZ()).has_value();
+  if (is_free && ray_caster_.Clearance(p) >= kMinClearance) return;
+  std::ostringstream message;
+  message << path_.LocationAt(time_ns)
+          << (path_.is_walk() ? ": the path " : ": after this way point the path ")
+          << (is_free               ? "comes too close to a wall, floor or ceiling"
+              : building_is_closed_ ? "leaves the building or goes into a wall"
+                                    : "has no floor below")
+          << " at (" << p.x() << ", " << p.y();
+  if (path_.is_walk()) {
+    message << ", " << p.z() << "), " << path_.TravelledAt(time_ns) << " m from its begin";
+  } else {
+    message << ")";
+  }
+  throw Error(message.str());
 }
 
 void Simulator::MakeSchedule() {
@@ -123,15 +142,47 @@ PerfectScanLine Simulator::Take(const ScheduledLine& scheduled) const {
   line.line_index = scheduled.line_index;
   line.beams.reserve(static_cast<size_t>(scanner.beams));
   const int64_t offset_ns = NanosecondsFromSeconds(scanner.time_offset_s);
+  const bool mirrored =
+      faults_.scanners[static_cast<size_t>(scheduled.scanner_index)].mirrored;
   for (int beam = 0; beam < scanner.beams; ++beam) {
-    const Rigid3d world_from_scanner =
-        path_.PoseAt(line.scan_line.BeamTime(beam) + offset_ns) * scanner.body_from_scanner;
-    const Eigen::Vector2d direction = line.scan_line.BeamDirection(beam);
-    line.beams.push_back(ray_caster_.Cast(
-        world_from_scanner.translation,
-        world_from_scanner.rotation * Eigen::Vector3d(direction.x(), direction.y(), 0.0)));
+    const int64_t time_ns = line.scan_line.BeamTime(beam) + offset_ns;
+    const Rigid3d world_from_scanner = path_.PoseAt(time_ns) * scanner.body_from_scanner;
+    const Eigen::Vector2d beam_direction = line.scan_line.BeamDirection(beam);
+    const Eigen::Vector3d origin = world_from_scanner.translation;
+    const Eigen::Vector3d direction =
+        world_from_scanner.rotation *
+        Eigen::Vector3d(
+            beam_direction.x(), mirrored ? -beam_direction.y() : beam_direction.y(), 0.0);
+    std::optional<RayHit> hit = CastThroughGlass(origin, direction, scheduled, beam);
+    if (hit) {
+      hit->range +=
+          unevenness_.RangeError(hit->face_id, origin + hit->range * direction, direction);
+    }
+    const std::optional<double> in_the_way =
+        moving_things_.Cast(origin, direction, path_, time_ns);
+    if (in_the_way && (!hit || *in_the_way < hit->range)) {
+      hit = RayHit{*in_the_way, kNoFace, false};
+    }
+    line.beams.push_back(hit);
   }
   return line;
+}
+
+std::optional<RayHit> Simulator::CastThroughGlass(const Eigen::Vector3d& origin_world,
+                                                  const Eigen::Vector3d& direction_world,
+                                                  const ScheduledLine& scheduled,
+                                                  int beam) const {
+  const std::optional<RayHit> hit = ray_caster_.Cast(origin_world, direction_world);
+  if (!hit || !hit->is_glass) return hit;
+  const double chance = Random({seed_,
+                                kGlassKey,
+                                static_cast<uint64_t>(scheduled.scanner_index),
+                                static_cast<uint64_t>(scheduled.line_index),
+                                static_cast<uint64_t>(beam)})
+                            .Uniform();
+  if (chance < faults_.glass.returns) return hit;
+  if (chance >= faults_.glass.returns + faults_.glass.passes) return std::nullopt;
+  return ray_caster_.Cast(origin_world, direction_world, true);
 }
 
 void Simulator::Run(const std::function<void(const PerfectScanLine&)>& sink) const {

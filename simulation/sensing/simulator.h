@@ -32,8 +32,10 @@ ScanLine AddNoise(const PerfectScanLine& perfect,
 class Simulator {
  public:
   // Throws Error naming file, line and place where the body or a scanner leaves the free space
-  // or comes closer to a face than kMinClearance.
-  explicit Simulator(const Experiment& experiment);
+  // or comes closer to a face than kMinClearance. What a mesh encloses is not known: there, a
+  // floor has to lie below. seed: of the world's chances: people's and doors' phases, what
+  // glass does with a beam, uneven surfaces.
+  explicit Simulator(const Experiment& experiment, uint64_t seed = 1);
 
   // m; people and their rigs keep farther away, and a scanner inside a wall is a mistake.
   static constexpr double kMinClearance = 0.1;
@@ -44,6 +46,9 @@ class Simulator {
 
   int num_scan_lines() const { return static_cast<int>(schedule_.size()); }
   const Path& path() const { return path_; }
+  // The rig that measures, which is not what the rig file says where the experiment has
+  // faults.
+  const Rig& true_rig() const { return rig_; }
 
  private:
   struct ScheduledLine {
@@ -53,13 +58,23 @@ class Simulator {
   };
 
   void CheckPath() const;
+  void CheckPlace(const Eigen::Vector3d& p_world, int64_t time_ns) const;
   void MakeSchedule();
   PerfectScanLine Take(const ScheduledLine& scheduled) const;
+  std::optional<RayHit> CastThroughGlass(const Eigen::Vector3d& origin_world,
+                                         const Eigen::Vector3d& direction_world,
+                                         const ScheduledLine& scheduled,
+                                         int beam) const;
 
   Rig rig_;
   std::vector<double> scanner_phases_s_;
   Path path_;
+  bool building_is_closed_ = true;
   RayCaster ray_caster_;
+  MovingThings moving_things_;
+  FaultOptions faults_;
+  Unevenness unevenness_;
+  uint64_t seed_ = 1;
   std::vector<ScheduledLine> schedule_;
 };
 

@@ -3,10 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <sstream>
 
 #include "core/util/error.h"
+#include "simulation/world/furniture.h"
+#include "simulation/world/mesh_building.h"
 
 namespace plumbline {
 namespace {
@@ -216,9 +219,15 @@ Building MakeBuilding(const FloorPlan& plan) {
     underside.Subtract(layers[i + 1].free_space);
     AddFaces(HorizontalPlane(layers[i].top, false, underside), PlaneType::kHorizontal, faces);
   }
+  for (const Furniture& piece : plan.furniture) AddFurniture(piece, plan.floor_height, faces);
   return building;
 }
 
-Building ReadBuilding(const std::string& path) { return MakeBuilding(ReadFloorPlan(path)); }
+Building ReadBuilding(const std::string& path, const std::set<int>& dropped) {
+  if (std::filesystem::path(path).extension() == ".ply") {
+    return MakeBuilding(ReadTriangleMesh(path), dropped);
+  }
+  return MakeBuilding(ReadFloorPlan(path));
+}
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,16 @@ struct Face {
   std::vector<Eigen::Vector3d> outline;
   std::vector<std::vector<Eigen::Vector3d>> holes;
   std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // cover the face, counter-clockwise
+  bool glass = false;                                     // a beam may go through
 
   double Area() const;
   Eigen::Vector3d Centroid() const;
 };
 
-// Building holds the faces of one storey: floor, ceiling, walls, lintels.
+// Building holds the faces of one storey, floor, ceiling, walls, lintels, or those of a mesh.
 struct Building {
+  // Every point is either in the free space or not. Meshes have gaps, and leave that open.
+  bool is_closed = true;
   double floor_height = 0.0;
   double ceiling_height = 0.0;
   std::vector<Face> faces;
@@ -42,7 +46,8 @@ struct Building {
 // leave a face of less than a millimetre.
 Building MakeBuilding(const FloorPlan& plan);
 
-// Reads a building file and builds its faces. Throws Error with file and line.
-Building ReadBuilding(const std::string& path);
+// Reads a building file, a floor plan (YAML) or a triangle mesh (.ply), and builds its faces.
+// dropped: elements of the mesh that are left out. Throws Error with file and line.
+Building ReadBuilding(const std::string& path, const std::set<int>& dropped = {});
 
 }  // namespace plumbline

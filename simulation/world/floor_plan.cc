@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/geometry/angles.h"
 #include "core/util/yaml_node.h"
 
 namespace plumbline {
@@ -66,6 +67,22 @@ Wall ReadWall(const YamlNode& node, double height) {
   return wall;
 }
 
+Furniture ReadFurniture(const YamlNode& node) {
+  Furniture piece;
+  const std::vector<std::string> kinds = {"box", "table", "shelf"};
+  piece.kind = static_cast<Furniture::Kind>(node["kind"].AsChoice(kinds));
+  piece.position = ReadPoint(node["position"]);
+  const std::vector<double> size = node["size_m"].AsDoubles(3, 0.01, 1000.0);
+  piece.size = {size[0], size[1], size[2]};
+  double yaw_deg = 0.0;
+  node.Optional("yaw_deg", &yaw_deg, -360.0, 360.0);
+  piece.yaw_rad = yaw_deg * kRadiansPerDegree;
+  node.Optional("bottom_m", &piece.bottom_m, 0.0, 100.0);
+  node.Optional("glass", &piece.glass);
+  node.RejectUnreadKeys();
+  return piece;
+}
+
 }  // namespace
 
 Polygon2 Wall::Footprint(double begin_m, double end_m) const {
@@ -91,6 +108,11 @@ FloorPlan ReadFloorPlan(const std::string& path) {
   if (root.Has("walls")) {
     for (const YamlNode& node : root["walls"].Elements()) {
       plan.walls.push_back(ReadWall(node, height));
+    }
+  }
+  if (root.Has("furniture")) {
+    for (const YamlNode& node : root["furniture"].Elements()) {
+      plan.furniture.push_back(ReadFurniture(node));
     }
   }
   root.RejectUnreadKeys();

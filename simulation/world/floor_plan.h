@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/world/furniture.h"
 #include "simulation/world/planar_region.h"
 
 namespace plumbline {
@@ -34,6 +35,7 @@ struct FloorPlan {
   std::vector<Polygon2> outlines;  // seen from inside; together they are what is not outdoors
   std::vector<Polygon2> solids;    // blocks and pillars, seen from outside
   std::vector<Wall> walls;
+  std::vector<Furniture> furniture;
 };
 
 // Reads a building file (docs/inputs.md). Throws Error with file and line, also for outlines

@@ -72,6 +72,12 @@ double Oscillation::At(double time_s) const {
 Path::Path(const PathOptions& options) : options_(options) {
   CHECK_GT(options_.speed_m_s, 0.0);
   CHECK_GT(options_.corner_radius_m, 0.0);
+  if (options_.walk) {
+    walk_ = std::make_shared<Walk>(*options_.walk);
+    lap_length_m_ = walk_->length_m();
+    end_ns_ = options_.start_ns + NanosecondsFromSeconds(walk_->duration_s());
+    return;
+  }
   MakePieces();
   start_m_ = options_.start_fraction * lap_length_m_;
   double travel_m = options_.length_m;
@@ -187,6 +193,7 @@ void Path::CheckPauses(double travel_m) const {
 
 double Path::TravelledAt(int64_t time_ns) const {
   double time_s = SecondsBetween(options_.start_ns, time_ns);
+  if (walk_) return walk_->At(time_s).travelled_m;
   const double speed = options_.speed_m_s;
   double passed_m = 0.0;  // up to the last pause's end
   for (const Pause& pause : options_.pauses) {
@@ -244,6 +251,7 @@ Eigen::Vector3d Path::PlaceAndHeadingAt(double distance_m) const {
 }
 
 const std::string& Path::LocationAt(int64_t time_ns) const {
+  if (walk_) return options_.location;
   double distance_m = start_m_ + TravelledAt(time_ns);
   return options_.way_points[PieceAt(&distance_m).way_point].location;
 }
@@ -252,12 +260,19 @@ Rigid3d Path::PoseAt(int64_t time_ns) const {
   CHECK_GE(time_ns, start_ns());
   CHECK_LE(time_ns, end_ns());
   const double time_s = SecondsBetween(options_.start_ns, time_ns);
-  const Eigen::Vector3d place = PlaceAndHeadingAt(start_m_ + TravelledAt(time_ns));
-  return {
-      RotationFromRollPitchYaw(options_.roll.At(time_s),
-                               options_.pitch.At(time_s),
-                               place.z() + options_.yaw.At(time_s)),
-      Eigen::Vector3d(place.x(), place.y(), options_.height_m + options_.height.At(time_s))};
+  WalkState state;
+  if (walk_) {
+    state = walk_->At(time_s);
+  } else {
+    const Eigen::Vector3d place = PlaceAndHeadingAt(start_m_ + TravelledAt(time_ns));
+    state.place.head<2>() = place.head<2>();
+    state.heading_rad = place.z();
+  }
+  state.place.z() += options_.height_m + options_.height.At(time_s);
+  return {RotationFromRollPitchYaw(options_.roll.At(time_s),
+                                   options_.pitch.At(time_s),
+                                   state.heading_rad + options_.yaw.At(time_s)),
+          state.place};
 }
 
 }  // namespace plumbline

@@ -2,10 +2,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geometry/rigid3.h"
+#include "simulation/world/walk.h"
 
 namespace plumbline {
 
@@ -36,21 +39,24 @@ struct WayPoint {
 struct PathOptions {
   std::string location;  // "file:line", for messages
   std::vector<WayPoint> way_points;
+  // The rig is carried along points in space, with stops and turns on the spot, instead of
+  // along way_points; its pauses are the walk's stops.
+  std::optional<WalkOptions> walk;
   bool closed = false;          // back to the first way point, and on
   double laps = 1.0;            // to travel; counts for closed paths, when length_m is 0
   double length_m = 0.0;        // to travel; 0: the laps, or to the last way point
   double start_fraction = 0.0;  // of one lap or of the whole way, where the rig starts
   double corner_radius_m = 0.5;
-  double height_m = 1.5;  // of the body's origin, in the building frame
+  double height_m = 1.5;  // of the body's origin: in the building frame; on a walk, above it
   double speed_m_s = 1.0;
   std::vector<Pause> pauses;
   Oscillation roll, pitch, yaw, height;  // added to the motion along the path
   int64_t start_ns = 0;
 };
 
-// A path moves the rig along way points at constant speed, heading along the path, as an
-// analytic function of time. Straight stretches are joined by corners along which the
-// curvature is
+// A path moves the rig along a walk (simulation/world/walk.h), or along way points at constant
+// speed, heading along the path, as an analytic function of time. Straight stretches are
+// joined by corners along which the curvature is
 //   k(s) = 2 turn / length * sin^2(pi s / length) ,
 // so that the yaw rate is continuous and smooth, and no polynomial spline can follow exactly.
 // A corner begins and ends where a circular arc of corner_radius_m would.
@@ -65,6 +71,7 @@ class Path {
 
   int64_t start_ns() const { return options_.start_ns; }
   int64_t end_ns() const { return end_ns_; }
+  bool is_walk() const { return walk_ != nullptr; }
   // Length of one lap; for open paths, of the whole way.
   double lap_length_m() const { return lap_length_m_; }
 
@@ -100,6 +107,7 @@ class Path {
   const Piece& PieceAt(double* distance_m) const;
 
   PathOptions options_;
+  std::shared_ptr<const Walk> walk_;  // null: along pieces_
   std::vector<Piece> pieces_;
   double lap_length_m_ = 0.0;
   double start_m_ = 0.0;

@@ -38,6 +38,7 @@ struct RayTarget {
   double u_origin = 0.0;
   double v_origin = 0.0;
   int face_id = 0;
+  bool glass = false;
 };
 
 RayTarget MakeTarget(const Face& face, const std::array<Eigen::Vector3d, 3>& triangle) {
@@ -45,6 +46,7 @@ RayTarget MakeTarget(const Face& face, const std::array<Eigen::Vector3d, 3>& tri
   target.normal = face.normal;
   target.distance = face.distance;
   target.face_id = face.id;
+  target.glass = face.glass;
   Eigen::Matrix3d sides;
   sides << triangle[1] - triangle[0], triangle[2] - triangle[0], face.normal;
   const Eigen::Matrix3d dual = sides.inverse();
@@ -67,14 +69,17 @@ class NearestHit {
  public:
   using Priority = double;
 
-  NearestHit(const Triangles& triangles, const std::vector<RayTarget>& targets)
-      : triangles_(triangles), targets_(targets) {}
+  NearestHit(const Triangles& triangles,
+             const std::vector<RayTarget>& targets,
+             bool through_glass)
+      : triangles_(triangles), targets_(targets), through_glass_(through_glass) {}
 
   bool go_further() const { return true; }
 
   void intersection(const Ray& ray, const Primitive& primitive) {
     const RayTarget& target =
         targets_[static_cast<size_t>(primitive.id() - triangles_.cbegin())];
+    if (target.glass && through_glass_) return;
     const double approach = target.normal.dot(ray.direction);
     if (approach == 0.0) return;
     const double range = (target.distance - target.normal.dot(ray.origin)) / approach;
@@ -83,7 +88,7 @@ class NearestHit {
     const double u = target.u_axis.dot(p) - target.u_origin;
     const double v = target.v_axis.dot(p) - target.v_origin;
     if (u < -kOverlap || v < -kOverlap || u + v > 1 + kOverlap) return;
-    hit_ = {range, target.face_id};
+    hit_ = {range, target.face_id, approach > 0.0, target.glass};
   }
 
   bool do_intersect(const Ray& ray, const TreeNode& node) const {
@@ -114,7 +119,8 @@ class NearestHit {
  private:
   const Triangles& triangles_;
   const std::vector<RayTarget>& targets_;
-  RayHit hit_{std::numeric_limits<double>::infinity(), -1};
+  const bool through_glass_;
+  RayHit hit_{std::numeric_limits<double>::infinity(), kNoFace, false, false};
 };
 
 }  // namespace
@@ -144,12 +150,13 @@ RayCaster::RayCaster(const Building& building) : impl_(std::make_unique<Impl>())
 RayCaster::~RayCaster() = default;
 
 std::optional<RayHit> RayCaster::Cast(const Eigen::Vector3d& origin_world,
-                                      const Eigen::Vector3d& direction_world) const {
+                                      const Eigen::Vector3d& direction_world,
+                                      bool through_glass) const {
   // Infinities would give NaN where a ray runs along the side of a box.
   const Ray ray{origin_world, direction_world, direction_world.unaryExpr([](double d) {
                   return 1.0 / (std::abs(d) < 1e-200 ? 1e-200 : d);
                 })};
-  NearestHit nearest(impl_->triangles, impl_->targets);
+  NearestHit nearest(impl_->triangles, impl_->targets, through_glass);
   impl_->tree.traversal_with_priority(ray, nearest);
   return nearest.hit();
 }

@@ -8,10 +8,14 @@
 
 namespace plumbline {
 
+inline constexpr int kNoFace = -1;
+
 // A ray ends at a hit.
 struct RayHit {
-  double range = 0.0;  // m
-  int face_id = 0;
+  double range = 0.0;        // m
+  int face_id = 0;           // kNoFace: something that moves
+  bool from_behind = false;  // the ray goes along the face's normal
+  bool is_glass = false;
 };
 
 // RayCaster finds the faces of a building that rays meet and points are near to, with CGAL's
@@ -21,10 +25,11 @@ class RayCaster {
   explicit RayCaster(const Building& building);
   ~RayCaster();
 
-  // Finds the first face along the ray, seen from either side. direction_world has unit
-  // length.
+  // Finds the first face along the ray, seen from either side, with through_glass the first
+  // that is not of glass. direction_world has unit length.
   std::optional<RayHit> Cast(const Eigen::Vector3d& origin_world,
-                             const Eigen::Vector3d& direction_world) const;
+                             const Eigen::Vector3d& direction_world,
+                             bool through_glass = false) const;
 
   // Returns the distance in metres from the point to the nearest face.
   double Clearance(const Eigen::Vector3d& p_world) const;

@@ -5,6 +5,7 @@ They write small files at once. A test steers and watches them by files in the d
     attempts          a line "seed or recording, process id of the parent" per plumbline_map
     hold              plumbline_map waits while this exists
     fail_<seed>       plumbline_map fails on this seed or recording
+    contradict_<seed> plumbline_map ends with exit code 3 on this seed, its map written
     forget_planes     plumbline_map writes no planes.json
     threads_matter    plumbline_map writes another map with other --threads
     version           answer to --version; without it that is wrong usage, as any unknown flag
@@ -43,8 +44,9 @@ def write(name, text):
 if program == "plumbline_simulate":
     pathlib.Path(flags["experiment"]).read_text()
     write("recording.bag", flags["seed"])
-    for name in ("rig.yaml", "truth_planes.json", "truth_trajectory.tum"):
+    for name in ("rig.yaml", "truth_planes.json"):
         write(name, name)
+    write("truth_trajectory.tum", "10.0 0 0 0 0 0 0 1\\n")
 elif program == "plumbline_map":
     seed = pathlib.Path(flags["recording"]).read_text()
     rig = pathlib.Path(flags["rig"]).read_text()
@@ -57,8 +59,9 @@ elif program == "plumbline_map":
     if (control / f"fail_{{seed}}").exists():
         print("a long story", file=sys.stderr)
         sys.exit(f"plumbline_map: lost in {{seed}}")
-    for name in ("trajectory.tum", "trajectory_covariance.csv", "config_used.yaml"):
+    for name in ("trajectory_covariance.csv", "config_used.yaml"):
         write(name, name + rig)
+    write("trajectory.tum", f"# {{rig}}\\n9.5 0 0 0 0 0 0 1\\n")
     if not (control / "forget_planes").exists():
         write("planes.json", "[]")
     if (control / "threads_matter").exists():
@@ -67,13 +70,17 @@ elif program == "plumbline_map":
         residual_rms_m=0.02, real_time_factor=5, peak_memory_mb=100, duration_s=1, planes=4,
         variance_factor=1, warnings=[], points=1000, segments=100,
         stages=dict(reading=0.1, batch=0.4 if "point" in config else 0.1))))
+    if (control / f"contradict_{{seed}}").exists():
+        sys.exit(3)
 else:
     seed = int((pathlib.Path(flags["truth"]) / "recording.bag").read_text())
-    errors = dict(position_m=dict(rmse=0.001 * seed), rotation_deg=dict(rmse=0.01))
+    errors = dict(position_m=dict(rmse=0.001 * seed, max=0.01 * seed),
+                  rotation_deg=dict(rmse=0.01, max=0.1))
     distances = dict(angle_deg=dict(max=0.1), distance_m=dict(max=0.002))
     output.write_text(json.dumps(dict(
         trajectory=dict(unaligned=errors, aligned=errors), planes_aligned=distances,
-        planes=dict(matched=10, wrong=0, doubled=0, missed=1, **distances))))
+        planes=dict(matched=10, wrong=0, doubled=0, missed=1, list=[],
+                    **distances))))
 '''
 
 

@@ -45,7 +45,8 @@ class MapAllTest(ScriptTest):
         for name, rig in (("hall", "common"), ("attic_one", "of the attic")):
             directory = self.output / name
             self.assertEqual(sorted(path.name for path in directory.iterdir()), RESULTS)
-            self.assertEqual((directory / "trajectory.tum").read_text(), f"trajectory.tum {rig}")
+            self.assertEqual((directory / "config_used.yaml").read_text(),
+                             f"config_used.yaml {rig}")
         self.assertIn("3 recordings mapped, 0 failed", result.stdout)
         row = [line.split() for line in result.stdout.splitlines() if "hall" in line][0]
         self.assertEqual(row, ["hall", "1.0", "4", "20.00", "1.00", "5.0", "0"])

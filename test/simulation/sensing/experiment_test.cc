@@ -15,30 +15,38 @@ namespace {
 
 const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
 
-std::vector<std::string> FilesIn(const std::string& folder) {
+std::vector<std::string> FilesIn(const std::string& folder, const std::string& ending) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(kConfigs + "/" + folder)) {
-    files.push_back(entry.path().string());
+    if (entry.path().extension() == ending) files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
 TEST(Experiment, EveryShippedRigLoads) {
-  for (const std::string& file : FilesIn("rigs")) EXPECT_FALSE(ReadRig(file).scanners.empty());
+  for (const std::string& file : FilesIn("rigs", ".yaml")) {
+    EXPECT_FALSE(ReadRig(file).scanners.empty());
+  }
 }
 
 TEST(Experiment, EveryShippedBuildingLoads) {
-  for (const std::string& file : FilesIn("buildings")) {
-    EXPECT_GE(ReadBuilding(file).faces.size(), 6u) << file;
+  for (const std::string ending : {".yaml", ".ply"}) {
+    EXPECT_GE(FilesIn("buildings", ending).size(), 3u);
+    for (const std::string& file : FilesIn("buildings", ending)) {
+      EXPECT_GE(ReadBuilding(file).faces.size(), 6u) << file;
+    }
   }
 }
 
 // Also checks that the paths keep clear of the walls.
 TEST(Experiment, EveryShippedExperimentLoads) {
-  EXPECT_GE(FilesIn("experiments").size(), 6u);
-  for (const std::string& file : FilesIn("experiments")) {
-    EXPECT_GT(Simulator(ReadExperiment(file)).num_scan_lines(), 100) << file;
+  EXPECT_GE(FilesIn("experiments", ".yaml").size(), 6u);
+  EXPECT_GE(FilesIn("experiments/robustness", ".yaml").size(), 25u);
+  for (const std::string folder : {"experiments", "experiments/robustness"}) {
+    for (const std::string& file : FilesIn(folder, ".yaml")) {
+      EXPECT_GT(Simulator(ReadExperiment(file)).num_scan_lines(), 100) << file;
+    }
   }
 }
 
@@ -46,6 +54,23 @@ TEST(Experiment, OfficeIsAsLongAsThePapers) {
   const Simulator simulator(ReadExperiment(kConfigs + "/experiments/office.yaml"));
   EXPECT_EQ(simulator.num_scan_lines(), 3 * 3635);
   EXPECT_EQ(simulator.path().end_ns() - simulator.path().start_ns(), 90875000000);
+}
+
+// Planned paths keep to what a person can do, all along.
+TEST(Experiment, WalksThroughHousesAreThoseOfAPerson) {
+  for (const std::string name : {"fzk_stairs", "duplex_a_stairs"}) {
+    const Path path(
+        ReadExperiment(kConfigs + "/experiments/robustness/" + name + ".yaml").path);
+    constexpr int64_t kStep = 10000000;
+    for (int64_t time = path.start_ns(); time + kStep <= path.end_ns(); time += kStep) {
+      const Rigid3d a = path.PoseAt(time);
+      const Rigid3d b = path.PoseAt(time + kStep);
+      // 0.9 m/s and the steps' bob of 0.23 m/s.
+      ASSERT_LT((b.translation - a.translation).norm(), 1.2 * 0.01);
+      // 60 deg/s and the swings' 17 and 21 deg/s.
+      ASSERT_LT(a.rotation.angularDistance(b.rotation), 70 * M_PI / 180 * 0.01);
+    }
+  }
 }
 
 class ExperimentText : public testing::Test {
@@ -87,6 +112,70 @@ TEST_F(ExperimentText, ReadsEveryKey) {
   EXPECT_EQ(experiment_.scanner_phases_s, (std::vector<double>{0, 0.001, 0.002}));
 }
 
+TEST_F(ExperimentText, ReadsWalks) {
+  const std::string way =
+      "path:\n  way_points: [[1, 1], [4, 1], [1, 1]]\n  corner_radius_m: 0.3\n"
+      "  body_height_m: 1.5\n  max_turn_rate_deg_s: 45\n  length_m: 4\n  start_fraction: "
+      "0.25\n"
+      "  pauses: [{at_m: 1, duration_s: 2}]\nspeed_m_s: 0.8\n";
+  ASSERT_EQ(Error(files_ + way), "");
+  ASSERT_TRUE(experiment_.path.walk);
+  const WalkOptions& walk = *experiment_.path.walk;
+  ASSERT_EQ(walk.points.size(), 3u);
+  EXPECT_LT((walk.points[0] - Eigen::Vector3d(2.5, 1, 0)).norm(), 1e-12);
+  EXPECT_LT((walk.points[2] - Eigen::Vector3d(1.5, 1, 0)).norm(), 1e-12);
+  EXPECT_EQ(walk.smooth_m, 0.3);
+  EXPECT_EQ(walk.speed_m_s, 0.8);
+  EXPECT_NEAR(walk.max_turn_rate_rad_s, M_PI / 4, 1e-12);
+  ASSERT_EQ(walk.stops.size(), 1u);
+  EXPECT_EQ(walk.stops[0].duration_s, 2.0);
+  EXPECT_EQ(experiment_.path.height_m, 1.5);
+
+  const std::string in_space =
+      "path: {way_points: [[1, 1, 0], [4, 1, 0.5]], corner_radius_m: 0.3, body_height_m: 1}\n"
+      "speed_m_s: 1\n";
+  ASSERT_EQ(Error(files_ + in_space), "");
+  EXPECT_EQ(experiment_.path.walk->points[1].z(), 0.5);
+  EXPECT_EQ(Error(files_ + "path: {way_points: [[1, 1, 0], [4]], corner_radius_m: 0.3, "
+                           "body_height_m: 1}\nspeed_m_s: 1\n"),
+            ":3: a way point is [x, y] or [x, y, z]");
+  EXPECT_EQ(Error(files_ + "path: {way_points: [[1, 1, 0], [4, 1, 0]], length_m: 4, "
+                           "corner_radius_m: 0.3, body_height_m: 1}\nspeed_m_s: 1\n"),
+            ":3: the path is only 3.000000 m long");
+}
+
+TEST_F(ExperimentText, ReadsPathFilesAndDropsTheirDoors) {
+  WriteTestFile("way.path", "smooth 0.2\ndrop 17468\npoint 1.5 2.2 0\npoint 3 2.2 0\n");
+  const std::string name = "ExperimentText_ReadsPathFilesAndDropsTheirDoors_way.path";
+  const std::string text =
+      "building: " + kConfigs + "/buildings/AC20-FZK-Haus.ply\nrig: " + kConfigs +
+      "/rigs/paper.yaml\npath: {file: " + name + ", body_height_m: 1.5}\nspeed_m_s: 1\n";
+  ASSERT_EQ(Error(text), "");
+  ASSERT_TRUE(experiment_.path.walk);
+  EXPECT_EQ(experiment_.path.walk->smooth_m, 0.2);
+  const size_t num_faces = experiment_.building.faces.size();
+  ASSERT_EQ(Error(text + "drop: [19199, 19504]\n"), "");
+  EXPECT_LT(experiment_.building.faces.size(), num_faces);
+}
+
+TEST_F(ExperimentText, ReadsWhatMovesAndFaults) {
+  ASSERT_EQ(
+      Error(all_ + "moving:\n  people: [{walks: [[1, 1], [2, 1]]}, {follows_m: 2}]\n"
+                   "  doors: [{hinge: [1, 2], shut_deg: 0, open_deg: 90, period_s: 3}]\n"
+                   "faults: {outliers: 0.1, scanners: [{name: top, range_bias_m: 0.02}]}\n"),
+      "");
+  ASSERT_EQ(experiment_.moving.people.size(), 2u);
+  EXPECT_EQ(experiment_.moving.people[1].follows_m, 2.0);
+  EXPECT_EQ(experiment_.moving.body_height_m, 1.5);
+  ASSERT_EQ(experiment_.moving.doors.size(), 1u);
+  EXPECT_NEAR(experiment_.moving.doors[0].open_rad, M_PI / 2, 1e-12);
+  EXPECT_EQ(experiment_.faults.outliers, 0.1);
+  ASSERT_EQ(experiment_.faults.scanners.size(), 3u);
+  EXPECT_EQ(experiment_.faults.scanners[0].range_bias_m, 0.02);
+  EXPECT_EQ(Error(all_ + "moving:\n  people: [{speed_m_s: 1}]\n"),
+            ":9: a person has one of walks, follows_m and circles_m");
+}
+
 TEST_F(ExperimentText, ErrorsNameFileAndLine) {
   EXPECT_EQ(Error(all_ + "colour: red\n"), ":8: unknown key 'colour'");
   EXPECT_EQ(Error(all_ + "noise: {scale: -1}\n"),
@@ -126,6 +215,26 @@ TEST_F(ExperimentText, PathsThroughWallsAreErrors) {
                        "wall at (9, 1)",
                        0),
             0u);
+}
+
+TEST_F(ExperimentText, WalksIntoMeshesAreErrors) {
+  const auto simulate = [&](const std::string& way_points) {
+    const std::string path = WriteTestFile(
+        "experiment.yaml",
+        "building: " + kConfigs + "/buildings/look_alike_floors.ply\nrig: " + kConfigs +
+            "/rigs/paper.yaml\npath: {way_points: " + way_points +
+            ", corner_radius_m: 0.3, body_height_m: 1.5}\nspeed_m_s: 1\n");
+    const std::string message = ErrorOf([&] { Simulator simulator(ReadExperiment(path)); });
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  EXPECT_EQ(simulate("[[4, 4, 0], [5, 4, 0]]"), "");
+  // Into the wall between the halves, beside its door, and out of the house from its roof.
+  EXPECT_EQ(simulate("[[5, 6.5, 0], [8, 6.5, 0]]")
+                .rfind(":3: the path comes too close to a wall, floor or ceiling at (6.8", 0),
+            0u);
+  EXPECT_EQ(
+      simulate("[[5, 4, 6], [-9, 4, 6]]").rfind(":3: the path has no floor below at (-0.2", 0),
+      0u);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "core/result/result_reader.h"
@@ -92,6 +93,33 @@ TEST(SimulateRecording, UnwritableDirectoryIsNamed) {
   const std::string file = WriteTestFile("file", "x");
   EXPECT_EQ(ErrorOf([&] { SimulateRecording(kRoom, 1, file + "/sub", [](double) {}); }),
             file + "/sub: can not create the directory");
+}
+
+// A mesh's triangles may face either way.
+TEST(TruthPlanes, FaceTheSideFromWhichTheyWereSeen) {
+  Building building;
+  Face& face = building.faces.emplace_back();
+  face.normal = Eigen::Vector3d::UnitX();
+  face.distance = 2.0;
+  face.outline = {{2, 0, 0}, {2, 1, 0}, {2, 1, 1}};
+  face.triangles = {{face.outline[0], face.outline[1], face.outline[2]}};
+  TruthPlanes truth(building);
+  PerfectScanLine perfect;
+  const RayHit behind{1.0, 0, true, false};
+  perfect.beams = {RayHit{1.0, 0, false, false},
+                   behind,
+                   behind,
+                   RayHit{0.5, kNoFace, false, false},
+                   std::nullopt};
+  ScanLine recorded;
+  recorded.ranges = {1.0f, 1.0f, 1.0f, 0.5f, std::numeric_limits<float>::infinity()};
+  truth.Add(perfect, recorded, 0.0);
+  const std::vector<PlanePatch> patches = truth.Patches();
+  ASSERT_EQ(patches.size(), 1u);
+  EXPECT_EQ(patches[0].num_points, 3);
+  EXPECT_EQ(patches[0].normal, Eigen::Vector3d(-1, 0, 0));
+  EXPECT_EQ(patches[0].distance, -2.0);
+  EXPECT_EQ(patches[0].outline.front(), Eigen::Vector3d(2, 1, 1));
 }
 
 }  // namespace

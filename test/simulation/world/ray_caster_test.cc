@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "simulation/sensing/random.h"
+#include "simulation/world/random.h"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/sensing/random.h"
+#include "simulation/world/random.h"
 
 #include <gtest/gtest.h>
 
