@@ -46,5 +46,29 @@ TEST(PoseJumpsTest, ARigThatShakesAllTheTimeDoesNotJump) {
   for (const bool is_jump : FindJumps(MotionOverTime(trajectory, 0))) EXPECT_FALSE(is_jump);
 }
 
+// Ten seconds of motion and of support, eight intervals a second; at 5 s something happens.
+class GlitchTest : public testing::Test {
+ protected:
+  GlitchTest() : motion_(10, {1.0, 1.0, 1.0}), support_(80, {100.0, 1000.0}) {}
+
+  std::vector<SecondOfMotion> motion_;
+  SharesOverTime support_;
+};
+
+TEST_F(GlitchTest, IsAnInstantOffThePlanesWithAJerk) {
+  motion_[5].acceleration_m_s2 = 2.0;
+  support_[42].contradicted = 400.0;
+  std::vector<bool> expected(10, false);
+  expected[5] = true;
+  EXPECT_EQ(FindGlitches(motion_, support_), expected);
+}
+
+TEST_F(GlitchTest, NeitherAloneIsOne) {
+  support_[42].contradicted = 400.0;
+  EXPECT_EQ(FindGlitches(motion_, support_), std::vector<bool>(10, false));
+  motion_[2].acceleration_m_s2 = 2.0;
+  EXPECT_EQ(FindGlitches(motion_, support_), std::vector<bool>(10, false));
+}
+
 }  // namespace
 }  // namespace plumbline
