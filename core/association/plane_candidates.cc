@@ -164,12 +164,21 @@ void TentativePlanes::Start(const Observation& observation,
   plane.landmark.covariance.topLeftCorner(size, size) =
       (design.transpose() * noise.inverse() * design).inverse();
   plane.first_position = poses.world_from_body.translation;
+  plane.first_time_ns = observation.start_time_ns();
   Record(observation, observation_index, poses, evidence, &plane);
   planes_.push_back(std::move(plane));
 }
 
+bool TentativePlanes::HasAge(const TentativePlane& plane) const {
+  const PatchExtent& extent = plane.landmark.extent;
+  if ((extent.max_corner() - extent.min_corner()).norm() > options_.planes.small_m) return true;
+  return SecondsBetween(plane.first_time_ns, plane.last_time_ns) >
+         options_.planes.min_age_of_small_s;
+}
+
 bool TentativePlanes::IsReady(const TentativePlane& plane, int min_scans) const {
   if (static_cast<int>(plane.scans.size()) < min_scans) return false;
+  if (min_scans > 1 && !HasAge(plane)) return false;
   if (plane.landmark.model == PlaneModel::kVertical) {
     // The surface's unevenness is the same in every scan: it does not average out.
     const PatchExtent& extent = plane.landmark.extent;

@@ -22,6 +22,7 @@ struct TentativePlane {
   std::set<int> clear_scans;  // with a segment that can only lie on a plane of this type
   Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
   Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
+  int64_t first_time_ns = 0;
   int64_t last_time_ns = 0;
 };
 
@@ -73,6 +74,8 @@ class TentativePlanes {
              int observation_index,
              const ObservationPoses& poses,
              const TypeEvidence& evidence);
+  // Whether the plane is large, or was seen for long enough not to be somebody who walks.
+  bool HasAge(const TentativePlane& plane) const;
   bool IsReady(const TentativePlane& plane, int min_scans) const;
 
   bool planar_;

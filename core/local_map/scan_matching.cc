@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/matrix_types.h"
 #include "core/sensor/beam_instant.h"
@@ -28,8 +29,12 @@ constexpr double kTurnSigmas = 2.5;
 constexpr int kTurnLevel = 1;
 // Gauss-Newton steps with the cells of one level.
 constexpr int kRoundsPerLevel = 6;
+// Where so many of the points lie near what the local map has, no other start is tried.
+constexpr double kGoodShare = 0.6;
 constexpr double kSmallStep = 1e-3;      // rad and m
 constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
+// One correction of the pose serves points of so short a time.
+constexpr int64_t kMaxSpanNs = 25'000'000;
 // Every how many-th scan the local map forgets.
 constexpr int kForgetPeriod = 64;
 
@@ -100,24 +105,33 @@ ScanMatcher::ScanMatcher(const Rig& rig,
 }
 
 void ScanMatcher::Take(const Scan& scan) {
-  lines_.resize(scan.scan_lines.size());
-  for (size_t i = 0; i < lines_.size(); ++i) {
+  lines_.clear();
+  for (size_t i = 0; i < scan.scan_lines.size(); ++i) {
     const ScanLine& scan_line = scan.scan_lines[i];
-    Line& line = lines_[i];
-    line.scanner_index = scan_line.scanner_index;
-    line.scan_line_index = scan.scan_line_indices[i];
-    line.num_beams = scan_line.num_beams();
-    line.beams.clear();
-    line.p_scanner.clear();
-    line.times_ns.clear();
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    bool is_new = true;
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
+      const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
+      if (is_new || time_ns - lines_.back().times_ns.front() > kMaxSpanNs) {
+        lines_.emplace_back();
+        lines_.back().scanner_index = scan_line.scanner_index;
+        lines_.back().scan_line_index = scan.scan_line_indices[i];
+        lines_.back().num_beams = scan_line.num_beams();
+        is_new = false;
+      }
+      Line& line = lines_.back();
       line.beams.push_back(beam);
       line.p_scanner.push_back(range * scan_line.BeamDirection(beam));
-      line.times_ns.push_back(BeamInstant(scan_line, beam, rig_));
+      line.times_ns.push_back(time_ns);
     }
+  }
+  begin_ns_ = std::numeric_limits<int64_t>::max();
+  end_ns_ = std::numeric_limits<int64_t>::min();
+  for (const Line& line : lines_) {
+    begin_ns_ = std::min(begin_ns_, line.times_ns.front());
+    end_ns_ = std::max(end_ns_, line.times_ns.back());
   }
 }
 
@@ -136,7 +150,7 @@ ScanMotion ScanMatcher::MotionOf(const Line& line, PoseSampler* poses) const {
 void ScanMatcher::MatchLine(const Line& line,
                             int level,
                             const std::vector<bool>* chosen,
-                            const Rigid3d& correction,
+                            const MotionVector& error,
                             PoseSampler* poses,
                             ScanMatch* match) const {
   const double noise_m =
@@ -144,7 +158,12 @@ void ScanMatcher::MatchLine(const Line& line,
   const double surface_stddev_m = options_.surface_stddev_m * (1 << level);
   const double surface_variance = surface_stddev_m * surface_stddev_m;
   const ScanMotion motion = MotionOf(line, poses);
-  PoseEquations equations(correction * poses->WorldFromBody(line.middle_ns()));
+  const Rigid3d predicted = poses->WorldFromBody(line.middle_ns());
+  const Eigen::Matrix<double, 6, 12> by_motion = ByMotion(line);
+  const Eigen::Matrix<double, 6, 1> of_line = by_motion * error;
+  const Rigid3d correction =
+      About(predicted.translation, of_line.head<3>(), of_line.tail<3>());
+  PoseEquations equations(correction * predicted);
   const Eigen::Matrix3d turn = correction.rotation.toRotationMatrix();
   CellPoints current;
   int num_cells = 0;
@@ -186,39 +205,49 @@ void ScanMatcher::MatchLine(const Line& line,
   match->num_cells += num_cells;
   if (num_cells == 0) return;
   match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), repeated_weight_));
-  match->hessian += repeated_weight_ * equations.hessian();
-  match->gradient += repeated_weight_ * equations.gradient();
+  match->hessian +=
+      repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
+  match->gradient += repeated_weight_ * by_motion.transpose() * equations.gradient();
+}
+
+Eigen::Matrix<double, 6, 12> ScanMatcher::ByMotion(const Line& line) const {
+  const double duration_ns = std::max(1.0, static_cast<double>(end_ns_ - begin_ns_));
+  const double share = static_cast<double>(line.middle_ns() - begin_ns_) / duration_ns;
+  Eigen::Matrix<double, 6, 12> by_motion;
+  by_motion << (1.0 - share) * Matrix6d::Identity(), share * Matrix6d::Identity();
+  return by_motion;
 }
 
 ScanMatch ScanMatcher::MatchMoved(const Trajectory& trajectory,
                                   int level,
                                   const BeamMask* chosen,
-                                  const Rigid3d& correction) const {
+                                  const MotionVector& error) const {
   PoseSampler poses(trajectory);
   ScanMatch match;
   for (size_t i = 0; i < lines_.size(); ++i) {
-    if (lines_[i].beams.empty()) continue;
     MatchLine(lines_[i],
               level,
               chosen == nullptr ? nullptr : &(*chosen)[i],
-              correction,
+              error,
               &poses,
               &match);
   }
   return match;
 }
 
-Rigid3d ScanMatcher::BestTurn(const Trajectory& trajectory,
-                              const Eigen::Vector3d& body_world,
-                              double stddev_rad) const {
-  const int num_steps =
-      static_cast<int>(std::min(kMaxTurn, kTurnSigmas * stddev_rad) / kTurnStep);
-  Rigid3d best;
+MotionVector ScanMatcher::BestTurn(const Trajectory& trajectory,
+                                   const MotionMatrix& covariance) const {
+  constexpr int kYawAtEnd = 8;
+  const double variance = covariance(kYawAtEnd, kYawAtEnd);
+  const int num_steps = static_cast<int>(
+      std::min(kMaxTurn, kTurnSigmas * std::sqrt(variance)) / kTurnStep);
+  MotionVector best = MotionVector::Zero();
   if (num_steps == 0) return best;
+  // What is to be expected of the whole motion where the heading at the end is off.
+  const MotionVector by_yaw = covariance.col(kYawAtEnd) / variance;
   int best_num_near = -1;
   for (int step = -num_steps; step <= num_steps; ++step) {
-    const Rigid3d turn =
-        About(body_world, Eigen::Vector3d(0.0, 0.0, step * kTurnStep), Eigen::Vector3d::Zero());
+    const MotionVector turn = by_yaw * (step * kTurnStep);
     const int num_near = MatchMoved(trajectory, kTurnLevel, nullptr, turn).num_near;
     if (num_near <= best_num_near) continue;
     best_num_near = num_near;
@@ -227,38 +256,49 @@ Rigid3d ScanMatcher::BestTurn(const Trajectory& trajectory,
   return best;
 }
 
-ScanMatch ScanMatcher::Register(const Trajectory& trajectory,
-                                const Matrix6d& covariance) const {
-  const Eigen::Vector3d body_world = trajectory.WorldFromBody(middle_ns()).translation;
-  // Planar rigs have no errors out of the plane.
-  const Matrix6d information = (covariance + kTinyVariance * Matrix6d::Identity()).inverse();
-  Rigid3d correction = BestTurn(trajectory, body_world, std::sqrt(covariance(2, 2)));
-  Eigen::Matrix<double, 6, 1> error = Eigen::Matrix<double, 6, 1>::Zero();
-  error.head<3>() = Log(correction.rotation);
-  for (int level = kNumLevels - 1; level >= 0; --level) {
+MotionVector ScanMatcher::Refine(const Trajectory& trajectory,
+                                 const MotionMatrix& information,
+                                 int coarsest_level,
+                                 MotionVector error) const {
+  for (int level = coarsest_level; level >= 0; --level) {
     for (int round = 0; round < kRoundsPerLevel; ++round) {
-      const ScanMatch match = MatchMoved(trajectory, level, nullptr, correction);
-      const Matrix6d hessian = match.hessian + information;
-      const Eigen::Matrix<double, 6, 1> step =
+      const ScanMatch match = MatchMoved(trajectory, level, nullptr, error);
+      const MotionMatrix hessian = match.hessian + information;
+      const MotionVector step =
           hessian.ldlt().solve(-(match.gradient + information * error));
       error += step;
-      correction = About(correction * body_world, step.head<3>(), step.tail<3>()) * correction;
       if (step.norm() < kSmallStep) break;
     }
   }
-  return MatchMoved(trajectory, 0, nullptr, correction);
+  return error;
+}
+
+ScanMatch ScanMatcher::Register(const Trajectory& trajectory,
+                                const MotionMatrix& covariance) const {
+  // Planar rigs have no errors out of the plane.
+  const MotionMatrix information =
+      (covariance + kTinyVariance * MotionMatrix::Identity()).inverse();
+  ScanMatch best;
+  const auto consider = [&](int coarsest_level, const MotionVector& start) {
+    const MotionVector error = Refine(trajectory, information, coarsest_level, start);
+    ScanMatch match = MatchMoved(trajectory, 0, nullptr, error);
+    if (match.num_near > best.num_near) best = std::move(match);
+  };
+  consider(0, MotionVector::Zero());
+  if (best.num_near > kGoodShare * best.num_points) return best;
+  consider(kNumLevels - 1, MotionVector::Zero());
+  const MotionVector turn = BestTurn(trajectory, covariance);
+  if (!turn.isZero()) {
+    consider(1, turn);
+    consider(kNumLevels - 1, turn);
+  }
+  return best;
 }
 
 int ScanMatcher::num_points() const {
   int num = 0;
   for (const Line& line : lines_) num += static_cast<int>(line.beams.size());
   return num;
-}
-
-int64_t ScanMatcher::middle_ns() const {
-  const auto has_points = [](const Line& line) { return !line.beams.empty(); };
-  const auto line = std::find_if(lines_.begin(), lines_.end(), has_points);
-  return line == lines_.end() ? 0 : line->middle_ns();
 }
 
 BeamMask ScanMatcher::AllBeams() const {
@@ -281,7 +321,6 @@ void ScanMatcher::Exclude(int scan_line_index,
 void ScanMatcher::Remember(const Trajectory& trajectory) {
   PoseSampler poses(trajectory);
   for (const Line& line : lines_) {
-    if (line.beams.empty()) continue;
     const ScanMotion motion = MotionOf(line, &poses);
     const Eigen::Matrix3d placement = motion.nodes()[1];
     const Eigen::Vector3d normal = placement.col(0).cross(placement.col(1));

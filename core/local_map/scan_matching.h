@@ -16,13 +16,19 @@
 
 namespace plumbline {
 
+// The error of a scan's predicted motion: the errors of the poses at its beginning and at its
+// end (each: rotation in rad and position in m, world frame); between these the error passes
+// linearly.
+using MotionVector = Eigen::Matrix<double, 12, 1>;
+using MotionMatrix = Eigen::Matrix<double, 12, 12>;
+
 // How the points of a scan agree with the local map.
 struct ScanMatch {
   // What the points of each scan line say of the pose in its middle.
   std::vector<PoseConstraint> constraints;
-  // The same of all scan lines together, for an error of all poses of the scan.
-  Matrix6d hessian = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
+  // The same of all scan lines together, for the error of the scan's motion.
+  MotionMatrix hessian = MotionMatrix::Zero();
+  MotionVector gradient = MotionVector::Zero();
   int num_points = 0;  // in all
   int num_known = 0;   // where the local map knows a direction
   int num_near = 0;    // of these, within a few standard deviations of where it says
@@ -51,25 +57,27 @@ class ScanMatcher {
   // the one before it, and catches points from twice as far away. chosen: the beams to take;
   // nullptr: all.
   ScanMatch Match(const Trajectory& trajectory, int level, const BeamMask* chosen) const {
-    return MatchMoved(trajectory, level, chosen, Rigid3d());
+    return MatchMoved(trajectory, level, chosen, MotionVector::Zero());
   }
-  // Moves the scan as a rigid whole to where the local map has what it shows: from the
-  // trajectory's poses, whose error has this covariance (rotation in rad, position in m; world
-  // frame), first by the likeliest of several turns, then from coarse cells to fine ones.
-  // Returns the match there.
-  ScanMatch Register(const Trajectory& trajectory, const Matrix6d& covariance) const;
+  // Moves the scan to where the local map has what it shows, from the trajectory's poses, whose
+  // error has this covariance: first by the likeliest of several turns, then from coarse cells
+  // to fine ones. Returns the match there.
+  ScanMatch Register(const Trajectory& trajectory, const MotionMatrix& covariance) const;
+  // The instants of the scan's first and last point; there has to be a point.
+  int64_t begin_ns() const { return begin_ns_; }
+  int64_t end_ns() const { return end_ns_; }
   // Adds the points to the local map, by the trajectory as it is now.
   void Remember(const Trajectory& trajectory);
 
-  int num_points() const;     // of the newest scan
-  int64_t middle_ns() const;  // of its first scan line that has points; there has to be one
+  int num_points() const;  // of the newest scan
   // A mask of all beams of the scan.
   BeamMask AllBeams() const;
   // Takes the beams first .. last of a scan line, by its index in the recording, out of a mask.
   void Exclude(int scan_line_index, int first_beam, int last_beam, BeamMask* mask) const;
 
  private:
-  // The valid points of one scan line.
+  // The valid points of one scan line, or of a part of it that took no longer than one pose
+  // correction serves.
   struct Line {
     int scanner_index = 0;
     int scan_line_index = 0;  // in the recording
@@ -80,19 +88,25 @@ class ScanMatcher {
     int64_t middle_ns() const { return times_ns.front() / 2 + times_ns.back() / 2; }
   };
 
-  // Matches the points as they lie when the predicted poses are moved by the correction.
+  // Matches the points as they lie when the predicted motion is moved by an error.
   ScanMatch MatchMoved(const Trajectory& trajectory,
                        int level,
                        const BeamMask* chosen,
-                       const Rigid3d& correction) const;
-  Rigid3d BestTurn(const Trajectory& trajectory,
-                   const Eigen::Vector3d& body_world,
-                   double stddev_rad) const;
+                       const MotionVector& error) const;
+  // The error that the likeliest turn means.
+  MotionVector BestTurn(const Trajectory& trajectory, const MotionMatrix& covariance) const;
+  // Gauss-Newton steps from an error on, from coarse cells to fine ones.
+  MotionVector Refine(const Trajectory& trajectory,
+                      const MotionMatrix& information,
+                      int coarsest_level,
+                      MotionVector error) const;
+  // The derivative of the error in the middle of a scan line by that of the motion.
+  Eigen::Matrix<double, 6, 12> ByMotion(const Line& line) const;
   ScanMotion MotionOf(const Line& line, PoseSampler* poses) const;
   void MatchLine(const Line& line,
                  int level,
                  const std::vector<bool>* chosen,
-                 const Rigid3d& correction,
+                 const MotionVector& error,
                  PoseSampler* poses,
                  ScanMatch* match) const;
 
@@ -102,6 +116,8 @@ class ScanMatcher {
   int max_age_scans_;
   std::vector<LocalMap> maps_;  // by level
   std::vector<Line> lines_;
+  int64_t begin_ns_ = 0;  // of the newest scan's points
+  int64_t end_ns_ = 0;
   int scan_index_ = 0;
 };
 

@@ -183,8 +183,9 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch judging_watch;
   auto total = std::make_unique<Stopwatch::Running>(&total_watch);
   const Rig rig = ReadRig(job.rig);
+  const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
   const MapperOptions options =
-      job.config.empty() ? MapperOptions() : ReadMapperOptions(job.config);
+      job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
   auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
   RecordingReader recording(job.recording, rig);
   reading.reset();

@@ -177,11 +177,7 @@ void ScanFollower::StartPlanes(int min_scans) {
 
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
-  const Rigid3d before = state_->trajectory.WorldFromBody(now_ns);
   tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
-  if (getenv("DBG")) { const Rigid3d after = state_->trajectory.WorldFromBody(now_ns);
-    fprintf(stderr, "  window moved %.3f m %.2f deg\n", (after.translation-before.translation).norm(), after.rotation.angularDistance(before.rotation)*57.3);
-    if (scan_matcher_) { const auto m = scan_matcher_->Match(state_->trajectory, 0, nullptr); fprintf(stderr, "  after window known %.2f near %.2f\n", m.KnownShare(), m.NearShare()); } }
   for (const auto& [into, from] :
        FindMergeablePlanes(rig_, *state_, options_, last_solved_scan_)) {
     const Landmark& older = state_->landmarks[static_cast<size_t>(into)];

@@ -43,6 +43,8 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("min_points", o.planes.min_points, 3, 10000);
     s.Number("max_direction_sigma_deg", o.planes.max_direction_sigma_deg, 0.01, 90.0);
     s.Integer("min_scans", o.planes.min_scans, 1, 1000);
+    s.Number("small_m", o.planes.small_m, 0.0, 1000.0);
+    s.Number("min_age_of_small_s", o.planes.min_age_of_small_s, 0.0, 1e6);
     s.Number("max_tentative_age_s", o.planes.max_tentative_age_s, 0.0, 1e6);
     s.Renamed("max_candidate_age_s", "max_tentative_age_s");
   });
@@ -172,14 +174,25 @@ struct SectionWriter {
 
 }  // namespace
 
+MapperOptions MapperOptions::DefaultsFor(bool planar) {
+  MapperOptions options;
+  if (!planar) return options;
+  options.trajectory.acceleration_stddev_m_s2 = 1.0;
+  options.trajectory.angular_acceleration_stddev_deg_s2 = 60.0;
+  // What the extrinsics leave between the scanners shows on every surface.
+  options.association.surface_flatness_m = 0.015;
+  options.window.num_scans = 20;  // long enough to outlast a wrong association
+  return options;
+}
+
 void MapperOptions::Check() const {
   SectionChecker checker;
   Visit(*this, checker);
 }
 
-MapperOptions ReadMapperOptions(const std::string& path) {
+MapperOptions ReadMapperOptions(const std::string& path, const MapperOptions& defaults) {
   const YamlNode file = YamlNode::ReadFile(path);
-  MapperOptions options;
+  MapperOptions options = defaults;
   // An experiment is known by its building; its other keys are the simulator's to check.
   const bool is_experiment = file.Has("building") || file.Has("mapper");
   if (is_experiment && !file.Has("mapper")) return options;

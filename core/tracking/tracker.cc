@@ -320,8 +320,8 @@ BeamMask Tracker::BeamsOnNoPlane(int first_observation,
 std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_matcher) {
   ScanMatch match = scan_matcher.Register(
       state_->trajectory,
-      pose_uncertainty_.At(state_->trajectory, scan_matcher.middle_ns()));
-  if (getenv("DBG")) fprintf(stderr, "t %.2f points known %.2f near %.2f cells %d\n", 1e-9*double(state_->trajectory.end_ns()-state_->trajectory.start_ns()), match.KnownShare(), match.NearShare(), match.num_cells);
+      pose_uncertainty_.AtBoth(
+          state_->trajectory, scan_matcher.begin_ns(), scan_matcher.end_ns()));
   if (match.KnownShare() < kMinKnownShare || match.NearShare() < kMinNearShare) {
     return std::nullopt;
   }
@@ -333,7 +333,6 @@ std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_match
 bool Tracker::AgreesWithPoints(const ScanMatcher& scan_matcher,
                                const ScanMatch& by_points) const {
   const ScanMatch match = scan_matcher.Match(state_->trajectory, 0, nullptr);
-  if (getenv("DBG")) fprintf(stderr, "  after planes known %.2f near %.2f\n", match.KnownShare(), match.NearShare());
   return match.num_near > (1.0 - kMaxLoss) * by_points.num_near;
 }
 
