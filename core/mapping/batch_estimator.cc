@@ -2,11 +2,13 @@
 
 #include <glog/logging.h>
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/error_patterns.h"
 #include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/motion_noise_estimation.h"
@@ -113,11 +115,32 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double c
   return (2.0 * cost + constant) / (num_points - num_unknowns);
 }
 
+CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& problem,
+                                                      const ArrowheadCholesky& factor) const {
+  const BlockLayout layout = problem.Layout();
+  ErrorPatterns patterns(
+      rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
+  ForEachAssociated(*state_,
+                    [&](const Observation& observation) { patterns.Add(observation); });
+  const CorrelatedErrors errors = EstimateCorrelatedErrors(patterns, factor);
+  LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m
+            << " mm, range bias " << 1e3 * errors.range_bias_m << " mm, mounting "
+            << errors.rotation_rad * 180.0 / M_PI << " deg, " << 1e3 * errors.translation_m
+            << " mm";
+  return errors;
+}
+
 MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem,
                                              const MotionNoise& found) {
   ArrowheadEquations equations = LineariseArrowhead(problem, problem.Layout());
   CorrectForMotion(motion_noise_, found, problem, &equations);
-  MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
+  MapCovariance covariance =
+      options_.batch.correlated_errors == CorrelatedErrorsKind::kOff
+          ? MapCovariance::Of(problem, std::move(equations))
+          : MapCovariance::Of(
+                problem, std::move(equations), [&](const ArrowheadCholesky& factor) {
+                  return FindCorrelatedErrors(problem, factor);
+                });
   const std::vector<int>& offsets = covariance.offsets();
   for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
     const int size = offsets[i + 1] - offsets[i];

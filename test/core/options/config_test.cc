@@ -39,7 +39,7 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
   o.loop_closure = {false, 77};
-  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false};
+  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -70,6 +70,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
   EXPECT_FALSE(read.batch.resegment);
+  EXPECT_EQ(read.batch.correlated_errors, CorrelatedErrorsKind::kOff);
   EXPECT_EQ(read.window.solver, SolverKind::kCeres);
   EXPECT_EQ(read.batch.solver, SolverKind::kCeres);
   EXPECT_EQ(read.max_gap_s, 0.6);
