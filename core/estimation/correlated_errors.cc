@@ -49,6 +49,7 @@ double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& pr
 }
 
 struct ScannerErrors {
+  Eigen::VectorXd mean;
   std::array<double, kNumKinds> variances = {};
   Eigen::MatrixXd root;  // root root^T: expected square of the errors
 };
@@ -94,6 +95,7 @@ ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
   VLOG(1) << "scanner errors " << found.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       found * found.transpose() + scale.asDiagonal() * posterior * scale.asDiagonal());
+  errors.mean = found;
   errors.root = solver.eigenvectors() *
                 solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   return errors;
@@ -101,24 +103,36 @@ ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
 
 }  // namespace
 
-CorrelatedErrors EstimateCorrelatedErrors(const ErrorPatterns& patterns,
-                                          const ArrowheadCholesky& factor) {
-  const int num_scanner = patterns.num_scanner_patterns();
-  const Eigen::Index num_products = patterns.products().cols();
-  Eigen::MatrixXd shifts = factor.Solve(patterns.loads());
+CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
+                                          const std::function<void()>& rescore,
+                                          ErrorPatterns* patterns) {
+  const int num_scanner = patterns->num_scanner_patterns();
+  const Eigen::Index num_products = patterns->products().cols();
+  const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
   // V^T Q V of the scanners' patterns and some probes.
-  Eigen::MatrixXd products = patterns.products();
+  Eigen::MatrixXd products = patterns->products();
   products.noalias() -=
-      patterns.loads().leftCols(num_products).transpose() * shifts.leftCols(num_products);
-  const double cells =
-      CellVariance(patterns.cell_scores(),
-                   products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes));
+      patterns->loads().leftCols(num_products).transpose() * shifts.leftCols(num_products);
   const Eigen::MatrixXd information = products.topLeftCorner(num_scanner, num_scanner);
-  const auto crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
-  const ScannerErrors scanners = EstimateScannerErrors(
-      information,
-      information + cells / kNumTraceProbes * crossed * crossed.transpose(),
-      patterns.scanner_scores());
+  const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
+  const Eigen::MatrixXd of_probes =
+      products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes);
+  const auto scanners_beside = [&](double cells) {
+    return EstimateScannerErrors(
+        information,
+        information + cells / kNumTraceProbes * crossed * crossed.transpose(),
+        patterns->scanner_scores());
+  };
+  // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
+  // as the two can be told apart.
+  double cells = CellVariance(patterns->cell_scores(), of_probes);
+  ScannerErrors scanners = scanners_beside(cells);
+  if (cells > 0.0) {
+    patterns->Explain(scanners.mean, shifts.leftCols(num_scanner) * scanners.mean);
+    rescore();
+    cells = CellVariance(patterns->cell_scores(), of_probes);
+    scanners = scanners_beside(cells);
+  }
 
   CorrelatedErrors errors;
   errors.unevenness_m = std::sqrt(cells);
@@ -129,7 +143,7 @@ CorrelatedErrors EstimateCorrelatedErrors(const ErrorPatterns& patterns,
   errors.shift.leftCols(num_scanner) = shifts.leftCols(num_scanner) * scanners.root;
   errors.shift.rightCols(kNumProbes) =
       std::sqrt(cells / kNumProbes) * shifts.rightCols(kNumProbes);
-  const Eigen::MatrixXd effects = patterns.CellEffectsOnLandmarks();
+  const Eigen::MatrixXd effects = patterns->CellEffectsOnLandmarks();
   const Eigen::MatrixXd by_scanners =
       errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
   errors.landmarks = by_scanners * by_scanners.transpose();

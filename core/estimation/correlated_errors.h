@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/error_patterns.h"
@@ -25,8 +26,10 @@ struct CorrelatedErrors {
 
 // Estimates the patterns' variances from the residuals, and their effect. What the
 // independent noise explains is not counted: where the recording shows no more, all is zero.
-// factor: of the normal matrix that the patterns were summed up with.
-CorrelatedErrors EstimateCorrelatedErrors(const ErrorPatterns& patterns,
-                                          const ArrowheadCholesky& factor);
+// factor: of the normal matrix that the patterns were summed up with. rescore: calls
+// patterns->RescoreCells() for all segments.
+CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
+                                          const std::function<void()>& rescore,
+                                          ErrorPatterns* patterns);
 
 }  // namespace plumbline

@@ -219,17 +219,19 @@ Eigen::Vector3d ErrorPatterns::WalkAlong(const Observation& observation,
   return {bias_slope, 0.0, bias_offset - bias_slope * middle};
 }
 
-void ErrorPatterns::Add(const Observation& observation) {
+bool ErrorPatterns::Has(const Observation& observation) const {
+  const auto id = static_cast<size_t>(observation.landmark_id);
+  return landmark_columns_[id] >= 0 && landmarks_[id].model != PlaneModel::kGeneral;
+}
+
+void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
+                                           const Nodes& nodes) {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
-  const int plane_column = landmark_columns_[static_cast<size_t>(landmark.id)];
-  if (plane_column < 0 || landmark.model == PlaneModel::kGeneral) return;
-  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
-  const Basis basis = BasisOf(observation, nodes);
   const Rigid3d world_from_scanner =
       nodes.world_from_body[1] *
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
   const int own = kPerScanner * observation.scanner_index;
-  coefficients_.setZero();
+  coefficients_.leftCols(num_scanner_patterns_).setZero();
   coefficients_.col(own) = WalkAlong(observation, world_from_scanner, landmark);
   const Eigen::Vector3d m = world_from_scanner.rotation.conjugate() * landmark.Normal();
   const SegmentFrame& frame = observation.measurement.frame();
@@ -237,7 +239,43 @@ void ErrorPatterns::Add(const Observation& observation) {
   coefficients_.col(own + 2) = InFrame(frame, -m.z(), 0.0, 0.0);
   coefficients_.col(own + 3) = InFrame(frame, m.y(), -m.x(), 0.0);
   for (int i = 0; i < 3; ++i) coefficients_(2, own + 4 + i) = m[i];
+}
 
+void ErrorPatterns::Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved) {
+  explained_errors_ = errors;
+  explained_move_ = moved;
+  std::fill(cell_scores_.begin(), cell_scores_.end(), 0.0);
+}
+
+void ErrorPatterns::RescoreCells(const Observation& observation) {
+  if (!Has(observation)) return;
+  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Basis basis = BasisOf(observation, nodes);
+  SetScannerCoefficients(observation, nodes);
+  const int plane_column =
+      landmark_columns_[static_cast<size_t>(observation.landmark_id)];
+  const int plane_size =
+      landmarks_[static_cast<size_t>(observation.landmark_id)].num_parameters();
+  Eigen::Vector3d score = basis.score;
+  score -= basis.product *
+           (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
+  score += basis.pose_load.transpose() *
+           explained_move_.segment(basis.first_column, basis.pose_load.rows());
+  score += basis.plane_load.topRows(plane_size).transpose() *
+           explained_move_.segment(plane_column, plane_size);
+  for (const CellShare& share : shares_) {
+    cell_scores_[static_cast<size_t>(share.cell)] +=
+        share.slope * score[0] + share.offset * score[2];
+  }
+}
+
+void ErrorPatterns::Add(const Observation& observation) {
+  if (!Has(observation)) return;
+  const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
+  const int plane_column = landmark_columns_[static_cast<size_t>(landmark.id)];
+  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Basis basis = BasisOf(observation, nodes);
+  SetScannerCoefficients(observation, nodes);
   const int num_pose_rows = static_cast<int>(basis.pose_load.rows());
   const int plane_size = landmark.num_parameters();
   Eigen::MatrixXd effect =
@@ -246,6 +284,7 @@ void ErrorPatterns::Add(const Observation& observation) {
   effect.noalias() += landmark_rows_.middleRows(plane_column, plane_size).transpose() *
                       basis.plane_load.topRows(plane_size);
   auto by_probe = coefficients_.rightCols<kNumProbes>();
+  by_probe.setZero();
   for (const CellShare& share : shares_) {
     const auto cell = static_cast<size_t>(share.cell);
     by_probe.row(0) += share.slope * signs_[cell].transpose();

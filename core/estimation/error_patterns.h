@@ -54,6 +54,10 @@ class ErrorPatterns {
   // V^T r.
   const Eigen::VectorXd& scanner_scores() const { return scanner_scores_; }
   const std::vector<double>& cell_scores() const { return cell_scores_; }
+  // Scanners' errors, and how they have moved the estimate, that later RescoreCells() take away.
+  void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
+  // Sums up a segment's scores of its cells anew, without what has been explained.
+  void RescoreCells(const Observation& observation);
   // What each cell's deviation of 1 m does to the landmarks: their parameters x cells.
   Eigen::MatrixXd CellEffectsOnLandmarks() const;
 
@@ -83,6 +87,7 @@ class ErrorPatterns {
   };
   using Coefficients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
+  bool Has(const Observation& observation) const;
   const Nodes& NodesOf(const std::array<int64_t, 3>& times_ns);
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
   void AddPoseLoad(const Nodes& nodes,
@@ -91,6 +96,8 @@ class ErrorPatterns {
                    const Eigen::Vector3d& shift,
                    int first,
                    Eigen::Ref<Eigen::VectorXd> load) const;
+  // The columns of a scanner's own patterns and the shares of the cells.
+  void SetScannerCoefficients(const Observation& observation, const Nodes& nodes);
   // Walks along the segment: the cells it crosses and its pattern of a range bias.
   Eigen::Vector3d WalkAlong(const Observation& observation,
                             const Rigid3d& world_from_scanner,
@@ -111,6 +118,8 @@ class ErrorPatterns {
   std::map<std::tuple<int, int, int>, int> cells_;
   std::vector<CellShare> shares_;       // of the segment in work
   Coefficients coefficients_;
+  Eigen::VectorXd explained_errors_;
+  Eigen::VectorXd explained_move_;
   Eigen::MatrixXd loads_;
   Eigen::MatrixXd products_;
   Eigen::VectorXd scanner_scores_;

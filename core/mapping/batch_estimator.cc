@@ -122,7 +122,14 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
       rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
   ForEachAssociated(*state_,
                     [&](const Observation& observation) { patterns.Add(observation); });
-  const CorrelatedErrors errors = EstimateCorrelatedErrors(patterns, factor);
+  const CorrelatedErrors errors = EstimateCorrelatedErrors(
+      factor,
+      [&] {
+        ForEachAssociated(*state_, [&](const Observation& observation) {
+          patterns.RescoreCells(observation);
+        });
+      },
+      &patterns);
   LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m
             << " mm, range bias " << 1e3 * errors.range_bias_m << " mm, mounting "
             << errors.rotation_rad * 180.0 / M_PI << " deg, " << 1e3 * errors.translation_m
