@@ -23,6 +23,9 @@ constexpr double kSignificance = 3.0;
 enum Kind { kRange, kRotation, kTranslation, kNumKinds };
 constexpr std::array<double, kNumKinds> kScale = {0.01, 0.01, 0.01};
 constexpr int kIterations = 300;
+// Share of the largest eigenvalue of the information below which a direction is open: what the
+// linearisation leaves out would be taken for errors there.
+constexpr double kMinInformation = 1e-4;
 constexpr double kMinVariance = 1e-10;  // relative to the scale's square
 
 Kind KindOf(int pattern) {
@@ -62,12 +65,20 @@ ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
   const Eigen::Index size = scores.size();
   Eigen::VectorXd scale(size);
   for (int i = 0; i < size; ++i) scale[i] = kScale[KindOf(i)];
-  Eigen::MatrixXd covariance = scale.asDiagonal() * noise * scale.asDiagonal();
-  covariance.diagonal().array() += 1e-9 * covariance.diagonal().maxCoeff();
-  const Eigen::MatrixXd by_error = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> factor(covariance);
-  const Eigen::MatrixXd weight = by_error * factor.solve(by_error);
-  const Eigen::VectorXd weighted = by_error * factor.solve(scale.cwiseProduct(scores));
+  // What moves all scanners together only moves the body's frame: the residuals say nothing.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> known(
+      Eigen::MatrixXd(scale.asDiagonal() * information * scale.asDiagonal()));
+  const Eigen::VectorXd& eigenvalues = known.eigenvalues();
+  const Eigen::Index num_known =
+      (eigenvalues.array() > kMinInformation * eigenvalues.maxCoeff()).count();
+  const Eigen::MatrixXd basis = known.eigenvectors().rightCols(num_known);
+  const Eigen::MatrixXd to_basis = basis.transpose() * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(
+      Eigen::MatrixXd(to_basis * noise * to_basis.transpose()));
+  const Eigen::MatrixXd by_error =
+      eigenvalues.tail(num_known).asDiagonal() * basis.transpose();
+  const Eigen::MatrixXd weight = by_error.transpose() * factor.solve(by_error);
+  const Eigen::VectorXd weighted = by_error.transpose() * factor.solve(to_basis * scores);
   std::array<double, kNumKinds> variances;
   variances.fill(1.0);
   Eigen::MatrixXd posterior;
