@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/estimation/error_patterns.h"
+
 namespace plumbline {
 namespace {
 
@@ -18,10 +20,10 @@ constexpr int kNumTraceProbes = ErrorPatterns::kNumTraceProbes;
 // Unevenness is believed where it is so many standard deviations beyond what noise does.
 constexpr double kSignificance = 3.0;
 
-// Kinds of a scanner's errors, and the size of each that is unlikely to be exceeded: where the
-// iteration starts.
+// Kinds of a scanner's errors.
 enum Kind { kRange, kRotation, kTranslation, kNumKinds };
-constexpr std::array<double, kNumKinds> kScale = {0.01, 0.01, 0.01};
+// Size of a scanner's errors, m and rad, where the iteration for their variances starts.
+constexpr double kScale = 0.01;
 constexpr int kIterations = 300;
 // Share of the largest eigenvalue of the information below which a direction is open: what the
 // linearisation leaves out would be taken for errors there.
@@ -33,22 +35,48 @@ Kind KindOf(int pattern) {
   return part == 0 ? kRange : part < 4 ? kRotation : kTranslation;
 }
 
-// The variance of the cells' deviation by the method of moments: with the scores
-// q = F^T r and A = F^T Q F, where Q takes away what the estimate adapts to,
-// E q q^T = A + variance A^2. The traces are estimated from the probes.
-double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& probes) {
+// Products of all patterns V, V^T Q V, where Q takes away what the estimate adapts to. They
+// are the scores' covariance by noise, and what the scores are of an error of 1.
+Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns, const Eigen::MatrixXd& shifts) {
+  const Eigen::Index size = patterns.products().cols();
+  return patterns.products() -
+         patterns.loads().leftCols(size).transpose() * shifts.leftCols(size);
+}
+
+// The variance of the cells' deviation by the method of moments: with the scores q = F^T r and
+// A = F^T Q F, E q q^T = A + variance A^2. The traces are estimated from the probes' products.
+double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& products) {
+  const auto probes = products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes);
   const double trace = probes.trace() / kNumTraceProbes;
-  const Eigen::MatrixXd off =
-      probes - Eigen::MatrixXd(probes.diagonal().asDiagonal());
-  const double trace_of_square =
-      off.squaredNorm() / (kNumTraceProbes * (kNumTraceProbes - 1));
-  const double sum =
-      std::inner_product(scores.begin(), scores.end(), scores.begin(), 0.0);
+  const double trace_of_square = (probes.squaredNorm() - probes.diagonal().squaredNorm()) /
+                                 (kNumTraceProbes * (kNumTraceProbes - 1));
+  const double sum = std::inner_product(scores.begin(), scores.end(), scores.begin(), 0.0);
+  VLOG(1) << scores.size() << " cells: sum of squares " << sum << ", by noise " << trace
+          << " +- " << std::sqrt(2.0 * trace_of_square);
   const double excess = sum - trace;
-  VLOG(1) << "cells " << scores.size() << ", sum " << sum << ", trace " << trace << ", of square "
-          << trace_of_square;
   if (!(excess > kSignificance * std::sqrt(2.0 * trace_of_square))) return 0.0;
   return excess / trace_of_square;
+}
+
+// The scanners' errors, scaled to numbers of the size of one, in a basis of those directions
+// that the residuals show.
+struct KnownErrors {
+  Eigen::VectorXd information;  // of each direction
+  Eigen::MatrixXd basis;        // scaled errors x directions
+};
+
+KnownErrors FindKnownErrors(const ErrorPatterns& patterns, const Eigen::MatrixXd& products) {
+  const int size = patterns.num_scanner_patterns();
+  // What moves all scanners together only moves the body's frame. All scales are the same.
+  const Eigen::MatrixXd common = patterns.CommonScannerPatterns();
+  const Eigen::MatrixXd apart =
+      Eigen::MatrixXd::Identity(size, size) - common * common.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(kScale * kScale * apart * products.topLeftCorner(size, size) * apart));
+  const Eigen::VectorXd& eigenvalues = solver.eigenvalues();
+  const Eigen::Index count =
+      (eigenvalues.array() > kMinInformation * eigenvalues.maxCoeff()).count();
+  return {eigenvalues.tail(count), solver.eigenvectors().rightCols(count)};
 }
 
 struct ScannerErrors {
@@ -58,25 +86,16 @@ struct ScannerErrors {
 };
 
 // Empirical Bayes: the errors of each kind have a variance of their own, which is found by
-// expectation maximisation. scores = information * errors + noise of this covariance.
-ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
+// expectation maximisation. noise: covariance of the patterns' scores.
+ScannerErrors EstimateScannerErrors(const KnownErrors& known,
                                     const Eigen::MatrixXd& noise,
                                     const Eigen::VectorXd& scores) {
   const Eigen::Index size = scores.size();
-  Eigen::VectorXd scale(size);
-  for (int i = 0; i < size; ++i) scale[i] = kScale[KindOf(i)];
-  // What moves all scanners together only moves the body's frame: the residuals say nothing.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> known(
-      Eigen::MatrixXd(scale.asDiagonal() * information * scale.asDiagonal()));
-  const Eigen::VectorXd& eigenvalues = known.eigenvalues();
-  const Eigen::Index num_known =
-      (eigenvalues.array() > kMinInformation * eigenvalues.maxCoeff()).count();
-  const Eigen::MatrixXd basis = known.eigenvectors().rightCols(num_known);
-  const Eigen::MatrixXd to_basis = basis.transpose() * scale.asDiagonal();
+  const Eigen::MatrixXd to_basis = kScale * known.basis.transpose();
   const Eigen::LDLT<Eigen::MatrixXd> factor(
       Eigen::MatrixXd(to_basis * noise * to_basis.transpose()));
   const Eigen::MatrixXd by_error =
-      eigenvalues.tail(num_known).asDiagonal() * basis.transpose();
+      known.information.asDiagonal() * known.basis.transpose();
   const Eigen::MatrixXd weight = by_error.transpose() * factor.solve(by_error);
   const Eigen::VectorXd weighted = by_error.transpose() * factor.solve(to_basis * scores);
   std::array<double, kNumKinds> variances;
@@ -100,12 +119,12 @@ ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
   }
   ScannerErrors errors;
   for (size_t kind = 0; kind < kNumKinds; ++kind) {
-    errors.variances[kind] = variances[kind] * kScale[kind] * kScale[kind];
+    errors.variances[kind] = variances[kind] * kScale * kScale;
   }
-  const Eigen::VectorXd found = scale.cwiseProduct(mean);
+  const Eigen::VectorXd found = kScale * mean;
   VLOG(1) << "scanner errors " << found.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      found * found.transpose() + scale.asDiagonal() * posterior * scale.asDiagonal());
+      found * found.transpose() + kScale * kScale * posterior);
   errors.mean = found;
   errors.root = solver.eigenvectors() *
                 solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -114,35 +133,43 @@ ScannerErrors EstimateScannerErrors(const Eigen::MatrixXd& information,
 
 }  // namespace
 
+bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
+  const Eigen::MatrixXd products =
+      AdaptedProducts(patterns, factor.Solve(patterns.loads()));
+  if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
+  const KnownErrors known = FindKnownErrors(patterns, products);
+  const Eigen::VectorXd scores =
+      kScale * known.basis.transpose() * patterns.scanner_scores();
+  const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
+  const auto freedom = static_cast<double>(scores.size());
+  VLOG(1) << "scanners: sum of squares " << sum << " of " << freedom;
+  return sum > freedom + kSignificance * std::sqrt(2.0 * freedom);
+}
+
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
                                           const std::function<void()>& rescore,
                                           ErrorPatterns* patterns) {
   const int num_scanner = patterns->num_scanner_patterns();
-  const Eigen::Index num_products = patterns->products().cols();
   const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
-  // V^T Q V of the scanners' patterns and some probes.
-  Eigen::MatrixXd products = patterns->products();
-  products.noalias() -=
-      patterns->loads().leftCols(num_products).transpose() * shifts.leftCols(num_products);
-  const Eigen::MatrixXd information = products.topLeftCorner(num_scanner, num_scanner);
+  const Eigen::MatrixXd products = AdaptedProducts(*patterns, shifts);
+  const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
-  const Eigen::MatrixXd of_probes =
-      products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes);
-  const auto scanners_beside = [&](double cells) {
+  const auto find_scanners = [&](double cells) {
     return EstimateScannerErrors(
-        information,
-        information + cells / kNumTraceProbes * crossed * crossed.transpose(),
+        known,
+        products.topLeftCorner(num_scanner, num_scanner) +
+            cells / kNumTraceProbes * crossed * crossed.transpose(),
         patterns->scanner_scores());
   };
   // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
   // as the two can be told apart.
-  double cells = CellVariance(patterns->cell_scores(), of_probes);
-  ScannerErrors scanners = scanners_beside(cells);
+  double cells = CellVariance(patterns->cell_scores(), products);
+  ScannerErrors scanners = find_scanners(cells);
   if (cells > 0.0) {
     patterns->Explain(scanners.mean, shifts.leftCols(num_scanner) * scanners.mean);
     rescore();
-    cells = CellVariance(patterns->cell_scores(), of_probes);
-    scanners = scanners_beside(cells);
+    cells = CellVariance(patterns->cell_scores(), products);
+    scanners = find_scanners(cells);
   }
 
   CorrelatedErrors errors;

@@ -1,6 +1,7 @@
 #include "core/estimation/error_patterns.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,8 +36,7 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
                              const Trajectory& trajectory,
                              const std::deque<Landmark>& landmarks,
                              const BlockLayout& layout,
-                             bool planar,
-                             const ArrowheadCholesky& factor)
+                             bool planar)
     : rig_(rig),
       trajectory_(trajectory),
       landmarks_(landmarks),
@@ -49,16 +49,30 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
     if (!IsLandmark(layout.blocks[i])) continue;
     landmark_columns_[static_cast<size_t>(layout.blocks[i].index)] = layout.offsets[i];
   }
+  const int num_products = num_scanner_patterns_ + kNumTraceProbes;
+  products_ = Eigen::MatrixXd::Zero(num_products, num_products);
+  scanner_scores_ = Eigen::VectorXd::Zero(num_scanner_patterns_);
+  Resize(kNumTraceProbes);
+}
+
+ErrorPatterns::ErrorPatterns(const Rig& rig,
+                             const Trajectory& trajectory,
+                             const std::deque<Landmark>& landmarks,
+                             const BlockLayout& layout,
+                             bool planar,
+                             const ArrowheadCholesky& factor)
+    : ErrorPatterns(rig, trajectory, landmarks, layout, planar) {
+  Resize(kNumProbes);
   const int num_border = layout.size() - num_band_;
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.size(), num_border);
   unit.bottomRows(num_border).setIdentity();
   landmark_rows_ = factor.Solve(unit);
-  const int num_columns = num_scanner_patterns_ + kNumProbes;
+}
+
+void ErrorPatterns::Resize(int num_probes) {
+  const int num_columns = num_scanner_patterns_ + num_probes;
   coefficients_.resize(3, num_columns);
-  loads_ = Eigen::MatrixXd::Zero(layout.size(), num_columns);
-  const int num_products = num_scanner_patterns_ + kNumTraceProbes;
-  products_ = Eigen::MatrixXd::Zero(num_products, num_products);
-  scanner_scores_ = Eigen::VectorXd::Zero(num_scanner_patterns_);
+  loads_ = Eigen::MatrixXd::Zero(layout_.size(), num_columns);
 }
 
 const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const std::array<int64_t, 3>& times_ns) {
@@ -278,18 +292,22 @@ void ErrorPatterns::Add(const Observation& observation) {
   SetScannerCoefficients(observation, nodes);
   const int num_pose_rows = static_cast<int>(basis.pose_load.rows());
   const int plane_size = landmark.num_parameters();
-  Eigen::MatrixXd effect =
-      landmark_rows_.middleRows(basis.first_column, num_pose_rows).transpose() *
-      basis.pose_load;
-  effect.noalias() += landmark_rows_.middleRows(plane_column, plane_size).transpose() *
-                      basis.plane_load.topRows(plane_size);
-  auto by_probe = coefficients_.rightCols<kNumProbes>();
+  Eigen::MatrixXd effect;  // on the landmarks
+  if (landmark_rows_.cols() > 0) {
+    effect = landmark_rows_.middleRows(basis.first_column, num_pose_rows).transpose() *
+             basis.pose_load;
+    effect.noalias() += landmark_rows_.middleRows(plane_column, plane_size).transpose() *
+                        basis.plane_load.topRows(plane_size);
+  }
+  auto by_probe = coefficients_.rightCols(num_probes());
   by_probe.setZero();
   for (const CellShare& share : shares_) {
     const auto cell = static_cast<size_t>(share.cell);
-    by_probe.row(0) += share.slope * signs_[cell].transpose();
-    by_probe.row(2) += share.offset * signs_[cell].transpose();
+    const auto signs = signs_[cell].head(num_probes()).transpose();
+    by_probe.row(0) += share.slope * signs;
+    by_probe.row(2) += share.offset * signs;
     cell_scores_[cell] += share.slope * basis.score[0] + share.offset * basis.score[2];
+    if (effect.size() == 0) continue;
     Eigen::Map<Eigen::VectorXd>(effects_.data() + cell * static_cast<size_t>(effect.rows()),
                                 effect.rows()) +=
         share.slope * effect.col(0) + share.offset * effect.col(2);
@@ -307,6 +325,26 @@ void ErrorPatterns::Add(const Observation& observation) {
 Eigen::MatrixXd ErrorPatterns::CellEffectsOnLandmarks() const {
   return Eigen::Map<const Eigen::MatrixXd>(
       effects_.data(), landmark_rows_.cols(), static_cast<Eigen::Index>(cells_.size()));
+}
+
+
+Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);
+  for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+    const Rigid3d& body_from_scanner = rig_.scanners[i].body_from_scanner;
+    const Eigen::Matrix3d scanner_from_body =
+        body_from_scanner.rotation.toRotationMatrix().transpose();
+    const Eigen::Vector3d& at = body_from_scanner.translation;
+    const auto row = static_cast<Eigen::Index>(i) * kPerScanner + 1;
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d axis = Eigen::Vector3d::Unit(j);
+      common.block<3, 1>(row, j) = scanner_from_body * axis;
+      common.block<3, 1>(row + 3, j) = scanner_from_body * axis.cross(at);
+      common.block<3, 1>(row + 3, 3 + j) = scanner_from_body * axis;
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(common);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(num_scanner_patterns_, 6);
 }
 
 }  // namespace plumbline

@@ -35,7 +35,14 @@ class ErrorPatterns {
   static constexpr int kNumProbes = 96;      // 14 % of a variance that they alone give
   static constexpr int kNumTraceProbes = 24; // of these, for sums over all pairs of cells
 
-  // factor: of the normal matrix, in the layout's columns. All of them outlive the patterns.
+  // All of them outlive the patterns, which have probes for the sums over pairs of cells only.
+  ErrorPatterns(const Rig& rig,
+                const Trajectory& trajectory,
+                const std::deque<Landmark>& landmarks,
+                const BlockLayout& layout,
+                bool planar);
+  // The same with all probes, and with what single cells do to the landmarks. factor: of the
+  // normal matrix, in the layout's columns.
   ErrorPatterns(const Rig& rig,
                 const Trajectory& trajectory,
                 const std::deque<Landmark>& landmarks,
@@ -47,6 +54,8 @@ class ErrorPatterns {
   void Add(const Observation& observation);
 
   int num_scanner_patterns() const { return num_scanner_patterns_; }
+  // Orthonormal basis of what turns and shifts all scanners together, as the body would.
+  Eigen::MatrixXd CommonScannerPatterns() const;
   // J^T V by column: the scanners' patterns, then the probes.
   const Eigen::MatrixXd& loads() const { return loads_; }
   // V^T V of the scanners' patterns and the first kNumTraceProbes probes.
@@ -88,6 +97,10 @@ class ErrorPatterns {
   using Coefficients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
   bool Has(const Observation& observation) const;
+  int num_probes() const {
+    return static_cast<int>(coefficients_.cols()) - num_scanner_patterns_;
+  }
+  void Resize(int num_probes);
   const Nodes& NodesOf(const std::array<int64_t, 3>& times_ns);
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
   void AddPoseLoad(const Nodes& nodes,
@@ -112,7 +125,7 @@ class ErrorPatterns {
   const int num_band_;
   const int num_scanner_patterns_;
   std::vector<int> landmark_columns_;   // by id; -1: not estimated
-  Eigen::MatrixXd landmark_rows_;       // of the inverse normal matrix, transposed
+  Eigen::MatrixXd landmark_rows_;       // of the inverse normal matrix, transposed; or none
   std::vector<Nodes> nodes_;            // of the last scan lines
   size_t next_nodes_ = 0;
   std::map<std::tuple<int, int, int>, int> cells_;

@@ -95,7 +95,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
   }
   result.landmarks_ = result.inverse_.border();
-  if (!correlated) return result;
+  if (errors.shift.size() == 0) return result;
   result.landmarks_ += errors.landmarks;
   result.shift_ = errors.shift.topRows(num_band);
   return result;
