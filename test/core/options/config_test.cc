@@ -38,6 +38,7 @@ MapperOptions UnusualOptions() {
   o.tracking = {2.5, 0.75, 4.0};
   o.planes = {11, 1.75, 7, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
+  o.points = {false, 0.5, 0.0375, 12.5};
   o.loop_closure = {false, 77};
   o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
