@@ -97,8 +97,7 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
   const Eigen::MatrixXd to_basis = kScale * known.basis.transpose();
   const Eigen::LDLT<Eigen::MatrixXd> factor(
       Eigen::MatrixXd(to_basis * noise * to_basis.transpose()));
-  const Eigen::MatrixXd by_error =
-      known.information.asDiagonal() * known.basis.transpose();
+  const Eigen::MatrixXd by_error = known.information.asDiagonal() * known.basis.transpose();
   const Eigen::MatrixXd weight = by_error.transpose() * factor.solve(by_error);
   const Eigen::VectorXd weighted = by_error.transpose() * factor.solve(to_basis * scores);
   std::array<double, kNumKinds> variances;
@@ -126,23 +125,21 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
   }
   const Eigen::VectorXd found = kScale * mean;
   VLOG(1) << "scanner errors " << found.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      found * found.transpose() + kScale * kScale * posterior);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(found * found.transpose() +
+                                                              kScale * kScale * posterior);
   errors.mean = found;
-  errors.root = solver.eigenvectors() *
-                solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  errors.root =
+      solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   return errors;
 }
 
 }  // namespace
 
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
-  const Eigen::MatrixXd products =
-      AdaptedProducts(patterns, factor.Solve(patterns.loads()));
+  const Eigen::MatrixXd products = AdaptedProducts(patterns, factor.Solve(patterns.loads()));
   if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
   const KnownErrors known = FindKnownErrors(patterns, products);
-  const Eigen::VectorXd scores =
-      kScale * known.basis.transpose() * patterns.scanner_scores();
+  const Eigen::VectorXd scores = kScale * known.basis.transpose() * patterns.scanner_scores();
   const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
   const auto freedom = static_cast<double>(scores.size());
   VLOG(1) << "scanners: sum of squares " << sum << " of " << freedom;
@@ -158,11 +155,10 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
-    return EstimateScannerErrors(
-        known,
-        products.topLeftCorner(num_scanner, num_scanner) +
-            cells / kNumTraceProbes * crossed * crossed.transpose(),
-        patterns->scanner_scores());
+    return EstimateScannerErrors(known,
+                                 products.topLeftCorner(num_scanner, num_scanner) +
+                                     cells / kNumTraceProbes * crossed * crossed.transpose(),
+                                 patterns->scanner_scores());
   };
   // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
   // as the two can be told apart.

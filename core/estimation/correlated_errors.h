@@ -14,8 +14,8 @@ class ErrorPatterns;
 // independent. Covariance of the estimate: H^-1 + sum over the patterns of variance times the
 // square of what a pattern does to the estimate.
 struct CorrelatedErrors {
-  double unevenness_m = 0.0;     // standard deviation of a surface from its plane
-  double range_bias_m = 0.0;     // standard deviations of what is wrong with a scanner
+  double unevenness_m = 0.0;  // standard deviation of a surface from its plane
+  double range_bias_m = 0.0;  // standard deviations of what is wrong with a scanner
   double rotation_rad = 0.0;
   double translation_m = 0.0;
   // Empty where there are none.

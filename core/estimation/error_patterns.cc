@@ -1,5 +1,7 @@
 #include "core/estimation/error_patterns.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
@@ -121,10 +123,11 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const Rigid3d& body_from_scanner =
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
   const Eigen::Vector3d normal = landmark.Normal();
-  const SegmentWeights weights = WeightsOn(
-      observation, (nodes.world_from_body[1] * body_from_scanner).rotation, normal);
+  const SegmentWeights weights =
+      WeightsOn(observation, (nodes.world_from_body[1] * body_from_scanner).rotation, normal);
   const PackedSegment& segment = observation.measurement;
-  const Eigen::MatrixXd rows = segment.rows().cast<double>();
+  const Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows =
+      segment.rows().cast<double>();
   const Eigen::Matrix3d frame = segment.frame().Matrix();
   const int num_nodes = segment.num_nodes();
 
@@ -132,11 +135,12 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const int first = nodes.at[0].first;
   const int block_size = planar_ ? 4 : 6;
   basis.first_column = first * block_size;
-  basis.pose_load =
-      Eigen::MatrixXd::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
+  CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
+  basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
   basis.plane_load.setZero();
-  Eigen::VectorXd residual = weights.offset * rows.col(9);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(rows.rows(), 3);
+  using Root = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual = weights.offset * rows.col(9);
+  Root root = Root::Zero(rows.rows(), 3);
   std::array<Eigen::Matrix3d, 3> axes;  // of the scan plane and its origin's lever, world
   for (int k = 0; k < num_nodes; ++k) {
     const Rigid3d& world_from_body = nodes.world_from_body[static_cast<size_t>(k)];
@@ -146,8 +150,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
     axis << rotation.leftCols<2>(), world_from_body.rotation * body_from_scanner.translation;
     Eigen::Vector3d g = axis.transpose() * normal;
     g.z() += normal.dot(world_from_body.translation) - landmark.Distance();
-    residual += weights.scale * rows.middleCols(3 * k, 3) * (frame.transpose() * g);
-    root += weights.scale * rows.middleCols(3 * k, 3);
+    residual += weights.scale * rows.middleCols<3>(3 * k) * (frame.transpose() * g);
+    root += weights.scale * rows.middleCols<3>(3 * k);
   }
   basis.product = root.transpose() * root;
   basis.score = root.transpose() * residual;
@@ -155,7 +159,7 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   for (int k = 0; k < num_nodes; ++k) {
     // d(residuals) / d(g of the node), transposed, times each of the three patterns.
     const Eigen::Matrix3d by_node =
-        frame * (weights.scale * rows.middleCols(3 * k, 3).transpose() * root);
+        frame * (weights.scale * rows.middleCols<3>(3 * k).transpose() * root);
     for (int j = 0; j < 3; ++j) {
       const Eigen::Vector3d lever = axes[static_cast<size_t>(k)] * by_node.col(j);
       const double distance = by_node(2, j);
@@ -207,18 +211,16 @@ void ErrorPatterns::Share(const Landmark& landmark,
                           double slope) {
   const Eigen::Vector3d normal = landmark.Normal();
   const bool is_vertical = landmark.model == PlaneModel::kVertical;
-  const double u = (is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x()
-                                : p_world.x()) /
-                   kCellM;
+  const double u =
+      (is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x() : p_world.x()) /
+      kCellM;
   const double v = (is_vertical ? p_world.z() : p_world.y()) / kCellM;
   const int first_u = static_cast<int>(std::floor(u));
   const int first_v = static_cast<int>(std::floor(v));
   const double by_u = u - first_u;
   const double by_v = v - first_v;
-  const std::array<double, 4> weights = {(1.0 - by_u) * (1.0 - by_v),
-                                         (1.0 - by_u) * by_v,
-                                         by_u * (1.0 - by_v),
-                                         by_u * by_v};
+  const std::array<double, 4> weights = {
+      (1.0 - by_u) * (1.0 - by_v), (1.0 - by_u) * by_v, by_u * (1.0 - by_v), by_u * by_v};
   if (shares_.empty() || first_u != shares_u_ || first_v != shares_v_) {
     for (const int cell : CellsAround(landmark, first_u, first_v)) {
       shares_.push_back({cell, 0.0, 0.0});
@@ -300,13 +302,11 @@ void ErrorPatterns::RescoreCells(const Observation& observation) {
   const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
   const Basis basis = BasisOf(observation, nodes);
   SetScannerCoefficients(observation, nodes);
-  const int plane_column =
-      landmark_columns_[static_cast<size_t>(observation.landmark_id)];
+  const int plane_column = landmark_columns_[static_cast<size_t>(observation.landmark_id)];
   const int plane_size =
       landmarks_[static_cast<size_t>(observation.landmark_id)].num_parameters();
   Eigen::Vector3d score = basis.score;
-  score -= basis.product *
-           (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
+  score -= basis.product * (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
   score += basis.pose_load.transpose() *
            explained_move_.segment(basis.first_column, basis.pose_load.rows());
   score += basis.plane_load.topRows(plane_size).transpose() *
@@ -360,7 +360,6 @@ Eigen::MatrixXd ErrorPatterns::CellEffectsOnLandmarks() const {
   return Eigen::Map<const Eigen::MatrixXd>(
       effects_.data(), landmark_rows_.cols(), static_cast<Eigen::Index>(cells_.size()));
 }
-
 
 Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
   Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);

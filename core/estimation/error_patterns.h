@@ -23,18 +23,19 @@ namespace plumbline {
 //
 //   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
 //             scanner's frame; constant for the recording
-//   cells:    a surface that deviates from its plane by some distance (m) at one node of a grid,
+//   cells:    a surface that deviates from its plane by some distance (m) at one node of a
+//   grid,
 //             falling off to none at the next nodes (bilinear)
 //
 // A pattern v changes the whitened residuals of a segment by U (v, v, v), v being the
-// deviation's ( slope along, slope across, offset ) in the segment's frame (PackedSegment). The
-// cells are too many to have columns of their own: random combinations of them stand in
+// deviation's ( slope along, slope across, offset ) in the segment's frame (PackedSegment).
+// The cells are too many to have columns of their own: random combinations of them stand in
 // ("probes", each cell with a random sign).
 class ErrorPatterns {
  public:
-  static constexpr int kPerScanner = 7;      // range, 3 rotation, 3 translation
-  static constexpr int kNumProbes = 96;      // 14 % of a variance that they alone give
-  static constexpr int kNumTraceProbes = 24; // of these, for sums over all pairs of cells
+  static constexpr int kPerScanner = 7;       // range, 3 rotation, 3 translation
+  static constexpr int kNumProbes = 96;       // 14 % of a variance that they alone give
+  static constexpr int kNumTraceProbes = 24;  // of these, for sums over all pairs of cells
 
   // All of them outlive the patterns, which have probes for the sums over pairs of cells only.
   ErrorPatterns(const Rig& rig,
@@ -64,7 +65,8 @@ class ErrorPatterns {
   // V^T r.
   const Eigen::VectorXd& scanner_scores() const { return scanner_scores_; }
   const std::vector<double>& cell_scores() const { return cell_scores_; }
-  // Scanners' errors, and how they have moved the estimate, that later RescoreCells() take away.
+  // Scanners' errors, and how they have moved the estimate, that later RescoreCells() take
+  // away.
   void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
   // Sums up a segment's scores of its cells anew, without what has been explained.
   void RescoreCells(const Observation& observation);
@@ -79,14 +81,16 @@ class ErrorPatterns {
     std::array<SplinePoseJacobian, 3> jacobians;
     std::array<Trajectory::Location, 3> at;
   };
+  // Six control points at most have a part in a segment.
+  using PoseLoad = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 36, 3>;
   // A segment's rows with respect to (slope along, slope across, offset), the same at all
   // nodes.
   struct Basis {
-    int first_column = 0;          // of the control points
-    Eigen::MatrixXd pose_load;     // J^T U, their rows x 3
+    int first_column = 0;  // of the control points
+    PoseLoad pose_load;    // J^T U, their rows x 3
     Eigen::Matrix<double, 2, 3> plane_load;
-    Eigen::Matrix3d product;       // U^T U
-    Eigen::Vector3d score;         // U^T r
+    Eigen::Matrix3d product;  // U^T U
+    Eigen::Vector3d score;    // U^T r
   };
   // The share of a cell in a segment: a deviation of 1 m of the cell moves the line that fits
   // the segment best by this.
@@ -132,13 +136,13 @@ class ErrorPatterns {
   const bool planar_;
   const int num_band_;
   const int num_scanner_patterns_;
-  std::vector<int> landmark_columns_;   // by id; -1: not estimated
-  Eigen::MatrixXd landmark_rows_;       // of the inverse normal matrix, transposed; or none
-  std::vector<Nodes> nodes_;            // of the last scan lines
+  std::vector<int> landmark_columns_;  // by id; -1: not estimated
+  Eigen::MatrixXd landmark_rows_;      // of the inverse normal matrix, transposed; or none
+  std::vector<Nodes> nodes_;           // of the last scan lines
   size_t next_nodes_ = 0;
   std::unordered_map<uint64_t, int> cells_;  // by landmark and node
-  std::vector<CellShare> shares_;       // of the segment in work
-  int shares_u_ = 0;                    // the node of the last four
+  std::vector<CellShare> shares_;            // of the segment in work
+  int shares_u_ = 0;                         // the node of the last four
   int shares_v_ = 0;
   Coefficients coefficients_;
   Eigen::VectorXd explained_errors_;
@@ -148,7 +152,7 @@ class ErrorPatterns {
   Eigen::VectorXd scanner_scores_;
   std::vector<double> cell_scores_;
   std::vector<Eigen::Matrix<double, kNumProbes, 1>> signs_;  // by cell
-  std::vector<double> effects_;         // landmark parameters by cell
+  std::vector<double> effects_;                              // landmark parameters by cell
 };
 
 }  // namespace plumbline

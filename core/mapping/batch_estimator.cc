@@ -142,13 +142,13 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
   for_each(SamplingOf(*state_),
            [&](const Observation& observation) { sampled.Add(observation); });
   if (!ShowCorrelatedErrors(sampled, factor)) return {};
-  ErrorPatterns patterns(
-      rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
+  ErrorPatterns patterns(rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
   for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(
       factor,
       [&] {
-        for_each(1, [&](const Observation& observation) { patterns.RescoreCells(observation); });
+        for_each(1,
+                 [&](const Observation& observation) { patterns.RescoreCells(observation); });
       },
       &patterns);
   LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m

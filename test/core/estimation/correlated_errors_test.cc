@@ -103,10 +103,9 @@ class CorrelatedErrorsTest : public testing::Test {
                                  static_cast<int>(std::floor(p.z()))},
                                 0.0);
         if (is_new) square->second = errors.unevenness_m * gaussian(random);
-        const double cosine =
-            -normal.dot((p - world_from_scanner.translation).normalized());
-        line.ranges[static_cast<size_t>(beam)] += static_cast<float>(
-            (s == 1 ? errors.range_bias_m : 0.0) - square->second / cosine);
+        const double cosine = -normal.dot((p - world_from_scanner.translation).normalized());
+        line.ranges[static_cast<size_t>(beam)] +=
+            static_cast<float>((s == 1 ? errors.range_bias_m : 0.0) - square->second / cosine);
       }
       Observe(line, planes);
     }
@@ -148,7 +147,8 @@ class CorrelatedErrorsTest : public testing::Test {
     }
     landmarks_[0].heading_fixed = true;
     problem_ = std::make_unique<EstimationProblem>(rig_, false, &trajectory_, &landmarks_);
-    problem_->AddTrajectoryTerms(TrajectoryOptions(), MotionNoise::Of(TrajectoryOptions()), kStart);
+    problem_->AddTrajectoryTerms(
+        TrajectoryOptions(), MotionNoise::Of(TrajectoryOptions()), kStart);
     std::vector<const Observation*> observations;
     for (const Observation& observation : observations_) observations.push_back(&observation);
     problem_->AddSegments(observations, 0.0);
@@ -156,26 +156,27 @@ class CorrelatedErrorsTest : public testing::Test {
   }
 
   MapCovariance Covariance() {
-    return MapCovariance::Of(
-        *problem_,
-        LineariseArrowhead(*problem_, problem_->Layout()),
-        [&](const ArrowheadCholesky& factor) {
-          const BlockLayout layout = problem_->Layout();
-          ErrorPatterns patterns(rig_, trajectory_, landmarks_, layout, false, factor);
-          for (const Observation& observation : observations_) patterns.Add(observation);
-          shown_ = ShowCorrelatedErrors(patterns, factor);
-          found_ = {};
-          if (!shown_) return found_;
-          found_ = EstimateCorrelatedErrors(
-              factor,
-              [&] {
-                for (const Observation& observation : observations_) {
-                  patterns.RescoreCells(observation);
-                }
-              },
-              &patterns);
-          return found_;
-        });
+    return MapCovariance::Of(*problem_,
+                             LineariseArrowhead(*problem_, problem_->Layout()),
+                             [&](const ArrowheadCholesky& factor) {
+                               const BlockLayout layout = problem_->Layout();
+                               ErrorPatterns patterns(
+                                   rig_, trajectory_, landmarks_, layout, false, factor);
+                               for (const Observation& observation : observations_)
+                                 patterns.Add(observation);
+                               shown_ = ShowCorrelatedErrors(patterns, factor);
+                               found_ = {};
+                               if (!shown_) return found_;
+                               found_ = EstimateCorrelatedErrors(
+                                   factor,
+                                   [&] {
+                                     for (const Observation& observation : observations_) {
+                                       patterns.RescoreCells(observation);
+                                     }
+                                   },
+                                   &patterns);
+                               return found_;
+                             });
   }
 
   // Squared errors of all planes over their covariance, per degree of freedom.
@@ -220,8 +221,7 @@ class CorrelatedErrorsTest : public testing::Test {
     for (uint64_t seed = 1; seed <= kNumWorlds; ++seed) {
       Measure(errors, seed);
       Estimate();
-      mean.independent +=
-          PlaneErrors(MapCovariance::Of(*problem_).landmarks()) / kNumWorlds;
+      mean.independent += PlaneErrors(MapCovariance::Of(*problem_).landmarks()) / kNumWorlds;
       mean.correlated += PlaneErrors(Covariance().landmarks()) / kNumWorlds;
       mean.num_shown += shown_ ? 1 : 0;
       mean.unevenness_m += found_.unevenness_m / kNumWorlds;
@@ -284,13 +284,13 @@ TEST_F(CorrelatedErrorsTest, WhatIsAddedIsPositive) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(added).eigenvalues().minCoeff(),
             -1e-9 * added.norm());
   const int64_t middle = kStart + kNumScans / 2 * kPeriod;
-  const Matrix6d pose_added =
-      after.PoseAt(trajectory_, middle) - MapCovariance::Of(*problem_).PoseAt(trajectory_, middle);
+  const Matrix6d pose_added = after.PoseAt(trajectory_, middle) -
+                              MapCovariance::Of(*problem_).PoseAt(trajectory_, middle);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(pose_added).eigenvalues().minCoeff(),
             -1e-9 * pose_added.norm());
   // The probes' share of the planes agrees with the cells one by one.
-  const Eigen::MatrixXd by_probes =
-      found_.shift.bottomRows(added.rows()) * found_.shift.bottomRows(added.rows()).transpose();
+  const Eigen::MatrixXd by_probes = found_.shift.bottomRows(added.rows()) *
+                                    found_.shift.bottomRows(added.rows()).transpose();
   for (Eigen::Index i = 0; i < added.rows(); ++i) {
     if (added(i, i) <= 0.0) continue;
     EXPECT_NEAR(by_probes(i, i) / found_.landmarks(i, i), 1.0, 0.6) << i;
