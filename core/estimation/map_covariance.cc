@@ -70,6 +70,12 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem) {
 
 MapCovariance MapCovariance::Of(const EstimationProblem& problem,
                                 ArrowheadEquations equations) {
+  return Of(problem, std::move(equations), nullptr);
+}
+
+MapCovariance MapCovariance::Of(const EstimationProblem& problem,
+                                ArrowheadEquations equations,
+                                const CorrelatedErrorsOf& correlated) {
   const BlockLayout layout = problem.Layout();
   MapCovariance result;
   result.planar_ = problem.planar();
@@ -82,11 +88,25 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   }
   ArrowheadCholesky factor(std::move(equations.hessian));
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
+  CorrelatedErrors errors;
+  if (correlated) errors = correlated(factor);
   result.inverse_ = factor.TakeInverse();
   for (int i = 0; i < layout.size(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
   }
+  result.landmarks_ = result.inverse_.border();
+  if (errors.shift.size() == 0) return result;
+  result.landmarks_ += errors.landmarks;
+  result.shift_ = errors.shift.topRows(num_band);
   return result;
+}
+
+Eigen::MatrixXd MapCovariance::ControlPoints(int first, int size) const {
+  Eigen::MatrixXd covariance = inverse_.BandBlock(first, size);
+  if (shift_.size() == 0) return covariance;
+  const auto rows = shift_.middleRows(first, size);
+  covariance.noalias() += rows * rows.transpose();
+  return covariance;
 }
 
 Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) const {
@@ -103,7 +123,7 @@ Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) co
         .diagonal()
         .setConstant(spline.position_weights[index]);
   }
-  return jacobian * inverse_.BandBlock(at.first * block_size, kSplineOrder * block_size) *
+  return jacobian * ControlPoints(at.first * block_size, kSplineOrder * block_size) *
          jacobian.transpose();
 }
 

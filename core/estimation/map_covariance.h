@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/block_layout.h"
+#include "core/estimation/correlated_errors.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/geometry/matrix_types.h"
 #include "core/trajectory/trajectory.h"
@@ -21,7 +23,8 @@ struct WeakDirection {
 
 // MapCovariance is the covariance of an estimate: of all planes together, and of the pose at
 // any instant. Absolute, in the model frame; what the gauge holds has zero rows. For the range
-// noise of the rig file: not scaled by the variance factor.
+// noise of the rig file, not scaled by the variance factor, and for the correlated errors that
+// it is told of.
 class MapCovariance {
  public:
   MapCovariance() = default;
@@ -29,11 +32,17 @@ class MapCovariance {
   // the same unknowns. Throws Error when they do not determine the unknowns.
   static MapCovariance Of(const EstimationProblem& problem);
   static MapCovariance Of(const EstimationProblem& problem, ArrowheadEquations equations);
+  // The same with what correlated errors add, which `correlated` estimates with the factorised
+  // equations.
+  using CorrelatedErrorsOf = std::function<CorrelatedErrors(const ArrowheadCholesky&)>;
+  static MapCovariance Of(const EstimationProblem& problem,
+                          ArrowheadEquations equations,
+                          const CorrelatedErrorsOf& correlated);
 
   const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
   // First row of each landmark's parameters; the last element is the size.
   const std::vector<int>& offsets() const { return offsets_; }
-  const Eigen::MatrixXd& landmarks() const { return inverse_.border(); }
+  const Eigen::MatrixXd& landmarks() const { return landmarks_; }
 
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
@@ -41,9 +50,7 @@ class MapCovariance {
   // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
   // problem's layout; of two neighbouring tiles at most, as everything one residual depends
   // on.
-  Eigen::MatrixXd ControlPoints(int first, int size) const {
-    return inverse_.BandBlock(first, size);
-  }
+  Eigen::MatrixXd ControlPoints(int first, int size) const;
 
   // The smallest eigenvalues, ascending.
   const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
@@ -53,6 +60,8 @@ class MapCovariance {
   std::vector<int> landmark_ids_;
   std::vector<int> offsets_;
   ArrowheadInverse inverse_;
+  Eigen::MatrixXd shift_;  // of the control points by correlated errors; empty: none
+  Eigen::MatrixXd landmarks_;
   std::vector<WeakDirection> weak_directions_;
 };
 

@@ -2,16 +2,20 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/arrowhead_equations.h"
+#include "core/estimation/error_patterns.h"
 #include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/motion_noise_estimation.h"
 #include "core/estimation/solver.h"
 #include "core/map/observation_poses.h"
+#include "core/util/time.h"
 
 namespace plumbline {
 namespace {
@@ -24,6 +28,8 @@ constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
 constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
 // Groups of two take more memory, of six hardly less; see also kTileControlPoints.
 constexpr int kIntervalsPerGroup = 4;
+// Of the scans that show whether there are correlated errors, s.
+constexpr double kSamplingInterval = 0.2;
 
 // Calls visit(observation) for the observations with a landmark and for the sub-minimum
 // segments of these landmarks: the few beams of such segments alone do not determine a plane.
@@ -38,6 +44,16 @@ void ForEachAssociated(const MapState& state, const Visit& visit) {
   for (const Observation& segment : state.sub_minimum_segments) {
     if (has_segments[static_cast<size_t>(segment.landmark_id)]) visit(segment);
   }
+}
+
+// Errors that repeat show in one of so many scans as well as in all.
+int SamplingOf(const MapState& state) {
+  if (state.observations.empty()) return 1;
+  const Observation& first = state.observations.front();
+  const Observation& last = state.observations.back();
+  const auto scans = static_cast<double>(last.scan_index - first.scan_index);
+  const double span_s = SecondsBetween(first.start_time_ns(), last.start_time_ns());
+  return std::max(1, static_cast<int>(scans * kSamplingInterval / std::max(span_s, 1.0)));
 }
 
 }  // namespace
@@ -113,11 +129,46 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double c
   return (2.0 * cost + constant) / (num_points - num_unknowns);
 }
 
+CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& problem,
+                                                      const ArrowheadCholesky& factor) const {
+  const BlockLayout layout = problem.Layout();
+  const auto for_each = [&](int step, const auto& visit) {
+    ForEachAssociated(*state_, [&](const Observation& observation) {
+      if (observation.scan_index % step == 0) visit(observation);
+    });
+  };
+  // Most of the time goes into recordings that show such errors.
+  ErrorPatterns sampled(rig_, state_->trajectory, state_->landmarks, layout, planar_);
+  for_each(SamplingOf(*state_),
+           [&](const Observation& observation) { sampled.Add(observation); });
+  if (!ShowCorrelatedErrors(sampled, factor)) return {};
+  ErrorPatterns patterns(rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
+  for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
+  const CorrelatedErrors errors = EstimateCorrelatedErrors(
+      factor,
+      [&] {
+        for_each(1,
+                 [&](const Observation& observation) { patterns.RescoreCells(observation); });
+      },
+      &patterns);
+  LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m
+            << " mm, range bias " << 1e3 * errors.range_bias_m << " mm, mounting "
+            << errors.rotation_rad * 180.0 / M_PI << " deg, " << 1e3 * errors.translation_m
+            << " mm";
+  return errors;
+}
+
 MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem,
                                              const MotionNoise& found) {
   ArrowheadEquations equations = LineariseArrowhead(problem, problem.Layout());
   CorrectForMotion(motion_noise_, found, problem, &equations);
-  MapCovariance covariance = MapCovariance::Of(problem, std::move(equations));
+  MapCovariance covariance =
+      options_.batch.correlated_errors == CorrelatedErrorsKind::kOff
+          ? MapCovariance::Of(problem, std::move(equations))
+          : MapCovariance::Of(
+                problem, std::move(equations), [&](const ArrowheadCholesky& factor) {
+                  return FindCorrelatedErrors(problem, factor);
+                });
   const std::vector<int>& offsets = covariance.offsets();
   for (size_t i = 0; i < covariance.landmark_ids().size(); ++i) {
     const int size = offsets[i + 1] - offsets[i];

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "core/estimation/arrowhead_cholesky.h"
+#include "core/estimation/correlated_errors.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
@@ -43,6 +45,9 @@ class BatchEstimator {
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
   double VarianceFactor(const EstimationProblem& problem, double cost) const;
+  // What the residuals say of errors that repeat from scan to scan.
+  CorrelatedErrors FindCorrelatedErrors(const EstimationProblem& problem,
+                                        const ArrowheadCholesky& factor) const;
   // The covariance of the estimate where the problem stands, for a motion with the noise
   // found; gives the landmarks their parts of it.
   MapCovariance SetCovariances(const EstimationProblem& problem, const MotionNoise& found);

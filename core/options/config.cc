@@ -80,6 +80,7 @@ void Visit(Options& o, Visitor& v) {
     s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
     s.Flag("resegment", o.batch.resegment);
     s.Renamed("recut_segments", "resegment");
+    s.Choice("correlated_errors", o.batch.correlated_errors, {"off", "estimated"});
     s.Removed("estimate_motion_noise",
               "covariances are always for the motion that the recording shows");
   });

@@ -29,8 +29,8 @@ struct AssociationOptions {
   // A segment may lie on a plane this far, m, from the part that has been seen. [0, 100]
   double max_gap_m = 1.0;
   // Standard deviation of real surfaces from their plane, added to every test. [0.0001, 1]
-  double surface_flatness_m = 0.004;  // Until the last estimation, a segment whose residuals'
-                                      // norm exceeds this many standard
+  double surface_flatness_m = 0.004;
+  // Until the last estimation, a segment whose residuals' norm exceeds this many standard
   // deviations loses influence (Huber's loss). [1, 1000]
   double huber_width = 5.0;
 };
@@ -103,6 +103,11 @@ struct LoopClosureOptions {
 // kSegment has one cost function a segment, kPoint one a beam: slow, for comparison.
 enum class FactorKind { kSegment, kPoint };
 
+// Whether covariances allow for errors that repeat from scan to scan, such as uneven surfaces
+// and scanners that are biased or mounted otherwise than the rig file says: kEstimated takes
+// their sizes from the residuals, kOff takes all errors as independent.
+enum class CorrelatedErrorsKind { kOff, kEstimated };
+
 struct BatchOptions {
   SolverKind solver = SolverKind::kGaussNewton;
   FactorKind factor = FactorKind::kSegment;
@@ -110,6 +115,7 @@ struct BatchOptions {
   int max_rounds = 6;
   // Whether segments are cut anew where the estimated planes meet.
   bool resegment = true;
+  CorrelatedErrorsKind correlated_errors = CorrelatedErrorsKind::kEstimated;
 };
 
 struct MapperOptions {

@@ -166,5 +166,57 @@ TEST_F(ConsistencyTest, ErrorsAreAsLargeAsStated) {
   EXPECT_NEAR(sum_variance_factors / kNumMaps, 1.0, 1.96 * std::sqrt(2.0 / num_points));
 }
 
+// Errors of all planes of some maps of one walk, in worlds that are otherwise than the rig
+// file and the planes say: the same from scan to scan.
+class RepeatedErrorsTest : public ConsistencyTest {
+ protected:
+  struct Found {
+    double planes = 0.0;  // NEES per degree of freedom
+    double poses = 0.0;
+  };
+  Found Errors(const std::string& faults,
+               float range_bias_m,  // of the second scanner
+               const std::string& correlated_errors) {
+    constexpr int kNumMaps = 8;
+    Scenario scenario;
+    scenario.building = PillarRoom();
+    scenario.scanners = TiltedRig();
+    scenario.path = PillarWalk(8.0, 0.8);
+    scenario.more = faults;
+    NormalisedErrors planes, poses;
+    for (int i = 0; i < kNumMaps; ++i) {
+      SimulatedRecording recording = Simulate(scenario, static_cast<uint64_t>(i + 1));
+      for (ScanLine& line : recording.scan_lines) {
+        if (line.scanner_index != 1) continue;
+        for (float& range : line.ranges) range += range_bias_m;
+      }
+      WriteRecording(recording);
+      Map("batch: {correlated_errors: " + correlated_errors + "}\n");
+      const Evaluation evaluation = EvaluateResult(recording);
+      EXPECT_EQ(evaluation.planes.num_wrong + evaluation.planes.num_missed, 0) << "map " << i;
+      AddPlanes(evaluation, recording, ReadPlaneCovariance(Path("result")), &planes);
+      AddPose(evaluation, recording, (i + 0.5) / kNumMaps, &poses);
+    }
+    return {planes.PerDegreeOfFreedom(), poses.PerDegreeOfFreedom()};
+  }
+};
+
+TEST_F(RepeatedErrorsTest, UnevenSurfacesAreStated) {
+  const std::string faults = "faults:\n  surfaces: {stddev_m: 0.004, correlation_m: 0.5}\n";
+  const Found found = Errors(faults, 0.0F, "estimated");
+  EXPECT_GT(found.planes, 0.6);
+  EXPECT_LT(found.planes, 1.5);
+  EXPECT_LT(found.poses, 1.6);
+  EXPECT_GT(Errors(faults, 0.0F, "off").planes, 3.0) << "else the walls are as good as even";
+}
+
+TEST_F(RepeatedErrorsTest, AScannerThatMeasuresTooFarIsStated) {
+  const Found found = Errors("", 0.01F, "estimated");
+  EXPECT_GT(found.planes, 0.6);
+  EXPECT_LT(found.planes, 1.5);
+  EXPECT_LT(found.poses, 1.6);
+  EXPECT_GT(Errors("", 0.01F, "off").planes, 3.0);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -35,11 +35,12 @@ MapperOptions UnusualOptions() {
   o.segmentation.significance = 2.5e-5;
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125, 7.5};
-  o.tracking = {2.5, 0.75, 4.0};
+  o.tracking = {2.5, 0.75, 4.0, 3.5};
   o.planes = {11, 1.75, 7, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
+  o.points = {false, 0.5, 0.0375, 12.5};
   o.loop_closure = {false, 77};
-  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false};
+  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -70,6 +71,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.factor, FactorKind::kPoint);
   EXPECT_EQ(read.batch.max_rounds, 3);
   EXPECT_FALSE(read.batch.resegment);
+  EXPECT_EQ(read.batch.correlated_errors, CorrelatedErrorsKind::kOff);
   EXPECT_EQ(read.window.solver, SolverKind::kCeres);
   EXPECT_EQ(read.batch.solver, SolverKind::kCeres);
   EXPECT_EQ(read.max_gap_s, 0.6);
@@ -164,8 +166,9 @@ TEST_F(ConfigTest, SectionOfAnExperimentCounts) {
 
 TEST_F(ConfigTest, EveryShippedExperimentLoads) {
   int num_files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(
            std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments")) {
+    if (!entry.is_regular_file()) continue;
     EXPECT_EQ(ErrorOf([&] { ReadMapperOptions(entry.path().string()); }), "no error");
     ++num_files;
   }

@@ -1,0 +1,191 @@
+#include "core/estimation/correlated_errors.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/estimation/error_patterns.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumProbes = ErrorPatterns::kNumProbes;
+constexpr int kNumTraceProbes = ErrorPatterns::kNumTraceProbes;
+// Unevenness is believed where it is so many standard deviations beyond what noise does.
+constexpr double kSignificance = 3.0;
+
+// Kinds of a scanner's errors.
+enum Kind { kRange, kRotation, kTranslation, kNumKinds };
+// Size of a scanner's errors, m and rad, where the iteration for their variances starts.
+constexpr double kScale = 0.01;
+constexpr int kIterations = 300;
+// Share of the largest eigenvalue of the information below which a direction is open: what the
+// linearisation leaves out would be taken for errors there.
+constexpr double kMinInformation = 1e-4;
+// Root mean square of what bilinear interpolation leaves of independent nodes: 2/3 in each
+// direction, of the variance.
+constexpr double kInterpolated = 2.0 / 3.0;
+constexpr double kMinVariance = 1e-10;  // relative to the scale's square
+
+Kind KindOf(int pattern) {
+  const int part = pattern % ErrorPatterns::kPerScanner;
+  return part == 0 ? kRange : part < 4 ? kRotation : kTranslation;
+}
+
+// Products of all patterns V, V^T Q V, where Q takes away what the estimate adapts to. They
+// are the scores' covariance by noise, and what the scores are of an error of 1.
+Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns, const Eigen::MatrixXd& shifts) {
+  const Eigen::Index size = patterns.products().cols();
+  return patterns.products() -
+         patterns.loads().leftCols(size).transpose() * shifts.leftCols(size);
+}
+
+// The variance of the cells' deviation by the method of moments: with the scores q = F^T r and
+// A = F^T Q F, E q q^T = A + variance A^2. The traces are estimated from the probes' products.
+double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& products) {
+  const auto probes = products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes);
+  const double trace = probes.trace() / kNumTraceProbes;
+  const double trace_of_square = (probes.squaredNorm() - probes.diagonal().squaredNorm()) /
+                                 (kNumTraceProbes * (kNumTraceProbes - 1));
+  const double sum = std::inner_product(scores.begin(), scores.end(), scores.begin(), 0.0);
+  VLOG(1) << scores.size() << " cells: sum of squares " << sum << ", by noise " << trace
+          << " +- " << std::sqrt(2.0 * trace_of_square);
+  const double excess = sum - trace;
+  if (!(excess > kSignificance * std::sqrt(2.0 * trace_of_square))) return 0.0;
+  return excess / trace_of_square;
+}
+
+// The scanners' errors, scaled to numbers of the size of one, in a basis of those directions
+// that the residuals show.
+struct KnownErrors {
+  Eigen::VectorXd information;  // of each direction
+  Eigen::MatrixXd basis;        // scaled errors x directions
+};
+
+KnownErrors FindKnownErrors(const ErrorPatterns& patterns, const Eigen::MatrixXd& products) {
+  const int size = patterns.num_scanner_patterns();
+  // What moves all scanners together only moves the body's frame. All scales are the same.
+  const Eigen::MatrixXd common = patterns.CommonScannerPatterns();
+  const Eigen::MatrixXd apart =
+      Eigen::MatrixXd::Identity(size, size) - common * common.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::MatrixXd(kScale * kScale * apart * products.topLeftCorner(size, size) * apart));
+  const Eigen::VectorXd& eigenvalues = solver.eigenvalues();
+  const Eigen::Index count =
+      (eigenvalues.array() > kMinInformation * eigenvalues.maxCoeff()).count();
+  return {eigenvalues.tail(count), solver.eigenvectors().rightCols(count)};
+}
+
+struct ScannerErrors {
+  Eigen::VectorXd mean;
+  std::array<double, kNumKinds> variances = {};
+  Eigen::MatrixXd root;  // root root^T: expected square of the errors
+};
+
+// Empirical Bayes: the errors of each kind have a variance of their own, which is found by
+// expectation maximisation. noise: covariance of the patterns' scores.
+ScannerErrors EstimateScannerErrors(const KnownErrors& known,
+                                    const Eigen::MatrixXd& noise,
+                                    const Eigen::VectorXd& scores) {
+  const Eigen::Index size = scores.size();
+  const Eigen::MatrixXd to_basis = kScale * known.basis.transpose();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(
+      Eigen::MatrixXd(to_basis * noise * to_basis.transpose()));
+  const Eigen::MatrixXd by_error = known.information.asDiagonal() * known.basis.transpose();
+  const Eigen::MatrixXd weight = by_error.transpose() * factor.solve(by_error);
+  const Eigen::VectorXd weighted = by_error.transpose() * factor.solve(to_basis * scores);
+  std::array<double, kNumKinds> variances;
+  variances.fill(1.0);
+  Eigen::MatrixXd posterior;
+  Eigen::VectorXd mean;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::MatrixXd prior = weight;
+    for (int i = 0; i < size; ++i) prior(i, i) += 1.0 / variances[KindOf(i)];
+    posterior = prior.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+    mean = posterior * weighted;
+    std::array<double, kNumKinds> sums = {};
+    std::array<int, kNumKinds> counts = {};
+    for (int i = 0; i < size; ++i) {
+      sums[KindOf(i)] += mean[i] * mean[i] + posterior(i, i);
+      ++counts[KindOf(i)];
+    }
+    for (size_t kind = 0; kind < kNumKinds; ++kind) {
+      variances[kind] = std::max(kMinVariance, sums[kind] / counts[kind]);
+    }
+  }
+  ScannerErrors errors;
+  for (size_t kind = 0; kind < kNumKinds; ++kind) {
+    errors.variances[kind] = variances[kind] * kScale * kScale;
+  }
+  const Eigen::VectorXd found = kScale * mean;
+  VLOG(1) << "scanner errors " << found.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(found * found.transpose() +
+                                                              kScale * kScale * posterior);
+  errors.mean = found;
+  errors.root =
+      solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return errors;
+}
+
+}  // namespace
+
+bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
+  const Eigen::MatrixXd products = AdaptedProducts(patterns, factor.Solve(patterns.loads()));
+  if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
+  const KnownErrors known = FindKnownErrors(patterns, products);
+  const Eigen::VectorXd scores = kScale * known.basis.transpose() * patterns.scanner_scores();
+  const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
+  const auto freedom = static_cast<double>(scores.size());
+  VLOG(1) << "scanners: sum of squares " << sum << " of " << freedom;
+  return sum > freedom + kSignificance * std::sqrt(2.0 * freedom);
+}
+
+CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
+                                          const std::function<void()>& rescore,
+                                          ErrorPatterns* patterns) {
+  const int num_scanner = patterns->num_scanner_patterns();
+  const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
+  const Eigen::MatrixXd products = AdaptedProducts(*patterns, shifts);
+  const KnownErrors known = FindKnownErrors(*patterns, products);
+  const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
+  const auto find_scanners = [&](double cells) {
+    return EstimateScannerErrors(known,
+                                 products.topLeftCorner(num_scanner, num_scanner) +
+                                     cells / kNumTraceProbes * crossed * crossed.transpose(),
+                                 patterns->scanner_scores());
+  };
+  // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
+  // as the two can be told apart.
+  double cells = CellVariance(patterns->cell_scores(), products);
+  ScannerErrors scanners = find_scanners(cells);
+  if (cells > 0.0) {
+    patterns->Explain(scanners.mean, shifts.leftCols(num_scanner) * scanners.mean);
+    rescore();
+    cells = CellVariance(patterns->cell_scores(), products);
+    scanners = find_scanners(cells);
+  }
+
+  CorrelatedErrors errors;
+  errors.unevenness_m = kInterpolated * std::sqrt(cells);
+  errors.range_bias_m = std::sqrt(scanners.variances[kRange]);
+  errors.rotation_rad = std::sqrt(scanners.variances[kRotation]);
+  errors.translation_m = std::sqrt(scanners.variances[kTranslation]);
+  errors.shift.resize(shifts.rows(), shifts.cols());
+  errors.shift.leftCols(num_scanner) = shifts.leftCols(num_scanner) * scanners.root;
+  errors.shift.rightCols(kNumProbes) =
+      std::sqrt(cells / kNumProbes) * shifts.rightCols(kNumProbes);
+  const Eigen::MatrixXd effects = patterns->CellEffectsOnLandmarks();
+  const Eigen::MatrixXd by_scanners =
+      errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
+  errors.landmarks = by_scanners * by_scanners.transpose();
+  errors.landmarks += cells * effects * effects.transpose();
+  return errors;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,383 @@
+#include "core/estimation/error_patterns.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/estimation/segment_groups.h"
+#include "core/geometry/rigid3.h"
+#include "factors/segment/segment_measurement.h"
+
+namespace plumbline {
+namespace {
+
+// Between the nodes of a surface. Interpolated like this, white noise is about as steep and as
+// far correlated as unevenness of which exp(-d^2 / (2 (0.5 m)^2)) is left at a distance d.
+constexpr double kCellM = 0.7;
+constexpr double kStepM = 0.25;  // along a segment
+constexpr int kMaxSteps = 80;
+constexpr double kMinMoment = 1e-6;  // m^2, below which a segment has no slope
+constexpr size_t kNumNodesKept = 4;  // scan lines; a scan's are asked for in any order
+
+// The next state of a generator of random signs (Knuth's MMIX).
+uint64_t NextRandom(uint64_t state) {
+  return state * 6364136223846793005u + 1442695040888963407u;
+}
+
+// Slopes and offset, in the segment's frame, of a distance that is linear in the scan plane.
+Eigen::Vector3d InFrame(const SegmentFrame& frame, double by_x, double by_y, double constant) {
+  return frame.Matrix().transpose() * Eigen::Vector3d(by_x, by_y, constant);
+}
+
+}  // namespace
+
+ErrorPatterns::ErrorPatterns(const Rig& rig,
+                             const Trajectory& trajectory,
+                             const std::deque<Landmark>& landmarks,
+                             const BlockLayout& layout,
+                             bool planar)
+    : rig_(rig),
+      trajectory_(trajectory),
+      landmarks_(landmarks),
+      layout_(layout),
+      planar_(planar),
+      num_band_(layout.NumControlPointColumns()),
+      num_scanner_patterns_(kPerScanner * static_cast<int>(rig.scanners.size())),
+      landmark_columns_(landmarks.size(), -1) {
+  for (size_t i = 0; i < layout.blocks.size(); ++i) {
+    if (!IsLandmark(layout.blocks[i])) continue;
+    landmark_columns_[static_cast<size_t>(layout.blocks[i].index)] = layout.offsets[i];
+  }
+  const int num_products = num_scanner_patterns_ + kNumTraceProbes;
+  products_ = Eigen::MatrixXd::Zero(num_products, num_products);
+  scanner_scores_ = Eigen::VectorXd::Zero(num_scanner_patterns_);
+  Resize(kNumTraceProbes);
+}
+
+ErrorPatterns::ErrorPatterns(const Rig& rig,
+                             const Trajectory& trajectory,
+                             const std::deque<Landmark>& landmarks,
+                             const BlockLayout& layout,
+                             bool planar,
+                             const ArrowheadCholesky& factor)
+    : ErrorPatterns(rig, trajectory, landmarks, layout, planar) {
+  Resize(kNumProbes);
+  const int num_border = layout.size() - num_band_;
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.size(), num_border);
+  unit.bottomRows(num_border).setIdentity();
+  landmark_rows_ = factor.Solve(unit);
+}
+
+void ErrorPatterns::Resize(int num_probes) {
+  const int num_columns = num_scanner_patterns_ + num_probes;
+  coefficients_.resize(3, num_columns);
+  loads_ = Eigen::MatrixXd::Zero(layout_.size(), num_columns);
+}
+
+const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const std::array<int64_t, 3>& times_ns) {
+  for (const Nodes& nodes : nodes_) {
+    if (nodes.times_ns == times_ns) return nodes;
+  }
+  if (nodes_.size() < kNumNodesKept) nodes_.emplace_back();
+  Nodes& nodes = nodes_[next_nodes_];
+  next_nodes_ = (next_nodes_ + 1) % kNumNodesKept;
+  nodes.times_ns = times_ns;
+  for (size_t k = 0; k < 3; ++k) {
+    nodes.at[k] = trajectory_.Locate(times_ns[k]);
+    nodes.world_from_body[k] = trajectory_.WorldFromBody(times_ns[k]);
+    nodes.jacobians[k] = trajectory_.PoseJacobian(nodes.at[k]);
+  }
+  return nodes;
+}
+
+// Adds the load of a node's pose, by the chain rule through the spline, to control points
+// first, first + 1, ...
+void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
+                                int k,
+                                const Eigen::Vector3d& turn,
+                                const Eigen::Vector3d& shift,
+                                int first,
+                                Eigen::Ref<Eigen::VectorXd> load) const {
+  const int rotation_size = planar_ ? 1 : 3;
+  const int block_size = rotation_size + 3;
+  const auto node = static_cast<size_t>(k);
+  for (int j = 0; j < kSplineOrder; ++j) {
+    const auto index = static_cast<size_t>(j);
+    const int row = (nodes.at[node].first - first + j) * block_size;
+    const Eigen::Vector3d by_rotation =
+        nodes.jacobians[node].rotation_wrt_control[index].transpose() * turn;
+    load.segment(row, rotation_size) += by_rotation.tail(rotation_size);
+    load.segment<3>(row + rotation_size) +=
+        nodes.jacobians[node].position_weights[index] * shift;
+    if (planar_) load[row + rotation_size + 2] = 0.0;
+  }
+}
+
+ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
+                                            const Nodes& nodes) const {
+  const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
+  const Rigid3d& body_from_scanner =
+      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  const Eigen::Vector3d normal = landmark.Normal();
+  const SegmentWeights weights =
+      WeightsOn(observation, (nodes.world_from_body[1] * body_from_scanner).rotation, normal);
+  const PackedSegment& segment = observation.measurement;
+  const Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows =
+      segment.rows().cast<double>();
+  const Eigen::Matrix3d frame = segment.frame().Matrix();
+  const int num_nodes = segment.num_nodes();
+
+  Basis basis;
+  const int first = nodes.at[0].first;
+  const int block_size = planar_ ? 4 : 6;
+  basis.first_column = first * block_size;
+  CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
+  basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
+  basis.plane_load.setZero();
+  using Root = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual = weights.offset * rows.col(9);
+  Root root = Root::Zero(rows.rows(), 3);
+  std::array<Eigen::Matrix3d, 3> axes;  // of the scan plane and its origin's lever, world
+  for (int k = 0; k < num_nodes; ++k) {
+    const Rigid3d& world_from_body = nodes.world_from_body[static_cast<size_t>(k)];
+    const Eigen::Matrix3d rotation =
+        (world_from_body.rotation * body_from_scanner.rotation).toRotationMatrix();
+    Eigen::Matrix3d& axis = axes[static_cast<size_t>(k)];
+    axis << rotation.leftCols<2>(), world_from_body.rotation * body_from_scanner.translation;
+    Eigen::Vector3d g = axis.transpose() * normal;
+    g.z() += normal.dot(world_from_body.translation) - landmark.Distance();
+    residual += weights.scale * rows.middleCols<3>(3 * k) * (frame.transpose() * g);
+    root += weights.scale * rows.middleCols<3>(3 * k);
+  }
+  basis.product = root.transpose() * root;
+  basis.score = root.transpose() * residual;
+  const bool heading_free = landmark.model == PlaneModel::kVertical && !landmark.heading_fixed;
+  for (int k = 0; k < num_nodes; ++k) {
+    // d(residuals) / d(g of the node), transposed, times each of the three patterns.
+    const Eigen::Matrix3d by_node =
+        frame * (weights.scale * rows.middleCols<3>(3 * k).transpose() * root);
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d lever = axes[static_cast<size_t>(k)] * by_node.col(j);
+      const double distance = by_node(2, j);
+      AddPoseLoad(
+          nodes, k, lever.cross(normal), distance * normal, first, basis.pose_load.col(j));
+      if (landmark.model == PlaneModel::kHorizontal) {
+        basis.plane_load(0, j) -= distance;
+        continue;
+      }
+      basis.plane_load(1, j) -= distance;
+      if (!heading_free) continue;
+      const Eigen::Vector3d turned(-normal.y(), normal.x(), 0.0);
+      basis.plane_load(0, j) += turned.dot(
+          lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation);
+    }
+  }
+  return basis;
+}
+
+int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
+  constexpr uint64_t kMask = (1u << 22) - 1;
+  const uint64_t key = static_cast<uint64_t>(landmark.id) << 44 |
+                       (static_cast<uint64_t>(u) & kMask) << 22 |
+                       (static_cast<uint64_t>(v) & kMask);
+  const auto [found, is_new] = cells_.try_emplace(key, static_cast<int>(cells_.size()));
+  if (is_new) {
+    uint64_t state = NextRandom(static_cast<uint64_t>(found->second) * 0x9e3779b97f4a7c15u);
+    signs_.emplace_back();
+    for (double& sign : signs_.back()) {
+      state = NextRandom(state);
+      sign = (state >> 63) != 0 ? 1.0 : -1.0;
+    }
+    cell_scores_.push_back(0.0);
+    effects_.resize(effects_.size() + static_cast<size_t>(landmark_rows_.cols()), 0.0);
+  }
+  return found->second;
+}
+
+std::array<int, 4> ErrorPatterns::CellsAround(const Landmark& landmark, int u, int v) {
+  return {CellAt(landmark, u, v),
+          CellAt(landmark, u, v + 1),
+          CellAt(landmark, u + 1, v),
+          CellAt(landmark, u + 1, v + 1)};
+}
+
+void ErrorPatterns::Share(const Landmark& landmark,
+                          const Eigen::Vector3d& p_world,
+                          double offset,
+                          double slope) {
+  const Eigen::Vector3d normal = landmark.Normal();
+  const bool is_vertical = landmark.model == PlaneModel::kVertical;
+  const double u =
+      (is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x() : p_world.x()) /
+      kCellM;
+  const double v = (is_vertical ? p_world.z() : p_world.y()) / kCellM;
+  const int first_u = static_cast<int>(std::floor(u));
+  const int first_v = static_cast<int>(std::floor(v));
+  const double by_u = u - first_u;
+  const double by_v = v - first_v;
+  const std::array<double, 4> weights = {
+      (1.0 - by_u) * (1.0 - by_v), (1.0 - by_u) * by_v, by_u * (1.0 - by_v), by_u * by_v};
+  if (shares_.empty() || first_u != shares_u_ || first_v != shares_v_) {
+    for (const int cell : CellsAround(landmark, first_u, first_v)) {
+      shares_.push_back({cell, 0.0, 0.0});
+    }
+    shares_u_ = first_u;
+    shares_v_ = first_v;
+  }
+  for (size_t i = 0; i < 4; ++i) {
+    CellShare& share = shares_[shares_.size() - 4 + i];
+    share.offset += weights[i] * offset;
+    share.slope += weights[i] * slope;
+  }
+}
+
+Eigen::Vector3d ErrorPatterns::WalkAlong(const Observation& observation,
+                                         const Rigid3d& world_from_scanner,
+                                         const Landmark& landmark) {
+  shares_.clear();
+  const SegmentFrame& frame = observation.measurement.frame();
+  const Eigen::Vector2d origin = frame.origin.cast<double>();
+  const Eigen::Vector2d tangent = frame.tangent.cast<double>();
+  const double from = tangent.dot(observation.start() - origin);
+  const double length = tangent.dot(observation.end() - origin) - from;
+  const int steps =
+      std::clamp(static_cast<int>(std::ceil(std::abs(length) / kStepM)), 2, kMaxSteps);
+  const double step = length / steps;
+  const double middle = from + 0.5 * length;
+  // A beam's weight grows with the square of its range as the beams thin out: the information
+  // is spread evenly along the segment.
+  const double moment = (steps * steps - 1) * steps * step * step / 12.0;
+  const double height = landmark.SignedDistance(world_from_scanner.translation);
+  double bias_offset = 0.0;
+  double bias_slope = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    const double along = from + (i + 0.5) * step;
+    const Eigen::Vector2d p = origin + along * tangent;
+    const double slope = moment > kMinMoment ? (along - middle) / moment : 0.0;  // one beam
+    Share(landmark,
+          world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0),
+          1.0 / steps - slope * middle,
+          slope);
+    const double bias = -height / p.norm();
+    bias_offset += bias / steps;
+    bias_slope += bias * slope;
+  }
+  return {bias_slope, 0.0, bias_offset - bias_slope * middle};
+}
+
+bool ErrorPatterns::Has(const Observation& observation) const {
+  const auto id = static_cast<size_t>(observation.landmark_id);
+  return landmark_columns_[id] >= 0 && landmarks_[id].model != PlaneModel::kGeneral;
+}
+
+void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
+                                           const Nodes& nodes) {
+  const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
+  const Rigid3d world_from_scanner =
+      nodes.world_from_body[1] *
+      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  const int own = kPerScanner * observation.scanner_index;
+  coefficients_.leftCols(num_scanner_patterns_).setZero();
+  coefficients_.col(own) = WalkAlong(observation, world_from_scanner, landmark);
+  const Eigen::Vector3d m = world_from_scanner.rotation.conjugate() * landmark.Normal();
+  const SegmentFrame& frame = observation.measurement.frame();
+  coefficients_.col(own + 1) = InFrame(frame, 0.0, m.z(), 0.0);
+  coefficients_.col(own + 2) = InFrame(frame, -m.z(), 0.0, 0.0);
+  coefficients_.col(own + 3) = InFrame(frame, m.y(), -m.x(), 0.0);
+  for (int i = 0; i < 3; ++i) coefficients_(2, own + 4 + i) = m[i];
+}
+
+void ErrorPatterns::Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved) {
+  explained_errors_ = errors;
+  explained_move_ = moved;
+  std::fill(cell_scores_.begin(), cell_scores_.end(), 0.0);
+}
+
+void ErrorPatterns::RescoreCells(const Observation& observation) {
+  if (!Has(observation)) return;
+  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Basis basis = BasisOf(observation, nodes);
+  SetScannerCoefficients(observation, nodes);
+  const int plane_column = landmark_columns_[static_cast<size_t>(observation.landmark_id)];
+  const int plane_size =
+      landmarks_[static_cast<size_t>(observation.landmark_id)].num_parameters();
+  Eigen::Vector3d score = basis.score;
+  score -= basis.product * (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
+  score += basis.pose_load.transpose() *
+           explained_move_.segment(basis.first_column, basis.pose_load.rows());
+  score += basis.plane_load.topRows(plane_size).transpose() *
+           explained_move_.segment(plane_column, plane_size);
+  for (const CellShare& share : shares_) {
+    cell_scores_[static_cast<size_t>(share.cell)] +=
+        share.slope * score[0] + share.offset * score[2];
+  }
+}
+
+void ErrorPatterns::Add(const Observation& observation) {
+  if (!Has(observation)) return;
+  const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
+  const int plane_column = landmark_columns_[static_cast<size_t>(landmark.id)];
+  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Basis basis = BasisOf(observation, nodes);
+  SetScannerCoefficients(observation, nodes);
+  const int num_pose_rows = static_cast<int>(basis.pose_load.rows());
+  const int plane_size = landmark.num_parameters();
+  Eigen::MatrixXd effect;  // on the landmarks
+  if (landmark_rows_.cols() > 0) {
+    effect = landmark_rows_.middleRows(basis.first_column, num_pose_rows).transpose() *
+             basis.pose_load;
+    effect.noalias() += landmark_rows_.middleRows(plane_column, plane_size).transpose() *
+                        basis.plane_load.topRows(plane_size);
+  }
+  auto by_probe = coefficients_.rightCols(num_probes());
+  by_probe.setZero();
+  for (const CellShare& share : shares_) {
+    const auto cell = static_cast<size_t>(share.cell);
+    const auto signs = signs_[cell].head(num_probes()).transpose();
+    by_probe.row(0) += share.slope * signs;
+    by_probe.row(2) += share.offset * signs;
+    cell_scores_[cell] += share.slope * basis.score[0] + share.offset * basis.score[2];
+    if (effect.size() == 0) continue;
+    Eigen::Map<Eigen::VectorXd>(effects_.data() + cell * static_cast<size_t>(effect.rows()),
+                                effect.rows()) +=
+        share.slope * effect.col(0) + share.offset * effect.col(2);
+  }
+  loads_.middleRows(basis.first_column, num_pose_rows).noalias() +=
+      basis.pose_load.lazyProduct(coefficients_);
+  loads_.middleRows(plane_column, plane_size).noalias() +=
+      basis.plane_load.topRows(plane_size).lazyProduct(coefficients_);
+  const auto leading = coefficients_.leftCols(products_.cols());
+  products_.noalias() += leading.transpose().lazyProduct(basis.product * leading);
+  scanner_scores_.noalias() +=
+      coefficients_.leftCols(num_scanner_patterns_).transpose() * basis.score;
+}
+
+Eigen::MatrixXd ErrorPatterns::CellEffectsOnLandmarks() const {
+  return Eigen::Map<const Eigen::MatrixXd>(
+      effects_.data(), landmark_rows_.cols(), static_cast<Eigen::Index>(cells_.size()));
+}
+
+Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);
+  for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+    const Rigid3d& body_from_scanner = rig_.scanners[i].body_from_scanner;
+    const Eigen::Matrix3d scanner_from_body =
+        body_from_scanner.rotation.toRotationMatrix().transpose();
+    const Eigen::Vector3d& at = body_from_scanner.translation;
+    const auto row = static_cast<Eigen::Index>(i) * kPerScanner + 1;
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d axis = Eigen::Vector3d::Unit(j);
+      common.block<3, 1>(row, j) = scanner_from_body * axis;
+      common.block<3, 1>(row + 3, j) = scanner_from_body * axis.cross(at);
+      common.block<3, 1>(row + 3, 3 + j) = scanner_from_body * axis;
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(common);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(num_scanner_patterns_, 6);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <unordered_map>
+#include <vector>
+
+#include "core/estimation/arrowhead_cholesky.h"
+#include "core/estimation/block_layout.h"
+#include "core/map/landmark.h"
+#include "core/map/observation.h"
+#include "core/map/observation_poses.h"
+#include "core/sensor/rig.h"
+#include "core/trajectory/trajectory.h"
+#include "factors/spline/spline.h"
+
+namespace plumbline {
+
+// ErrorPatterns sums up what errors that repeat from scan to scan would do to the residuals of
+// a recording and, through them, to its estimate. Two kinds of patterns:
+//
+//   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
+//             scanner's frame; constant for the recording
+//   cells:    a surface that deviates from its plane by some distance (m) at one node of a
+//   grid,
+//             falling off to none at the next nodes (bilinear)
+//
+// A pattern v changes the whitened residuals of a segment by U (v, v, v), v being the
+// deviation's ( slope along, slope across, offset ) in the segment's frame (PackedSegment).
+// The cells are too many to have columns of their own: random combinations of them stand in
+// ("probes", each cell with a random sign).
+class ErrorPatterns {
+ public:
+  static constexpr int kPerScanner = 7;       // range, 3 rotation, 3 translation
+  static constexpr int kNumProbes = 96;       // 14 % of a variance that they alone give
+  static constexpr int kNumTraceProbes = 24;  // of these, for sums over all pairs of cells
+
+  // All of them outlive the patterns, which have probes for the sums over pairs of cells only.
+  ErrorPatterns(const Rig& rig,
+                const Trajectory& trajectory,
+                const std::deque<Landmark>& landmarks,
+                const BlockLayout& layout,
+                bool planar);
+  // The same with all probes, and with what single cells do to the landmarks. factor: of the
+  // normal matrix, in the layout's columns.
+  ErrorPatterns(const Rig& rig,
+                const Trajectory& trajectory,
+                const std::deque<Landmark>& landmarks,
+                const BlockLayout& layout,
+                bool planar,
+                const ArrowheadCholesky& factor);
+
+  // Takes in one more segment, which has a landmark. Near the last ones in time, for speed.
+  void Add(const Observation& observation);
+
+  int num_scanner_patterns() const { return num_scanner_patterns_; }
+  // Orthonormal basis of what turns and shifts all scanners together, as the body would.
+  Eigen::MatrixXd CommonScannerPatterns() const;
+  // J^T V by column: the scanners' patterns, then the probes.
+  const Eigen::MatrixXd& loads() const { return loads_; }
+  // V^T V of the scanners' patterns and the first kNumTraceProbes probes.
+  const Eigen::MatrixXd& products() const { return products_; }
+  // V^T r.
+  const Eigen::VectorXd& scanner_scores() const { return scanner_scores_; }
+  const std::vector<double>& cell_scores() const { return cell_scores_; }
+  // Scanners' errors, and how they have moved the estimate, that later RescoreCells() take
+  // away.
+  void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
+  // Sums up a segment's scores of its cells anew, without what has been explained.
+  void RescoreCells(const Observation& observation);
+  // What each cell's deviation of 1 m does to the landmarks: their parameters x cells.
+  Eigen::MatrixXd CellEffectsOnLandmarks() const;
+
+ private:
+  // Poses at the nodes of a scan line.
+  struct Nodes {
+    std::array<int64_t, 3> times_ns = {};
+    std::array<Rigid3d, 3> world_from_body;
+    std::array<SplinePoseJacobian, 3> jacobians;
+    std::array<Trajectory::Location, 3> at;
+  };
+  // Six control points at most have a part in a segment.
+  using PoseLoad = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 36, 3>;
+  // A segment's rows with respect to (slope along, slope across, offset), the same at all
+  // nodes.
+  struct Basis {
+    int first_column = 0;  // of the control points
+    PoseLoad pose_load;    // J^T U, their rows x 3
+    Eigen::Matrix<double, 2, 3> plane_load;
+    Eigen::Matrix3d product;  // U^T U
+    Eigen::Vector3d score;    // U^T r
+  };
+  // The share of a cell in a segment: a deviation of 1 m of the cell moves the line that fits
+  // the segment best by this.
+  struct CellShare {
+    int cell = 0;
+    double offset = 0.0;
+    double slope = 0.0;
+  };
+  using Coefficients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+  bool Has(const Observation& observation) const;
+  int num_probes() const {
+    return static_cast<int>(coefficients_.cols()) - num_scanner_patterns_;
+  }
+  void Resize(int num_probes);
+  const Nodes& NodesOf(const std::array<int64_t, 3>& times_ns);
+  Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
+  void AddPoseLoad(const Nodes& nodes,
+                   int k,
+                   const Eigen::Vector3d& turn,
+                   const Eigen::Vector3d& shift,
+                   int first,
+                   Eigen::Ref<Eigen::VectorXd> load) const;
+  // The columns of a scanner's own patterns and the shares of the cells.
+  void SetScannerCoefficients(const Observation& observation, const Nodes& nodes);
+  // Walks along the segment: the cells it crosses and its pattern of a range bias.
+  Eigen::Vector3d WalkAlong(const Observation& observation,
+                            const Rigid3d& world_from_scanner,
+                            const Landmark& landmark);
+  // The cells around a place on the grid of a landmark's surface.
+  std::array<int, 4> CellsAround(const Landmark& landmark, int u, int v);
+  int CellAt(const Landmark& landmark, int u, int v);
+  // Adds a place's part in a segment's line to the cells around it.
+  void Share(const Landmark& landmark,
+             const Eigen::Vector3d& p_world,
+             double offset,
+             double slope);
+
+  const Rig& rig_;
+  const Trajectory& trajectory_;
+  const std::deque<Landmark>& landmarks_;
+  const BlockLayout& layout_;
+  const bool planar_;
+  const int num_band_;
+  const int num_scanner_patterns_;
+  std::vector<int> landmark_columns_;  // by id; -1: not estimated
+  Eigen::MatrixXd landmark_rows_;      // of the inverse normal matrix, transposed; or none
+  std::vector<Nodes> nodes_;           // of the last scan lines
+  size_t next_nodes_ = 0;
+  std::unordered_map<uint64_t, int> cells_;  // by landmark and node
+  std::vector<CellShare> shares_;            // of the segment in work
+  int shares_u_ = 0;                         // the node of the last four
+  int shares_v_ = 0;
+  Coefficients coefficients_;
+  Eigen::VectorXd explained_errors_;
+  Eigen::VectorXd explained_move_;
+  Eigen::MatrixXd loads_;
+  Eigen::MatrixXd products_;
+  Eigen::VectorXd scanner_scores_;
+  std::vector<double> cell_scores_;
+  std::vector<Eigen::Matrix<double, kNumProbes, 1>> signs_;  // by cell
+  std::vector<double> effects_;                              // landmark parameters by cell
+};
+
+}  // namespace plumbline
