@@ -87,9 +87,8 @@ def run_job(job, work_root):
 
 
 def run_command(command, work, done_codes):
-    """Runs one command of a job; returns its exit code, one of done_codes. It has a session of its
-    own, so that Ctrl-C reaches only the script, and it dies with the process that started it,
-    however that ends."""
+    """Runs a command; returns its exit code, one of done_codes. It has a session of its own, so
+    that Ctrl-C reaches only the script, and dies with the process that started it."""
     with open(work / "stderr.txt", "w+", encoding="utf-8", errors="replace") as stderr:
         with subprocess.Popen(["setpriv", "--pdeathsig", "KILL", *command], cwd=work,
                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -146,8 +145,7 @@ def publish(job, work):
 
 
 def write_through(path):
-    """Has a file's content, or that of all files in a directory, on the disk before its name is,
-    in case the machine stops."""
+    """Has what a path holds on the disk before its name is, in case the machine stops."""
     if path.is_dir():
         for entry in path.iterdir():
             write_through(entry)
@@ -271,33 +269,31 @@ class Output:
         path = self.path / name
         try:
             failure = read_object(path) if path.exists() else None
-            if failure is not None and "error" not in failure:
-                raise InputError(f"{path}: has no error")
+            if failure is None or "error" in failure:
+                return failure
+            warn(f"{path} has no error; left out")
         except InputError as error:
             warn(f"{error}; left out")
-            return None
-        return failure
+        return None
 
     def failures(self, key):
         """The failures so far that have the key, such as seed."""
-        all_failures = [self.read_failure(path.name)
-                        for path in sorted(self.path.glob("failed_*.json"))]
-        return [failure for failure in all_failures if failure and key in failure]
-
-
-def readable(read, *arguments):
-    """What read says of a finished job's directory, its first argument; None, after one line that
-    names the directory, where files in it are missing or damaged."""
-    try:
-        return read(*arguments)
-    except (InputError, OSError, LookupError, TypeError, ValueError, AttributeError) as error:
-        reason = f"no {error}" if isinstance(error, KeyError) else error
-        warn(f"{arguments[0]} is damaged and left out; remove it to have it done again: {reason}")
-        return None
+        paths = sorted(self.path.glob("failed_*.json"))
+        return [failure for failure in map(self.read_failure, (path.name for path in paths))
+                if failure and key in failure]
 
 
 def warn(text):
     print(f"{os.path.basename(sys.argv[0])}: {text}", file=sys.stderr)
+
+
+def readable(read, *arguments):
+    """What read says of a finished job's directory; None, after one line, where it is damaged."""
+    try:
+        return read(*arguments)
+    except (InputError, OSError, LookupError, TypeError, ValueError, AttributeError) as error:
+        warn(f"{arguments[0]} is damaged and left out; remove it to have it done again: {error!r}")
+        return None
 
 
 class Progress:
@@ -413,10 +409,9 @@ def outcome(job, future):
 
 def read_json(path):
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"can not read {path}: {reason}") from error
+        return json.loads(read_text(path))
+    except ValueError as error:
+        raise InputError(f"can not read {path}: {error}") from error
 
 
 def read_object(path):
@@ -459,10 +454,9 @@ def simulated_run(experiment, config, seed, binaries):
 
 
 def positive(text):
-    number = int(text)
-    if number < 1:
+    if int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text} is not positive")
-    return number
+    return int(text)
 
 
 def resolved(text):
@@ -471,7 +465,6 @@ def resolved(text):
 
 
 def add_arguments(parser):
-    """The options of every script that runs jobs."""
     parser.add_argument("--output", type=resolved, required=True, metavar="DIR",
                         help="where the results go; with --scheduler on a file system that all "
                         "machines share. Run again to go on after an interruption")
