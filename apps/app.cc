@@ -121,23 +121,36 @@ int RunApp(int argc,
 
 namespace {
 
-volatile std::sig_atomic_t stop_signal = 0;
+volatile std::sig_atomic_t stop_requested = 0;
 
-// write() may be called in a signal handler, which is why there is no stream here.
+// Only what POSIX allows in a signal handler, which is why there is no stream here.
 extern "C" void NoteStopSignal(int signal) {
-  stop_signal = signal;
-  std::signal(signal, SIG_DFL);
-  constexpr char kText[] = "\nstopping: what was read so far will be mapped; again: at once\n";
+  if (stop_requested != 0) {
+    std::signal(signal, SIG_DFL);
+    raise(signal);
+    return;
+  }
+  stop_requested = 1;
+  constexpr char kText[] = "\nfinishing the map of what was read so far; again: at once\n";
   const ssize_t ignored = write(STDERR_FILENO, kText, sizeof(kText) - 1);
   (void)ignored;
 }
 
+void NoteStopSignals() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // What ignores a signal from its start shall go on to, such as a job in the background.
+    if (std::signal(signal, NoteStopSignal) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+}
+
 }  // namespace
 
-std::function<bool()> WatchStopSignals() {
-  std::signal(SIGINT, NoteStopSignal);
-  std::signal(SIGTERM, NoteStopSignal);
-  return [] { return stop_signal != 0; };
+std::function<bool()> StopSignals() {
+  return [] {
+    static const bool is_noted = (NoteStopSignals(), true);
+    (void)is_noted;
+    return stop_requested != 0;
+  };
 }
 
 }  // namespace plumbline

@@ -17,8 +17,8 @@ int RunApp(int argc,
            const std::vector<std::string>& required_flags,
            const std::function<void()>& run);
 
-// From now on, the first Ctrl-C or SIGTERM asks the program to end early, and the next one ends
-// it at once. Returns whether it has been asked to.
-std::function<bool()> WatchStopSignals();
+// Returns a function that says whether Ctrl-C or SIGTERM has asked the program to end early. Up to
+// its first call, both end the program at once, and so does the second of them afterwards.
+std::function<bool()> StopSignals();
 
 }  // namespace plumbline

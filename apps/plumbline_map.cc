@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
              FLAGS_config,
              FLAGS_output,
              FLAGS_threads,
-             plumbline::WatchStopSignals()},
+             plumbline::StopSignals()},
             [&](double share) { progress.Report(share); });
         Print(summary);
         verdict = summary.consistency.verdict;

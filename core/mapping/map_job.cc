@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
@@ -16,6 +18,8 @@
 #include "core/mapping/point_exporter.h"
 #include "core/options/config.h"
 #include "core/result/plane_covariance.h"
+#include "core/result/result_directory.h"
+#include "core/result/result_files.h"
 #include "core/result/result_writer.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/util/stopwatch.h"
@@ -175,6 +179,18 @@ Summary WriteResult(const Rig& rig,
   return summary;
 }
 
+// Says where there is less space than a map is likely to take: its points are about seven times
+// as large as a recording that is not packed.
+void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
+  constexpr uintmax_t kBytesPerRecordedByte = 7;
+  std::error_code error;
+  const uintmax_t recorded = std::filesystem::file_size(job.recording, error);
+  const uintmax_t free = output.FreeSpace();
+  if (error || free / kBytesPerRecordedByte >= recorded) return;
+  LOG(WARNING) << job.output << ": only " << free / 1'000'000 << " MB are free; the map may need "
+               << recorded * kBytesPerRecordedByte / 1'000'000 << " MB";
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch total_watch;
@@ -186,12 +202,15 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
   const MapperOptions options =
       job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
+  // Before the work, so that an output that can not be written shows first.
+  ResultDirectory output(job.output);
   auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
   RecordingReader recording(job.recording, rig);
   reading.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
   LogWarnings(recording.warnings());
+  LogFreeSpace(output, job);
 
   const std::vector<MapResult> parts = MapRecording(
       rig,
@@ -207,9 +226,8 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   std::vector<PartSummary> part_summaries;
   for (size_t i = 0; i < parts.size(); ++i) {
     LogWarnings(parts[i].warnings);
-    const std::string folder = i == longest ? "." : "part_" + std::to_string(i + 1);
-    writers.push_back(std::make_unique<ResultWriter>(
-        i == longest ? job.output : job.output + "/" + folder));
+    const std::string part = i == longest ? "" : PartName(i + 1);
+    writers.push_back(std::make_unique<ResultWriter>(output, part));
     summaries.push_back(WriteResult(
         rig,
         options,
@@ -221,7 +239,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
         &recording,
         writers.back().get(),
         &judging_watch));
-    part_summaries.push_back({folder,
+    part_summaries.push_back({part.empty() ? "." : part,
                               parts[i].start_s,
                               parts[i].end_s,
                               summaries.back().scans,
@@ -246,11 +264,11 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   summary.stages.emplace_back("total", total_watch.seconds());
   summary.real_time_factor = summary.duration_s / total_watch.seconds();
   summary.peak_memory_mb = PeakMemoryMb();
-  for (size_t i = 0; i < parts.size(); ++i) writers[i]->WriteSummary(summaries[i]);
   for (size_t i = 0; i < parts.size(); ++i) {
-    if (i != longest) writers[i]->Commit();
+    writers[i]->WriteSummary(summaries[i]);
+    writers[i]->Finish();
   }
-  writers[longest]->Commit();
+  output.Commit();
   return summary;
 }
 

@@ -65,15 +65,16 @@ std::string PcdHeader(int64_t num_points) {
 
 }  // namespace
 
-PointCloudWriter::PointCloudWriter(const std::string& ply_path, const std::string& pcd_path)
-    : ply_(ply_path), pcd_(pcd_path) {
+PointCloudWriter::PointCloudWriter(const std::string& directory,
+                                   const std::string& final_name)
+    : ply_(directory + "/map.ply", final_name + "/map.ply"),
+      pcd_(directory + "/map.pcd", final_name + "/map.pcd") {
   // The numbers are filled in at the end.
-  ply_.Append(PlyHeader(0));
-  pcd_.Append(PcdHeader(0));
+  const std::string ply_header = PlyHeader(0);
+  const std::string pcd_header = PcdHeader(0);
+  ply_.Append(ply_header.data(), ply_header.size());
+  pcd_.Append(pcd_header.data(), pcd_header.size());
 }
-
-PointCloudWriter::File::File(const std::string& path)
-    : file_(path), stream_(file_.temporary_path(), path) {}
 
 void PointCloudWriter::Add(const PointBuffer& points) {
   CHECK(!finished_) << "Add() after Finish()";
@@ -87,11 +88,6 @@ void PointCloudWriter::Finish() {
   finished_ = true;
   ply_.Finish(PlyHeader(num_points_));
   pcd_.Finish(PcdHeader(num_points_));
-}
-
-void PointCloudWriter::Commit() {
-  ply_.Commit();
-  pcd_.Commit();
 }
 
 }  // namespace plumbline

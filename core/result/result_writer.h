@@ -7,17 +7,18 @@
 
 #include "core/result/plane_covariance.h"
 #include "core/result/point_buffer.h"
+#include "core/result/result_directory.h"
 #include "core/result/result_types.h"
 
 namespace plumbline {
 
-// ResultWriter writes the output directory of one run. Everything is written under temporary
-// names inside it and moved to the names of docs/outputs.md by Commit(), all or nothing: files
-// of an earlier result with these names are replaced only then. Without Commit() the temporary
-// files are removed. Throws Error naming the file that could not be written.
+// ResultWriter writes the files of docs/outputs.md into a directory that becomes the output of
+// a run when it is whole: that of a map, or of one part of it. A file that is written a second
+// time replaces the first. Throws Error naming the file that could not be written.
 class ResultWriter {
  public:
-  explicit ResultWriter(const std::string& directory);  // created where it is missing
+  // part: "" or a folder named as result_files.h says.
+  explicit ResultWriter(const ResultDirectory& directory, const std::string& part = "");
   ~ResultWriter();
 
   void WriteTrajectory(const std::vector<StampedPose>& poses);  // trajectory.tum
@@ -32,7 +33,7 @@ class ResultWriter {
   void AddMapPoints(const PointBuffer& points);  // map.ply, map.pcd
   void WriteSummary(const Summary& summary);     // summary.json
   void WriteConfig(const std::string& yaml);     // config_used.yaml
-  void Commit();
+  void Finish();                                 // completes all files; call once, at the end
 
  private:
   struct Impl;

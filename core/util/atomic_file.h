@@ -2,13 +2,17 @@
 
 #include <string>
 
+#include "core/util/partial_files.h"
+
 namespace plumbline {
 
 // A file that appears under its name only when it is whole. It is written under a temporary
 // name in the same directory; Commit() renames it, replacing an earlier file of that name.
-// Without Commit() the temporary file is removed.
+// Without Commit() the temporary file is removed; that of a process that was killed is removed
+// by the next AtomicFile of the same path.
 class AtomicFile {
  public:
+  // Creates the empty temporary file. Throws Error naming path.
   explicit AtomicFile(const std::string& path);
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;
@@ -23,6 +27,7 @@ class AtomicFile {
  private:
   std::string path_;
   std::string temporary_path_;  // empty: nothing to remove
+  OpenFile lock_;               // the temporary file
 };
 
 // Writes content to path by way of an AtomicFile. Throws Error naming the file.

@@ -31,6 +31,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 POLL_S = 0.5             # how soon a job notices that it shall give up
 REPORT_INTERVAL_S = 10   # between lines of progress where these are not on a terminal
 STDERR_LINES = 20        # of a failed command that are kept
+NOT_TRUSTED = 3          # exit code of plumbline_map: a map, which contradicts itself
 MAX_SUBMISSIONS = 5      # of a job to Dask, which itself tries it on a few workers if they die
 
 
@@ -86,8 +87,8 @@ def run_job(job, work_root):
 
 
 def run_command(command, work, done_codes):
-    """Runs one command of a job; returns its exit code, one of done_codes. It has a session of its own, so that Ctrl-C reaches only the
-    script, and it dies with the process that started it, however that ends."""
+    """Runs a command; returns its exit code, one of done_codes. It has a session of its own, so
+    that Ctrl-C reaches only the script, and dies with the process that started it."""
     with open(work / "stderr.txt", "w+", encoding="utf-8", errors="replace") as stderr:
         with subprocess.Popen(["setpriv", "--pdeathsig", "KILL", *command], cwd=work,
                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -144,7 +145,11 @@ def publish(job, work):
 
 
 def write_through(path):
-    """Has the file's content on the disk before its name is, in case the machine stops."""
+    """Has what a path holds on the disk before its name is, in case the machine stops."""
+    if path.is_dir():
+        for entry in path.iterdir():
+            write_through(entry)
+        return
     with open(path, "rb") as file:
         os.fsync(file.fileno())
 
@@ -222,7 +227,7 @@ class Output:
                 raise InputError(f"{self.path} holds directories but no setup.json; "
                                  "choose another --output")
             return False
-        stored = read_json(path)
+        stored = read_object(path)
         keys = [key for key in {**self._setup, **stored}
                 if stored.get(key) != self._setup.get(key)]
         if keys:
@@ -239,8 +244,7 @@ class Output:
 
     def run(self, jobs, executor, retry_failed, noun):
         """Runs the jobs that are neither done nor, unless retry_failed, failed before."""
-        missing = [job for job in jobs if not job.destination.is_dir() and
-                   (retry_failed or not (self.path / job.failure_file).exists())]
+        missing = [job for job in jobs if self._is_missing(job, retry_failed)]
         progress = Progress(len(jobs), len(missing), noun)
         for job, failure in executor.run(missing, self._work.path):
             if failure is None:
@@ -252,8 +256,44 @@ class Output:
             if job.destination.is_dir():
                 (self.path / job.failure_file).unlink(missing_ok=True)
 
-    def failures(self):
-        return [read_json(path) for path in sorted(self.path.glob("failed_*.json"))]
+    def _is_missing(self, job, retry_failed):
+        if job.destination.is_dir() and not any(job.destination.iterdir()):
+            warn(f"{job.destination} is empty; done again")
+            job.destination.rmdir()
+        if job.destination.is_dir():
+            return False
+        return retry_failed or self.read_failure(job.failure_file) is None
+
+    def read_failure(self, name):
+        """What a failure file says; None where there is none or it is damaged."""
+        path = self.path / name
+        try:
+            failure = read_object(path) if path.exists() else None
+            if failure is None or "error" in failure:
+                return failure
+            warn(f"{path} has no error; left out")
+        except InputError as error:
+            warn(f"{error}; left out")
+        return None
+
+    def failures(self, key):
+        """The failures so far that have the key, such as seed."""
+        paths = sorted(self.path.glob("failed_*.json"))
+        return [failure for failure in map(self.read_failure, (path.name for path in paths))
+                if failure and key in failure]
+
+
+def warn(text):
+    print(f"{os.path.basename(sys.argv[0])}: {text}", file=sys.stderr)
+
+
+def readable(read, *arguments):
+    """What read says of a finished job's directory; None, after one line, where it is damaged."""
+    try:
+        return read(*arguments)
+    except (InputError, OSError, LookupError, TypeError, ValueError, AttributeError) as error:
+        warn(f"{arguments[0]} is damaged and left out; remove it to have it done again: {error!r}")
+        return None
 
 
 class Progress:
@@ -369,9 +409,16 @@ def outcome(job, future):
 
 def read_json(path):
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(read_text(path))
     except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise InputError(f"can not read {path}: {error}") from error
+
+
+def read_object(path):
+    data = read_json(path)
+    if not isinstance(data, dict):
+        raise InputError(f"can not read {path}: not an object")
+    return data
 
 
 def read_text(path):
@@ -407,10 +454,9 @@ def simulated_run(experiment, config, seed, binaries):
 
 
 def positive(text):
-    number = int(text)
-    if number < 1:
+    if int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text} is not positive")
-    return number
+    return int(text)
 
 
 def resolved(text):
@@ -419,7 +465,6 @@ def resolved(text):
 
 
 def add_arguments(parser):
-    """The options of every script that runs jobs."""
     parser.add_argument("--output", type=resolved, required=True, metavar="DIR",
                         help="where the results go; with --scheduler on a file system that all "
                         "machines share. Run again to go on after an interruption")

@@ -28,13 +28,20 @@ def parse_arguments():
     return parser.parse_args()
 
 
+def result_name(recording):
+    name = "_".join(recording.parts)[:-len(".bag")]
+    if not name or name.startswith("."):  # hidden names are for unfinished work
+        name = "_" + name.lstrip(".")
+    return name + "_" if name.endswith(".json") else name
+
+
 def find_recordings(folder):
     """The recordings by the name of their results."""
     if not folder.is_dir():
         raise job_runner.InputError(f"no folder {folder}")
     recordings = {}
-    for path in sorted(folder.rglob("*.bag")):
-        name = "_".join(path.relative_to(folder).with_suffix("").parts)
+    for path in sorted(path for path in folder.rglob("*.bag") if path.is_file()):
+        name = result_name(path.relative_to(folder))
         if name in recordings:
             raise job_runner.InputError(
                 f"{recordings[name]} and {path} would both become {name}; rename one")
@@ -63,23 +70,28 @@ def make_job(name, recording, arguments):
         commands=(tuple(command),),
         required=REQUIRED,
         optional=("result/*",),
+        done_codes=(0, job_runner.NOT_TRUSTED),
         failure_file=f"failed_{name}.json",
         info={"recording": str(recording.relative_to(arguments.folder))})
 
 
+def figures_of(directory):
+    summary = job_runner.read_object(directory / "summary.json")
+    figures = {key: summary.get(key) for key in ("duration_s", "planes", "residual_rms_m",
+                                                 "variance_factor", "real_time_factor",
+                                                 "warnings")}
+    return {**figures, "verdict": (summary.get("consistency") or {}).get("verdict")}
+
+
 def summarise(output, jobs):
-    """Main figures of every recording, and what failed."""
-    recordings = {}
-    for job in jobs:
-        if job.destination.is_dir():
-            summary = job_runner.read_json(job.destination / "summary.json")
-            recordings[job.destination.name] = {
-                key: summary.get(key) for key in ("duration_s", "planes", "residual_rms_m",
-                                                  "variance_factor", "real_time_factor",
-                                                  "warnings")}
+    """Main figures of every recording, what failed, and what is damaged."""
+    done = {job.destination.name: job_runner.readable(figures_of, job.destination)
+            for job in jobs if job.destination.is_dir()}
     failures = [{"recording": failure["recording"], "error": failure["error"]}
-                for failure in output.failures()]
-    return {"recordings": recordings, "failed": len(failures), "failures": failures}
+                for failure in output.failures("recording")]
+    return {"recordings": {name: figures for name, figures in done.items() if figures},
+            "failed": len(failures), "failures": failures,
+            "damaged": [name for name, figures in done.items() if not figures]}
 
 
 def cell(value, digits):
@@ -90,12 +102,13 @@ def print_table(summary):
     print(f"{len(summary['recordings'])} recordings mapped, {summary['failed']} failed")
     width = max(map(len, summary["recordings"]), default=0)
     if summary["recordings"]:
-        print(f"{'':{width}}  length/s    planes    RMS/mm  variance  speed  warnings")
+        print(f"{'':{width}}  length/s    planes    RMS/mm  variance  speed  warnings  verdict")
     for name, figures in summary["recordings"].items():
         rms = figures["residual_rms_m"]
         print(f"{name:{width}}{cell(figures['duration_s'], 1)}{cell(figures['planes'], 0)}"
               f"{cell(rms and 1e3 * rms, 2)}{cell(figures['variance_factor'], 2)}"
-              f"{cell(figures['real_time_factor'], 1)[3:]}{len(figures['warnings'] or []):10}")
+              f"{cell(figures['real_time_factor'], 1)[3:]}{len(figures['warnings'] or []):10}  "
+              f"{figures['verdict'] or '-'}")
     for failure in summary["failures"]:
         print(f"failed: {failure['recording']}: {failure['error']}")
 
@@ -117,7 +130,7 @@ def main():
         summary = summarise(output, jobs)
         output.write_json("summary.json", summary)
     print_table(summary)
-    return 1 if summary["failed"] else 0
+    return 1 if summary["failed"] or summary["damaged"] else 0
 
 
 if __name__ == "__main__":

@@ -22,7 +22,8 @@ REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json
             "result/trajectory.tum", "truth/truth_planes.json", "truth/truth_trajectory.tum")
 OPTIONAL = ("result/trajectory_covariance.csv", "result/plane_covariance.csv",
             "result/window_trajectory.tum", "result/window_trajectory_covariance.csv",
-            "result/window_planes.json", "result/window_plane_covariance.csv")
+            "result/window_planes.json", "result/window_plane_covariance.csv",
+            "exit_codes.json")
 
 # Key in summary.json, name in the table, its unit, value in that unit per value in the file,
 # decimals, file and keys in it.
@@ -76,13 +77,15 @@ def make_jobs(arguments, experiment, config):
             required=REQUIRED,
             optional=OPTIONAL,
             failure_file=f"failed_{seed:04d}.json",
+            done_codes=(0, job_runner.NOT_TRUSTED),
             info={"seed": seed})
         for seed in seeds]
 
 
 def figures_of(directory):
-    """The main figures of one run, in the files' units; None where a file does not have one."""
-    files = {name: job_runner.read_json(directory / name)
+    """The main figures of one run, in the files' units; None where a file does not have one. With
+    them, whether the map is one that must not be trusted."""
+    files = {name: job_runner.read_object(directory / name)
              for name in ("evaluation.json", "summary.json")}
     figures = {}
     for key, _, _, _, _, name, path in FIGURES:
@@ -90,7 +93,10 @@ def figures_of(directory):
         for part in path:
             value = value.get(part) if isinstance(value, dict) else None
         figures[key] = value
-    return figures
+    exit_codes = directory / "exit_codes.json"
+    is_trusted = not exit_codes.exists() or (
+        job_runner.NOT_TRUSTED not in job_runner.read_json(exit_codes))
+    return {**figures, "is_trusted": is_trusted}
 
 
 def spread(values):
@@ -104,16 +110,23 @@ def spread(values):
 
 def summarise(output, experiment):
     """What all runs in the output directory say together."""
-    runs = [figures_of(directory) for directory in sorted(output.path.glob("run_*"))]
+    done = {directory.name: job_runner.readable(figures_of, directory)
+            for directory in sorted(output.path.glob("run_*")) if directory.is_dir()}
+    runs = [figures for figures in done.values() if figures]
     failures = [{"seed": failure["seed"], "error": failure["error"]}
-                for failure in output.failures()]
+                for failure in output.failures("seed")]
     return {"experiment": experiment.stem, "runs": len(runs), "failed": len(failures),
             "failures": failures,
+            "not_trusted": sum(not run["is_trusted"] for run in runs),
+            "damaged": [name for name, figures in done.items() if not figures],
             "figures": {key: spread([run[key] for run in runs]) for key, *_ in FIGURES}}
 
 
 def print_table(summary):
     print(f"{summary['experiment']}: {summary['runs']} runs done, {summary['failed']} failed")
+    if summary["not_trusted"]:
+        print(f"{summary['not_trusted']} of the maps contradict their scans (exit code "
+              f"{job_runner.NOT_TRUSTED})")
     print(f"{'':32}{'runs':>6}{'min':>10}{'median':>10}{'max':>10}")
     for key, name, unit, factor, digits, *_ in FIGURES:
         figure = summary["figures"][key]
@@ -141,7 +154,7 @@ def main():
         summary = summarise(output, experiment)
         output.write_json("summary.json", summary)
     print_table(summary)
-    return 1 if summary["failed"] else 0
+    return 1 if summary["failed"] or summary["damaged"] else 0
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ def make_job(case, seed, arguments):
 
 
 def is_done(job):
-    return (job.destination / "evaluation.json").exists()
+    return job.destination.is_dir() and read_result(job) is not None
 
 
 def run_missing(jobs, arguments):
@@ -49,7 +49,7 @@ def run_missing(jobs, arguments):
     with job_runner.LocalExecutor(arguments.jobs) as executor, \
             job_runner.WorkDirectory(arguments.output) as work:
         for job in missing:
-            if job.destination.exists():  # without an evaluation: interrupted
+            if job.destination.exists():  # damaged, or without an evaluation
                 job_runner.discard(job.destination)
         for job, failure in executor.run(missing, work):
             if failure is not None:
@@ -59,8 +59,15 @@ def run_missing(jobs, arguments):
 
 
 def read_result(job):
-    return (job_runner.read_json(job.destination / "evaluation.json"),
-            job_runner.read_json(job.destination / "summary.json"))
+    """Evaluation and summary of a run; None, after one line, where the row lacks any of them."""
+    try:
+        result = tuple(job_runner.read_object(job.destination / name)
+                       for name in ("evaluation.json", "summary.json"))
+        row("", [result], 1)
+        return result
+    except (job_runner.InputError, LookupError, TypeError, ValueError) as error:
+        job_runner.warn(f"{job.destination} is damaged; done again: {error}")
+        return None
 
 
 def span(values, digits):
@@ -112,7 +119,8 @@ def main():
     print("|" + "---|" * 15)
     for case in cases:
         case_jobs = [jobs[case, seed] for seed in range(1, arguments.seeds + 1)]
-        print(row(case, [read_result(job) for job in case_jobs if is_done(job)], len(case_jobs)))
+        results = [read_result(job) for job in case_jobs if job.destination.is_dir()]
+        print(row(case, [result for result in results if result], len(case_jobs)))
     for (case, seed), job in jobs.items():
         if job.destination in errors:
             print(f"\nfailed: {case}, seed {seed}: {errors[job.destination]}")

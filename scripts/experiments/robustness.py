@@ -23,7 +23,6 @@ PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
 REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json",
             "result/trajectory.tum", "truth/truth_planes.json", "truth/truth_trajectory.tum",
             "exit_codes.json")
-CONTRADICTED = 3            # exit code of plumbline_map: a map, which contradicts itself
 MAX_POSITION_M = 0.05       # of the largest error of a map that is right
 MAX_ROTATION_DEG = 0.5
 MAX_MISSING_S = 1.0         # of the recording, at its begin or its end
@@ -73,7 +72,7 @@ def check_experiments(output, cases):
     """Keeps in experiments.json what each case was when it was run first. An error when one of
     the chosen cases has changed since."""
     path = output.path / "experiments.json"
-    stored = job_runner.read_json(path) if path.exists() else {}
+    stored = job_runner.read_object(path) if path.exists() else {}
     checksums = {case: experiment_files.checksum(file) for case, file in cases.items()}
     changed = [case for case in checksums if stored.get(case, checksums[case]) != checksums[case]]
     if changed:
@@ -91,7 +90,7 @@ def make_jobs(arguments, cases):
                                               arguments.binaries),
             required=REQUIRED,
             failure_file=f"failed_{run_name(case, seed)}.json",
-            done_codes=(0, CONTRADICTED),
+            done_codes=(0, job_runner.NOT_TRUSTED),
             info={"case": case, "seed": seed})
         for case, experiment in cases.items() for seed in seeds]
 
@@ -150,28 +149,29 @@ def outcome_of(row):
     if (row["position_max_m"] <= MAX_POSITION_M and row["rotation_max_deg"] <= MAX_ROTATION_DEG
             and row["missing_s"] == 0.0):
         return "right"
-    if row["exit_code"] == CONTRADICTED or row["verdict"] in FLAGGING_VERDICTS:
+    if row["exit_code"] == job_runner.NOT_TRUSTED or row["verdict"] in FLAGGING_VERDICTS:
         return "flagged"
     return "flagged" if row["missing_s"] > 0.0 and row["warnings"] else "silent"
 
 
 def failure_row(failure):
     """One row of the table, of a run that ended with an error."""
-    program = failure.get("command", [""])[0].rsplit("/", 1)[-1]
+    program = str((failure.get("command") or [""])[0]).rsplit("/", 1)[-1]
     return {"case": failure["case"], "seed": failure["seed"],
             "exit_code": failure.get("exit_code"), "error": failure["error"],
             "outcome": "flagged" if program == "plumbline_map" else "no recording"}
 
 
 def collect(output, jobs):
+    """Rows of the table, and how many runs are damaged and left out."""
     rows = []
     for job in jobs:
-        failure = output.path / job.failure_file
         if job.destination.is_dir():
-            rows.append(figures_of(job.destination, job.info["case"], job.info["seed"]))
-        elif failure.exists():
-            rows.append(failure_row(job_runner.read_json(failure)))
-    return rows
+            rows.append(job_runner.readable(figures_of, job.destination, job.info["case"],
+                                            job.info["seed"]))
+        elif failure := output.read_failure(job.failure_file):
+            rows.append(failure_row({**job.info, **failure}))
+    return [row for row in rows if row], rows.count(None)
 
 
 def cells_of(row):
@@ -216,11 +216,12 @@ def main():
             job_runner.Output(arguments.output, setup) as output:
         check_experiments(output, cases)
         output.run(jobs, executor, arguments.retry_failed, "runs")
-        rows = collect(output, jobs)
+        rows, num_damaged = collect(output, jobs)
         output.write_json("robustness.json", rows)
         (output.path / "robustness.md").write_text(table_of(rows), encoding="utf-8")
     print(table_of(rows), end="")
-    return 1 if any(row["outcome"] == "no recording" for row in rows) else 0
+    failed = num_damaged or any(row["outcome"] == "no recording" for row in rows)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

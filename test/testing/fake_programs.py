@@ -6,6 +6,7 @@ They write small files at once. A test steers and watches them by files in the d
     hold              plumbline_map waits while this exists
     fail_<seed>       plumbline_map fails on this seed or recording
     contradict_<seed> plumbline_map ends with exit code 3 on this seed, its map written
+    parts_<seed>      plumbline_map writes a folder part_2 for this seed or recording
     forget_planes     plumbline_map writes no planes.json
     threads_matter    plumbline_map writes another map with other --threads
     version           answer to --version; without it that is wrong usage, as any unknown flag
@@ -64,6 +65,9 @@ elif program == "plumbline_map":
     write("trajectory.tum", f"# {{rig}}\\n9.5 0 0 0 0 0 0 1\\n")
     if not (control / "forget_planes").exists():
         write("planes.json", "[]")
+    if (control / f"parts_{{seed}}").exists():
+        (output / "part_2").mkdir()
+        write("part_2/map.ply", "part")
     if (control / "threads_matter").exists():
         write("map.ply", flags["threads"])
     write("summary.json", json.dumps(dict(

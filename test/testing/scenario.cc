@@ -8,7 +8,7 @@
 
 #include "core/options/mapper_options.h"
 #include "core/result/result_reader.h"
-#include "core/result/result_writer.h"
+#include "core/util/partial_files.h"
 #include "simulation/sensing/experiment.h"
 #include "simulation/sensing/recording_writer.h"
 #include "simulation/sensing/simulate_recording.h"
@@ -166,6 +166,9 @@ std::string MappingTest::MapError() {
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   if (std::filesystem::is_directory(Path("result"))) {
     EXPECT_TRUE(std::filesystem::is_empty(Path("result")));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
+    EXPECT_FALSE(IsPartialName(entry.path().filename().string(), "result")) << entry.path();
   }
   return message;
 }

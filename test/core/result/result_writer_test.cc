@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 constexpr size_t kPointBytes = 29;
 
@@ -85,6 +84,14 @@ class ResultWriterTest : public TemporaryDirectoryTest {
     writer->WriteConfig("a: 1");
   }
 
+  void WriteResult(const fs::path& output, int num_points) {
+    ResultDirectory result(output.string());
+    ResultWriter writer(result);
+    WriteAll(&writer, num_points);
+    writer.Finish();
+    result.Commit();
+  }
+
   static std::set<std::string> FilesIn(const fs::path& directory) {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(directory)) {
@@ -96,11 +103,8 @@ class ResultWriterTest : public TemporaryDirectoryTest {
   fs::path output_;
 };
 
-TEST_F(ResultWriterTest, CommitGivesAllFilesTheirNames) {
-  ResultWriter writer(output_.string());
-  WriteAll(&writer, 10);
-  for (const std::string& name : FilesIn(output_)) EXPECT_THAT(name, StartsWith("."));
-  writer.Commit();
+TEST_F(ResultWriterTest, WritesAllFiles) {
+  WriteResult(output_, 10);
   EXPECT_THAT(FilesIn(output_),
               ElementsAre("config_used.yaml",
                           "map.pcd",
@@ -114,42 +118,31 @@ TEST_F(ResultWriterTest, CommitGivesAllFilesTheirNames) {
   EXPECT_EQ(ReadPlanes((output_ / "planes.json").string()).size(), 1u);
 }
 
-TEST_F(ResultWriterTest, WithoutCommitTheEarlierResultStays) {
-  {
-    ResultWriter writer(output_.string());
-    WriteAll(&writer, 10);
-    writer.Commit();
-  }
-  const std::string map = ReadBytes(output_ / "map.ply");
-  {
-    ResultWriter writer(output_.string());
-    WriteAll(&writer, 20);
-  }
-  EXPECT_EQ(FilesIn(output_).size(), 7u);
-  EXPECT_EQ(ReadBytes(output_ / "map.ply"), map);
-  {
-    ResultWriter writer(output_.string());
-    WriteAll(&writer, 20);
-    WriteAll(&writer, 0);  // the last word on the files that are written whole
-    writer.Commit();
-  }
-  EXPECT_EQ(FilesIn(output_).size(), 7u);
-  EXPECT_EQ(ReadBytes(output_ / "map.ply").size(), map.size() + 10 * kPointBytes);
+TEST_F(ResultWriterTest, TheLastWordOnAFileCounts) {
+  ResultDirectory result(output_.string());
+  ResultWriter writer(result);
+  WriteAll(&writer, 20);
+  writer.WriteConfig("b: 2\n");
+  writer.Finish();
+  result.Commit();
+  EXPECT_EQ(ReadBytes(output_ / "config_used.yaml"), "b: 2\n");
 }
 
-TEST_F(ResultWriterTest, WithoutCommitANewDirectoryGoesAwayAgain) {
+TEST_F(ResultWriterTest, WritesAPartIntoAFolderOfItsOwn) {
+  ResultDirectory result(output_.string());
   {
-    ResultWriter writer(output_.string());
+    ResultWriter writer(result, "part_2");
     WriteAll(&writer, 10);
+    writer.Finish();
   }
-  EXPECT_FALSE(fs::exists(output_));
+  result.Commit();
+  EXPECT_THAT(FilesIn(output_), ElementsAre("part_2"));
+  EXPECT_EQ(FilesIn(output_ / "part_2").size(), 7u);
 }
 
 TEST_F(ResultWriterTest, WritesTheSameBytesEachTime) {
   for (const char* name : {"a", "b"}) {
-    ResultWriter writer((directory_ / name).string());
-    WriteAll(&writer, 30'000);
-    writer.Commit();
+    WriteResult(directory_ / name, 30'000);
   }
   for (const std::string& name : FilesIn(directory_ / "a")) {
     EXPECT_TRUE(ReadBytes(directory_ / "a" / name) == ReadBytes(directory_ / "b" / name))
@@ -159,9 +152,7 @@ TEST_F(ResultWriterTest, WritesTheSameBytesEachTime) {
 
 TEST_F(ResultWriterTest, PclReadsTheMap) {
   constexpr int kNumPoints = 25'000;  // several blocks
-  ResultWriter writer(output_.string());
-  WriteAll(&writer, kNumPoints);
-  writer.Commit();
+  WriteResult(output_, kNumPoints);
   pcl::PCLPointCloud2 cloud;
   ASSERT_EQ(pcl::PCDReader().read((output_ / "map.pcd").string(), cloud), 0);
   std::vector<std::string> names;
@@ -180,9 +171,7 @@ TEST_F(ResultWriterTest, PclReadsTheMap) {
 
 TEST_F(ResultWriterTest, PlyHeaderDescribesThePoints) {
   constexpr int kNumPoints = 12'345;
-  ResultWriter writer(output_.string());
-  WriteAll(&writer, kNumPoints);
-  writer.Commit();
+  WriteResult(output_, kNumPoints);
   const std::string ply = ReadBytes(output_ / "map.ply");
   const std::string end = "end_header\n";
   const size_t start = ply.find(end) + end.size();
@@ -211,36 +200,12 @@ TEST_F(ResultWriterTest, PlyHeaderDescribesThePoints) {
 }
 
 TEST_F(ResultWriterTest, AMapWithoutPointsIsWhole) {
-  ResultWriter writer(output_.string());
-  writer.Commit();
+  ResultDirectory result(output_.string());
+  ResultWriter writer(result);
+  writer.Finish();
+  result.Commit();
   EXPECT_THAT(ReadBytes(output_ / "map.ply"), HasSubstr("element vertex 0\n"));
   EXPECT_THAT(ReadBytes(output_ / "map.pcd"), HasSubstr("POINTS 0\n"));
-}
-
-TEST_F(ResultWriterTest, RefusesWhatCanNotBeADirectory) {
-  const fs::path file = directory_ / "file";
-  WriteBytes(file, "content");
-  EXPECT_THAT(ErrorOf([&] { ResultWriter writer(file.string()); }),
-              HasSubstr(file.string() + ": can not be used as output directory"));
-  EXPECT_THAT(ErrorOf([&] { ResultWriter writer((file / "below").string()); }),
-              HasSubstr(": can not be used as output directory: Not a directory"));
-  EXPECT_EQ(ReadBytes(file), "content");
-}
-
-TEST_F(ResultWriterTest, RefusesADirectoryThatCanNotBeWrittenTo) {
-  EXPECT_THAT(ErrorOf([&] { ResultWriter writer("/proc/self"); }),
-              HasSubstr("/proc/self/map.ply: can not be written: "));
-}
-
-TEST_F(ResultWriterTest, CommitsNothingWhereAFileCanNotTakeItsName) {
-  fs::create_directories(output_ / "summary.json");
-  const std::string error = ErrorOf([&] {
-    ResultWriter writer(output_.string());
-    WriteAll(&writer, 10);
-    writer.Commit();
-  });
-  EXPECT_THAT(error, HasSubstr("summary.json: can not be written: is a directory"));
-  EXPECT_THAT(FilesIn(output_), ElementsAre("summary.json"));
 }
 
 TEST_F(ResultWriterTest, FullDiskIsAnErrorAndLeavesNothing) {
@@ -248,12 +213,10 @@ TEST_F(ResultWriterTest, FullDiskIsAnErrorAndLeavesNothing) {
   for (const int num_points : {30'000, 700}) {
     const std::string error = ErrorOf([&] {
       const FileSizeLimit limit(20'000);
-      ResultWriter writer(output_.string());
-      WriteAll(&writer, num_points);
-      writer.Commit();
+      WriteResult(output_, num_points);
     });
-    EXPECT_THAT(error, HasSubstr("map.ply: can not be written: File too large"));
-    EXPECT_FALSE(fs::exists(output_));
+    EXPECT_THAT(error, HasSubstr(output_.string() + "/map.ply: can not be written: File too large"));
+    EXPECT_TRUE(fs::is_empty(directory_));
   }
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -41,6 +43,36 @@ TEST_F(AtomicFileTest, LeavesNothingWithoutCommit) {
     EXPECT_EQ(NumFiles(), 1u);
   }
   EXPECT_EQ(NumFiles(), 0u);
+}
+
+TEST_F(AtomicFileTest, RemovesLeftoversButNoFileInUse) {
+  const std::string path = (directory_ / "file").string();
+  const std::string leftover = PartialName("file");
+  const std::string other_file = PartialName("another file");
+  WriteBytes(directory_ / leftover, "of a process that was killed");
+  WriteBytes(directory_ / other_file, "not of this file");
+  fs::create_symlink("target", directory_ / PartialName("file"));
+  const AtomicFile in_use(path);
+  EXPECT_FALSE(fs::exists(directory_ / leftover));
+  WriteFileAtomically(path, "content");
+  EXPECT_TRUE(fs::exists(in_use.temporary_path()));
+  EXPECT_TRUE(fs::exists(directory_ / other_file));
+  EXPECT_EQ(NumFiles(), 4u) << "file, the one in use, the other file's, the link";
+}
+
+TEST_F(AtomicFileTest, TemporaryNamesCanNotBeForeseen) {
+  const std::string path = (directory_ / "file").string();
+  std::set<std::string> names;
+  for (int i = 0; i < 100; ++i) names.insert(AtomicFile(path).temporary_path());
+  EXPECT_EQ(names.size(), 100u);
+}
+
+TEST_F(AtomicFileTest, ReplacesALinkAndNotItsTarget) {
+  WriteBytes(directory_ / "target", "target");
+  fs::create_symlink("target", directory_ / "file");
+  WriteFileAtomically((directory_ / "file").string(), "content");
+  EXPECT_EQ(ReadBytes(directory_ / "target"), "target");
+  EXPECT_FALSE(fs::is_symlink(directory_ / "file"));
 }
 
 TEST_F(AtomicFileTest, WorksInTheCurrentDirectory) {

@@ -49,7 +49,7 @@ class MapAllTest(ScriptTest):
                              f"config_used.yaml {rig}")
         self.assertIn("3 recordings mapped, 0 failed", result.stdout)
         row = [line.split() for line in result.stdout.splitlines() if "hall" in line][0]
-        self.assertEqual(row, ["hall", "1.0", "4", "20.00", "1.00", "5.0", "0"])
+        self.assertEqual(row, ["hall", "1.0", "4", "20.00", "1.00", "5.0", "0", "-"])
 
     def test_goes_on_when_a_batch_system_has_ended_it(self):
         self.set_control("hold")
@@ -87,6 +87,48 @@ class MapAllTest(ScriptTest):
         self.check_error("another config", self.folder, "--rig", self.rig, "--config", config)
         self.rig.write_text("moved")
         self.check_error("another rig", self.folder, "--rig", self.rig)
+
+    def test_a_map_in_parts_and_one_that_is_not_trusted_are_kept(self):
+        self.set_control("parts_hall")
+        self.set_control("contradict_one")
+        self.check_done(self.map_all())
+        self.assertEqual((self.output / "hall" / "part_2" / "map.ply").read_text(), "part")
+        self.assertTrue((self.output / "attic_one" / "map.ply").exists())
+
+    def test_odd_names(self):
+        for name in ("..bag", "setup.json.bag"):
+            (self.folder / name).write_text(name)
+        (self.folder / "directory.bag").mkdir()
+        (self.folder / "nowhere.bag").symlink_to("nowhere")
+        self.check_done(self.map_all())
+        self.assertEqual(self.entries(), ["_", "attic_one", "attic_two", "hall", "setup.json",
+                                          "setup.json_", "summary.json"])
+        self.check_done(self.map_all())
+        self.assertEqual(len(self.seeds()), 5)
+        (self.folder / "....bag").write_text("the same name")
+        self.check_error("would both become _", self.folder, "--rig", self.rig)
+
+    def test_damaged_files_of_earlier_runs(self):
+        self.set_control("fail_two")
+        self.map_all()
+        self.unset_control("fail_two")
+        (self.output / "failed_attic_two.json").write_text('{"recording"')
+        (self.output / "hall" / "summary.json").write_text("[]")
+        for path in (self.output / "attic_one").iterdir():
+            path.unlink()
+        result = self.map_all()
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(self.seeds(), ["hall", "one", "one", "two", "two"])
+        for text in ("failed_attic_two.json", "hall is damaged", "attic_one is empty"):
+            lines = [line for line in result.stderr.splitlines() if text in line]
+            self.assertEqual(len(lines), 1, result.stderr)
+        self.assertNotIn("Traceback", result.stderr)
+        summary = json.loads((self.output / "summary.json").read_text())
+        self.assertEqual(summary["damaged"], ["hall"])
+        self.assertEqual(sorted(summary["recordings"]), ["attic_one", "attic_two"])
+        for text in ("", "[]"):
+            (self.output / "setup.json").write_text(text)
+            self.check_error("setup.json", self.folder, "--rig", self.rig)
 
     def test_errors(self):
         self.check_error("hall.bag", self.folder)

@@ -15,8 +15,8 @@ from fake_programs import PATIENCE_S, SCRIPTS, ScriptTest, wait_until
 sys.path.insert(0, str(SCRIPTS / "experiments"))
 import job_runner  # noqa: E402
 
-RESULTS = ["evaluation.json", "planes.json", "summary.json", "trajectory.tum",
-           "trajectory_covariance.csv", "truth_planes.json", "truth_trajectory.tum"]
+RESULTS = ["evaluation.json", "exit_codes.json", "planes.json", "summary.json",
+           "trajectory.tum", "trajectory_covariance.csv", "truth_planes.json", "truth_trajectory.tum"]
 
 
 class MonteCarloTest(ScriptTest):
@@ -81,6 +81,36 @@ class MonteCarloTest(ScriptTest):
         self.assertEqual(self.seeds(), ["1", "2", "2", "3"])
         self.assertNotIn("failed_0002.json", self.entries())
         self.assertEqual(self.summary()["failed"], 0)
+
+    def test_a_map_that_is_not_trusted_is_a_result(self):
+        self.set_control("contradict_2")
+        result = self.run_seeds(1, 3)
+        self.check_done(result)
+        self.assertIn("3 runs done, 0 failed", result.stdout)
+        self.assertIn("1 of the maps contradict their scans (exit code 3)", result.stdout)
+        self.assertEqual(self.summary()["not_trusted"], 1)
+        self.assertEqual(self.summary()["figures"]["position_rmse_unaligned_m"]["runs"], 3)
+
+    def test_damaged_files_of_earlier_runs(self):
+        self.set_control("fail_2")
+        self.run_seeds(1, 4)
+        self.unset_control("fail_2")
+        (self.output / "failed_0002.json").write_bytes(b"\xff")
+        (self.output / "failed_0009.json").write_text("{}")
+        (self.output / "run_0003" / "evaluation.json").unlink()
+        (self.output / "run_0004" / "summary.json").write_text("{")
+        (self.output / "run_0005").mkdir()
+        result = self.run_seeds(1, 5)
+        self.assertEqual(result.returncode, 1)
+        self.assertNotIn("Traceback", result.stderr)
+        self.assertEqual(self.seeds(), ["1", "2", "2", "3", "4", "5"])
+        summary = self.summary()
+        self.assertEqual(summary["runs"], 3)
+        self.assertEqual(summary["damaged"], ["run_0003", "run_0004"])
+        for text in ("failed_0002.json", "failed_0009.json", "run_0003 is damaged",
+                     "run_0004 is damaged", "run_0005 is empty"):
+            lines = [line for line in result.stderr.splitlines() if text in line]
+            self.assertEqual(len(lines), 1, result.stderr)
 
     def test_a_missing_result_is_a_failure(self):
         self.set_control("forget_planes")

@@ -37,6 +37,16 @@ class ResultsTest(ScriptTest):
         self.check_done(self.run_room(1))
         self.assertTrue((directory / "evaluation.json").exists())
 
+    def test_a_damaged_run_is_done_again(self):
+        self.check_done(self.run_room(2))
+        (self.output / "room" / "seed_1" / "evaluation.json").write_text('{"trajectory": 1}')
+        (self.output / "room" / "seed_2" / "summary.json").write_text("{")
+        result = self.run_room(2)
+        self.check_done(result)
+        self.assertEqual(result.stderr.count("is damaged; done again"), 2)
+        self.assertIn("| room | 2 of 2 |", result.stdout)
+        self.assertEqual(self.seeds(), ["1", "1", "2", "2"])
+
     def test_missing_programs(self):
         (self.binaries / "plumbline_map").unlink()
         self.check_error("no plumbline_map")

@@ -55,6 +55,21 @@ class RobustnessTest(ScriptTest):
         self.assertIn("holds results of another plain; choose another --output", result.stderr)
         self.assertEqual(self.run_script("furniture", "--seeds", "1").returncode, 0)
 
+    def test_damaged_files_of_earlier_runs(self):
+        self.set_control("fail_2")
+        self.run_script("plain", "--seeds", "4")
+        self.unset_control("fail_2")
+        (self.output / "failed_plain_0002.json").write_text("null")
+        (self.output / "plain_0003" / "trajectory.tum").write_text("")
+        (self.output / "plain_0004" / "evaluation.json").write_text("{")
+        result = self.run_script("plain", "--seeds", "4")
+        self.assertEqual(result.returncode, 1)
+        self.assertNotIn("Traceback", result.stderr)
+        self.assertEqual([row["seed"] for row in self.rows()], [1, 2])
+        for text in ("failed_plain_0002.json", "plain_0003 is damaged", "plain_0004 is damaged"):
+            lines = [line for line in result.stderr.splitlines() if text in line]
+            self.assertEqual(len(lines), 1, result.stderr)
+
     def test_unknown_case(self):
         result = self.run_script("no_such_case")
         self.assertEqual(result.returncode, 1)

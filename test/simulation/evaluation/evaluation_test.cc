@@ -373,7 +373,8 @@ TEST(EvaluationTest, ReadsTheFilesOfMapperAndSimulator) {
   const fs::path directory = fs::path(::testing::TempDir()) / "plumbline_evaluation_input";
   fs::remove_all(directory);
   {
-    ResultWriter writer(directory.string());
+    ResultDirectory result(directory.string());
+    ResultWriter writer(result);
     writer.WriteTrajectory(input.trajectory);
     writer.WritePlanes(input.planes);
     Summary summary;
@@ -381,7 +382,8 @@ TEST(EvaluationTest, ReadsTheFilesOfMapperAndSimulator) {
     summary.reference_plane_id = 13;
     summary.variance_factor = 1.02;
     writer.WriteSummary(summary);
-    writer.Commit();
+    writer.Finish();
+    result.Commit();
   }
   WriteFileAtomically((directory / "truth_trajectory.tum").string(),
                       FormatTrajectory(input.truth_trajectory));

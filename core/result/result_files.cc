@@ -1,0 +1,39 @@
+#include "core/result/result_files.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace plumbline {
+namespace {
+
+constexpr char kPart[] = "part_";
+constexpr size_t kPartLength = sizeof(kPart) - 1;
+
+}  // namespace
+
+bool IsResultFile(const std::string& name) {
+  static const char* const kNames[] = {"config_used.yaml",
+                                       "map.pcd",
+                                       "map.ply",
+                                       "plane_covariance.csv",
+                                       "planes.json",
+                                       "planes.ply",
+                                       "summary.json",
+                                       "trajectory.tum",
+                                       "trajectory_covariance.csv",
+                                       "window_plane_covariance.csv",
+                                       "window_planes.json",
+                                       "window_trajectory.tum",
+                                       "window_trajectory_covariance.csv"};
+  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+}
+
+std::string PartName(size_t part) { return kPart + std::to_string(part); }
+
+bool IsPartName(const std::string& name) {
+  return name.size() > kPartLength && name.compare(0, kPartLength, kPart) == 0 &&
+         name[kPartLength] != '0' &&
+         name.find_first_not_of("0123456789", kPartLength) == std::string::npos;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace plumbline {
+
+// The names that a result has for its files (docs/outputs.md). In an output directory, files of
+// these names belong to the result, and everything else to the user.
+bool IsResultFile(const std::string& name);
+
+// Of the directory of the part'th part of a recording, from 1: "part_<part>".
+std::string PartName(size_t part);
+bool IsPartName(const std::string& name);
+
+}  // namespace plumbline
