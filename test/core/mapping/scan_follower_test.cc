@@ -164,5 +164,25 @@ TEST_F(ScanFollowerTest, ReportsLossAfterTheLongestGap) {
   EXPECT_GT(SecondsBetween(last_seen_ns, walk_.now_ns()), options_.max_gap_s);
 }
 
+TEST_F(ScanFollowerTest, TakesBackWhatCameAfterTheLastKnownPose) {
+  Start(20);
+  for (;;) {
+    const Scan scan = walk_.TakeBlind();
+    if (!ErrorOf([&] { follower_.Follow(scan); }).empty()) break;
+  }
+  const size_t before = follower_.scan_times_ns().size();
+  follower_.EndAtLastKnown();
+  const std::vector<int64_t>& times_ns = follower_.scan_times_ns();
+  EXPECT_GE(times_ns.size(), 21U);
+  EXPECT_LT(times_ns.size(), before);
+  const MapState& state = follower_.state();
+  EXPECT_GT(state.trajectory.end_ns(), times_ns.back());
+  EXPECT_LT(SecondsBetween(times_ns.back(), state.trajectory.end_ns()),
+            2.0 * state.trajectory.knot_interval_s());
+  for (const Observation& observation : state.observations) {
+    EXPECT_LT(observation.scan_index, static_cast<int>(times_ns.size()));
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

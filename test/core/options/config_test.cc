@@ -36,7 +36,7 @@ MapperOptions UnusualOptions() {
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125, 7.5};
   o.tracking = {2.5, 0.75, 4.0, 3.5};
-  o.planes = {11, 1.75, 7, 2.5};
+  o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
   o.points = {false, 0.5, 0.0375, 12.5};
   o.loop_closure = {false, 77};
@@ -61,7 +61,11 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.tracking.lost_position_m, 0.75);
   EXPECT_EQ(read.tracking.lost_rotation_deg, 4.0);
   EXPECT_EQ(read.planes.min_scans, 7);
+  EXPECT_EQ(read.planes.small_m, 1.25);
+  EXPECT_EQ(read.planes.min_age_of_small_s, 0.75);
   EXPECT_EQ(read.planes.max_tentative_age_s, 2.5);
+  EXPECT_FALSE(read.points.hold_pose);
+  EXPECT_EQ(read.points.cell_m, 0.5);
   EXPECT_EQ(read.window.num_scans, 33);
   EXPECT_EQ(read.window.knot_intervals_per_step, 3);
   EXPECT_FALSE(read.window.resegment);
@@ -88,6 +92,19 @@ TEST_F(ConfigTest, EveryOptionIsWritten) {
     }
   }
   EXPECT_FALSE(std::getline(unusual, b));
+}
+
+TEST_F(ConfigTest, APlanarRigHasDefaultsOfItsOwn) {
+  const MapperOptions planar = MapperOptions::DefaultsFor(true);
+  EXPECT_LT(planar.trajectory.acceleration_stddev_m_s2,
+            MapperOptions().trajectory.acceleration_stddev_m_s2);
+  EXPECT_EQ(MapperOptionsToYaml(MapperOptions::DefaultsFor(false)),
+            MapperOptionsToYaml(MapperOptions()));
+  WriteBytes(File(), "window: {num_scans: 7}\n");
+  const MapperOptions read = ReadMapperOptions(File(), planar);
+  EXPECT_EQ(read.window.num_scans, 7);
+  EXPECT_EQ(read.trajectory.acceleration_stddev_m_s2,
+            planar.trajectory.acceleration_stddev_m_s2);
 }
 
 TEST_F(ConfigTest, WhatIsNotNamedKeepsItsDefault) {

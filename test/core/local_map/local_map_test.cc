@@ -1,0 +1,99 @@
+#include "core/local_map/local_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr double kCell = 0.25;
+const Eigen::Vector3d kLevel = Eigen::Vector3d::UnitZ();
+const Eigen::Vector3d kTilted = Eigen::Vector3d(0.5, 0.5, std::sqrt(0.5));
+
+// Points on the plane x = 1.1 within one cell, as sweeps of a tilted scanner cover it: rows of
+// points that rise along y, one row a scan.
+void AddSweeps(int num_scans, LocalMap* map) {
+  for (int scan = 0; scan < num_scans; ++scan) {
+    for (int i = 0; i < 8; ++i) {
+      const double y = 0.03 * i;
+      map->Add({1.1, 0.01 + y, 0.01 + 0.3 * y + 0.02 * scan}, kTilted, scan);
+    }
+  }
+}
+
+TEST(LocalMap, ALineOfATiltedScannerGivesNoDirection) {
+  LocalMap map(kCell, false);
+  for (int scan = 0; scan < 6; ++scan) {  // the rig stands: the same line again and again
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1 + 0.01 * i}, kTilted, scan);
+  }
+  const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
+  ASSERT_NE(cell, nullptr);
+  EXPECT_EQ(cell->num_directions(), 0);
+}
+
+TEST(LocalMap, ManySweepsGiveTheSurfacesNormal) {
+  LocalMap map(kCell, false);
+  AddSweeps(8, &map);
+  const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
+  ASSERT_NE(cell, nullptr);
+  ASSERT_EQ(cell->num_directions(), 1);
+  EXPECT_NEAR(std::abs(cell->direction(0).normal.x()), 1.0, 1e-9);
+  EXPECT_NEAR(cell->Mean().x(), 1.1, 1e-12);
+  EXPECT_LT(cell->direction(0).variance, 1e-12);
+}
+
+TEST(LocalMap, ALevelLineIsTakenForAnUprightSurface) {
+  LocalMap map(kCell, false);
+  for (int scan = 0; scan < 3; ++scan) {
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1}, kLevel, scan);
+  }
+  const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
+  ASSERT_NE(cell, nullptr);
+  ASSERT_EQ(cell->num_directions(), 1);
+  EXPECT_NEAR(std::abs(cell->direction(0).normal.x()), 1.0, 1e-9);
+  EXPECT_EQ(cell->direction(0).normal.z(), 0.0);
+}
+
+TEST(LocalMap, APostIsKnownInBothDirectionsOfThePlan) {
+  LocalMap map(kCell, true);
+  for (int scan = 0; scan < 3; ++scan) {
+    for (int i = 0; i < 6; ++i) {
+      map.Add({1.1 + 0.02 * std::cos(i), 0.1 + 0.02 * std::sin(i), 0.0}, kLevel, scan);
+    }
+  }
+  ASSERT_NE(map.Find({1.1, 0.1, 0.0}), nullptr);
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.0})->num_directions(), 2);
+}
+
+TEST(LocalMap, OneScanAloneTellsNothing) {
+  LocalMap map(kCell, true);
+  for (int i = 0; i < 20; ++i) map.Add({1.1, 0.01 + 0.01 * i, 0.0}, kLevel, 0);
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.0}), nullptr);
+}
+
+// A cell that followed the poses could not hold them.
+TEST(LocalMap, ACellThatHasSeenEnoughStaysWhereItIs) {
+  LocalMap map(kCell, false);
+  AddSweeps(8, &map);
+  const double before = map.Find({1.1, 0.1, 0.1})->Mean().x();
+  for (int scan = 8; scan < 40; ++scan) {
+    for (int i = 0; i < 8; ++i) map.Add({1.15, 0.03 * i, 0.1}, kTilted, scan);
+  }
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.1})->Mean().x(), before);
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.1})->last_scan(), 39);
+}
+
+TEST(LocalMap, ForgetsWhatWasNotSeenForLong) {
+  LocalMap map(kCell, true);
+  for (int scan = 0; scan < 3; ++scan) {
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan);
+    for (int i = 0; i < 8; ++i) map.Add({-3.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan + 10);
+  }
+  map.ForgetBefore(5);
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.0}), nullptr);
+  EXPECT_NE(map.Find({-3.1, 0.1, 0.0}), nullptr);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,104 @@
+#include "core/local_map/scan_matching.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "test/core/mapping/room_walk.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+// A rig that walks through a room whose planes nobody knows: the local map alone holds it.
+class ScanMatchingTest : public testing::Test {
+ protected:
+  // A trajectory that stands at rest with this error from where the rig is now.
+  Trajectory Predicted(double yaw, const Eigen::Vector3d& shift) const {
+    Rigid3d pose = walk_.WorldFromBody(walk_.now_ns());
+    pose.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * pose.rotation;
+    pose.translation += shift;
+    Trajectory trajectory(walk_.now_ns() - 100'000'000, 125'000'000, pose);
+    trajectory.ExtendTo(walk_.now_ns() + 100'000'000);
+    return trajectory;
+  }
+
+  // The local map takes in scans with the true poses.
+  void Remember(int num_scans) {
+    for (int i = 0; i < num_scans; ++i) {
+      const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
+      matcher_.Take(walk_.Take());
+      matcher_.Remember(truth);
+    }
+  }
+
+  static MotionMatrix Covariance(double rotation, double position) {
+    MotionVector variances;
+    for (int i = 0; i < 12; ++i) {
+      const double sigma = i % 6 < 3 ? rotation : position;
+      variances[i] = sigma * sigma;
+    }
+    MotionMatrix covariance = variances.asDiagonal();
+    // Both ends of a short scan err nearly alike.
+    covariance.topRightCorner<6, 6>() = 0.99 * covariance.topLeftCorner<6, 6>();
+    covariance.bottomLeftCorner<6, 6>() = covariance.topRightCorner<6, 6>();
+    return covariance;
+  }
+
+  // How far the pose that the match was linearised at lies from the truth.
+  static double PositionError(const ScanMatch& match, const Rigid3d& truth) {
+    return (match.constraints.front().measurement.position - truth.translation).norm();
+  }
+
+  MapperOptions options_;
+  RoomWalk walk_{Eigen::Vector3d(0.4, -0.3, 0.0)};
+  ScanMatcher matcher_{walk_.rig(), false, options_.points, RoomWalk::kPeriod};
+};
+
+TEST_F(ScanMatchingTest, FindsTheScanWhereTheLocalMapHasIt) {
+  Remember(60);
+  const Rigid3d truth = walk_.WorldFromBody(walk_.now_ns());
+  const Trajectory predicted = Predicted(2.0 * kDegree, Eigen::Vector3d(0.06, -0.05, 0.0));
+  matcher_.Take(walk_.Take());
+  const ScanMatch before = matcher_.Match(predicted, 0, nullptr);
+  const ScanMatch match = matcher_.Register(predicted, Covariance(3.0 * kDegree, 0.1));
+  EXPECT_GT(match.num_near, before.num_near);
+  EXPECT_GT(match.NearShare(), 0.9);
+  EXPECT_LT(PositionError(match, truth), 0.02);
+  const Eigen::Quaterniond& rotation = match.constraints.front().measurement.world_from_body;
+  EXPECT_LT(rotation.angularDistance(truth.rotation), 0.5 * kDegree);
+}
+
+// Beyond the reach of the cells, one of the turns that are tried finds it.
+TEST_F(ScanMatchingTest, FindsALargeTurn) {
+  Remember(60);
+  const Rigid3d truth = walk_.WorldFromBody(walk_.now_ns());
+  const Trajectory predicted = Predicted(14.0 * kDegree, Eigen::Vector3d::Zero());
+  matcher_.Take(walk_.Take());
+  const ScanMatch match = matcher_.Register(predicted, Covariance(8.0 * kDegree, 0.05));
+  const Eigen::Quaterniond& rotation = match.constraints.front().measurement.world_from_body;
+  EXPECT_LT(rotation.angularDistance(truth.rotation), 1.0 * kDegree);
+}
+
+TEST_F(ScanMatchingTest, OnlyTheChosenBeamsCount) {
+  Remember(60);
+  const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
+  const Scan scan = walk_.Take();
+  matcher_.Take(scan);
+  BeamMask mask = matcher_.AllBeams();
+  EXPECT_EQ(matcher_.Match(truth, 0, &mask).num_points, matcher_.num_points());
+  for (size_t i = 0; i < scan.scan_lines.size(); ++i) {
+    matcher_.Exclude(
+        scan.scan_line_indices[i], 0, scan.scan_lines[i].num_beams() - 1, &mask);
+  }
+  EXPECT_EQ(matcher_.Match(truth, 0, &mask).num_points, 0);
+}
+
+TEST_F(ScanMatchingTest, ANewPlaceIsUnknown) {
+  matcher_.Take(walk_.Take());
+  EXPECT_EQ(matcher_.Match(Predicted(0.0, Eigen::Vector3d::Zero()), 0, nullptr).num_known, 0);
+}
+
+}  // namespace
+}  // namespace plumbline
