@@ -35,6 +35,8 @@ constexpr double kSmallStep = 1e-3;      // rad and m
 constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
 // One correction of the pose serves points of so short a time.
 constexpr int64_t kMaxSpanNs = 25'000'000;
+// The coarse levels take every so many-th point.
+constexpr size_t kCoarseStride = 3;
 // Every how many-th scan the local map forgets.
 constexpr int kForgetPeriod = 64;
 
@@ -326,7 +328,11 @@ void ScanMatcher::Remember(const Trajectory& trajectory) {
     const Eigen::Vector3d normal = placement.col(0).cross(placement.col(1));
     for (size_t i = 0; i < line.p_scanner.size(); ++i) {
       const Eigen::Vector3d p_world = motion.ToWorld(line.p_scanner[i], line.times_ns[i]);
-      for (LocalMap& map : maps_) map.Add(p_world, normal, scan_index_);
+      // Large cells fill with fewer points.
+      const size_t num_levels = i % kCoarseStride == 0 ? maps_.size() : 1;
+      for (size_t level = 0; level < num_levels; ++level) {
+        maps_[level].Add(p_world, normal, scan_index_);
+      }
     }
   }
   if (++scan_index_ % kForgetPeriod != 0) return;

@@ -317,6 +317,17 @@ BeamMask Tracker::BeamsOnNoPlane(int first_observation,
   return mask;
 }
 
+double Tracker::ShareOnNoPlane(int first_observation,
+                               int last_observation,
+                               int num_points) const {
+  int num_on_planes = 0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) num_on_planes += observation.num_points;
+  }
+  return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
+}
+
 std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_matcher) {
   ScanMatch match = scan_matcher.Register(
       state_->trajectory,
@@ -351,7 +362,6 @@ void Tracker::Track(int first_observation,
   PoseGaussian estimate;
   bool unsteady = false;
   std::vector<PoseConstraint> constraints;
-  double share_on_no_plane = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
     // By the prediction first, all segments together; once the poses are known, one by one,
     // unless they are known not to describe the motion.
@@ -375,17 +385,18 @@ void Tracker::Track(int first_observation,
       changed = !unsteady && Associate(first_observation, last_observation, landmarks);
     }
     if (!changed && round > 0) break;
-    if (scan_matcher != nullptr) {
+    if (by_points) {
       const BeamMask on_no_plane =
           BeamsOnNoPlane(first_observation, last_observation, *scan_matcher);
-      const ScanMatch match = scan_matcher->Match(state_->trajectory, 0, &on_no_plane);
-      share_on_no_plane = match.num_points / std::max(1.0, 1.0 * scan_matcher->num_points());
-      constraints.clear();
-      if (by_points) constraints = match.constraints;
+      constraints = scan_matcher->Match(state_->trajectory, 0, &on_no_plane).constraints;
     }
     estimate = Estimate(first_observation, last_observation, constraints);
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
   }
+  double share_on_no_plane =
+      scan_matcher == nullptr
+          ? 0.0
+          : ShareOnNoPlane(first_observation, last_observation, scan_matcher->num_points());
   if (by_points && !AgreesWithPoints(*scan_matcher, *by_points)) {
     // The planes would have the rig elsewhere: most of the scan says that they are others.
     for (int index = first_observation; index <= last_observation; ++index) {

@@ -68,6 +68,8 @@ class Tracker {
   std::optional<ScanMatch> EstimateByPoints(const ScanMatcher& scan_matcher);
   // Whether the points lie where the local map has them as nearly as by_points says.
   bool AgreesWithPoints(const ScanMatcher& scan_matcher, const ScanMatch& by_points) const;
+  // The share of the scan's points that are on no plane.
+  double ShareOnNoPlane(int first_observation, int last_observation, int num_points) const;
   // The beams of the scan that are on no plane, by scan line.
   BeamMask BeamsOnNoPlane(int first_observation,
                           int last_observation,
