@@ -40,18 +40,37 @@ void Print(const plumbline::Summary& summary) {
               summary.duration_s,
               summary.real_time_factor,
               plumbline::VerdictName(summary.consistency.verdict).c_str());
+}
+
+// Says of a map that must not be trusted that it must not.
+void Warn(const char* which) {
+  std::fflush(stdout);
+  std::fprintf(stderr,
+               "plumbline_map: %s was written, but it contradicts the scans it was made from: do "
+               "not trust it (the warnings say where and why)\n",
+               which);
+}
+
+// Prints what came out, and returns the exit code.
+int Report(const plumbline::Summary& summary) {
+  Print(summary);
+  int exit_code = 0;
   if (summary.consistency.verdict == plumbline::Verdict::kContradictory) {
-    std::fflush(stdout);
-    std::fprintf(stderr,
-                 "plumbline_map: the map was written, but it contradicts the scans it was made "
-                 "from: do not trust it (the warnings say where and why)\n");
+    Warn("the map");
+    exit_code = kContradictoryMap;
   }
+  for (const plumbline::PartSummary& part : summary.parts) {
+    if (part.folder == "." || part.verdict != plumbline::Verdict::kContradictory) continue;
+    Warn(part.folder.c_str());
+    exit_code = kContradictoryMap;
+  }
+  return exit_code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  auto verdict = plumbline::Verdict::kConsistent;
+  int verdict_code = 0;
   const int exit_code = plumbline::RunApp(
       argc,
       argv,
@@ -59,7 +78,7 @@ int main(int argc, char** argv) {
       "2D laser scanners",
       __FILE__,
       {"recording", "rig", "output"},
-      [&verdict] {
+      [&verdict_code] {
         plumbline::Progress progress("map");
         const plumbline::Summary summary = plumbline::RunMapJob(
             {FLAGS_recording,
@@ -69,9 +88,7 @@ int main(int argc, char** argv) {
              FLAGS_threads,
              plumbline::StopSignals()},
             [&](double share) { progress.Report(share); });
-        Print(summary);
-        verdict = summary.consistency.verdict;
+        verdict_code = Report(summary);
       });
-  const bool is_untrusted = verdict == plumbline::Verdict::kContradictory;
-  return exit_code == 0 && is_untrusted ? kContradictoryMap : exit_code;
+  return exit_code == 0 ? verdict_code : exit_code;
 }
