@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "core/association/association.h"
@@ -241,7 +242,24 @@ void ScanFollower::EndAtLastKnown() {
   RebuildLandmarks(rig_, state_.get());
 }
 
-void ScanFollower::FollowWhileKnown(const Scan& scan) {
+Scan ScanFollower::WithoutRepetitions(const Scan& scan) {
+  Scan kept = scan;
+  previous_ranges_.resize(rig_.scanners.size());
+  for (ScanLine& scan_line : kept.scan_lines) {
+    std::vector<float>& previous =
+        previous_ranges_[static_cast<size_t>(scan_line.scanner_index)];
+    const bool repeats = scan_line.ranges == previous;
+    previous = scan_line.ranges;
+    if (!repeats) continue;
+    std::fill(scan_line.ranges.begin(),
+              scan_line.ranges.end(),
+              std::numeric_limits<float>::infinity());
+  }
+  return kept;
+}
+
+void ScanFollower::FollowWhileKnown(const Scan& recorded) {
+  const Scan scan = WithoutRepetitions(recorded);
   state_->trajectory.ExtendTo(scan.end_ns);
   const int first = static_cast<int>(state_->observations.size());
   const int scan_index = static_cast<int>(scan_times_ns_.size());

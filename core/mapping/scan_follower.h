@@ -53,7 +53,10 @@ class ScanFollower {
   void EndAtLastKnown();
 
  private:
-  void FollowWhileKnown(const Scan& scan);
+  void FollowWhileKnown(const Scan& recorded);
+  // The scan without the ranges of scan lines that repeat their scanner's last one to the bit: a
+  // scanner that has frozen says that the rig stands still.
+  Scan WithoutRepetitions(const Scan& scan);
   // Finds the segments of a scan.
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
@@ -82,6 +85,7 @@ class ScanFollower {
   std::unique_ptr<Tracker> tracker_;
   std::unique_ptr<ScanMatcher> scan_matcher_;  // where points hold the pose
   std::vector<int64_t> scan_times_ns_;
+  std::vector<std::vector<float>> previous_ranges_;  // by scanner
   std::optional<SharedPoses> poses_;  // of the trajectory as the newest scan leaves it
   int64_t last_known_ns_ = 0;         // when the pose was last well determined
   size_t last_known_scan_ = 0;        // the scan that ended then

@@ -347,6 +347,26 @@ bool Tracker::AgreesWithPoints(const ScanMatcher& scan_matcher,
   return match.num_near > (1.0 - kMaxLoss) * by_points.num_near;
 }
 
+bool Tracker::AssociatePredicted(int first_observation,
+                                 int last_observation,
+                                 const LandmarksWithinGap& landmarks,
+                                 bool by_points,
+                                 bool* unsteady) {
+  const Association association =
+      AssociateJointly(first_observation, last_observation, landmarks, by_points);
+  for (const auto& [index, id] : association.chosen) {
+    state_->observations[static_cast<size_t>(index)].landmark_id = id;
+  }
+  double length_m = 0.0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    length_m += state_->observations[static_cast<size_t>(index)].length_m();
+  }
+  const double share = association.length_m / std::max(length_m, 1e-9);
+  *unsteady = association.unsteady || (!by_points && share < kSuddenDrop * usual_share_);
+  usual_share_ += kShareGain * (share - usual_share_);
+  return !association.chosen.empty();
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks,
@@ -367,20 +387,8 @@ void Tracker::Track(int first_observation,
     // unless they are known not to describe the motion.
     bool changed = false;
     if (round == 0) {
-      const Association association =
-          AssociateJointly(
-              first_observation, last_observation, landmarks, by_points.has_value());
-      for (const auto& [index, id] : association.chosen) {
-        state_->observations[static_cast<size_t>(index)].landmark_id = id;
-        changed = true;
-      }
-      double length_m = 0.0;
-      for (int index = first_observation; index <= last_observation; ++index) {
-        length_m += state_->observations[static_cast<size_t>(index)].length_m();
-      }
-      const double share = association.length_m / std::max(length_m, 1e-9);
-      unsteady = association.unsteady || (!by_points && share < kSuddenDrop * usual_share_);
-      usual_share_ += kShareGain * (share - usual_share_);
+      changed = AssociatePredicted(
+          first_observation, last_observation, landmarks, by_points.has_value(), &unsteady);
     } else {
       changed = !unsteady && Associate(first_observation, last_observation, landmarks);
     }

@@ -109,6 +109,13 @@ class Tracker {
                                int last_observation,
                                const LandmarksWithinGap& landmarks,
                                bool by_points) const;
+  // Gives the scan's observations the landmarks of AssociateJointly; false when there are none.
+  // Says whether the motion is unsteady, by how many they are.
+  bool AssociatePredicted(int first_observation,
+                          int last_observation,
+                          const LandmarksWithinGap& landmarks,
+                          bool by_points,
+                          bool* unsteady);
   // Finds the observations' landmarks one by one; true when any is another one than before.
   bool Associate(int first_observation,
                  int last_observation,

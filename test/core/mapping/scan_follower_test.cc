@@ -164,6 +164,25 @@ TEST_F(ScanFollowerTest, ReportsLossAfterTheLongestGap) {
   EXPECT_GT(SecondsBetween(last_seen_ns, walk_.now_ns()), options_.max_gap_s);
 }
 
+TEST_F(ScanFollowerTest, LeavesOutAScannerThatHasFrozen) {
+  Start(10);
+  const Scan frozen = walk_.Take();
+  follower_.Follow(frozen);
+  const int first = static_cast<int>(follower_.scan_times_ns().size());
+  for (int i = 0; i < 5; ++i) {
+    Scan scan = walk_.Take();
+    scan.scan_lines[1].ranges = frozen.scan_lines[1].ranges;
+    follower_.Follow(scan);
+  }
+  int num_of_others = 0;
+  for (const Observation& observation : follower_.state().observations) {
+    if (observation.scan_index < first) continue;
+    EXPECT_NE(observation.scanner_index, 1);
+    ++num_of_others;
+  }
+  EXPECT_GT(num_of_others, 10);
+}
+
 TEST_F(ScanFollowerTest, TakesBackWhatCameAfterTheLastKnownPose) {
   Start(20);
   for (;;) {
