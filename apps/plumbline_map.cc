@@ -33,22 +33,24 @@ namespace {
 constexpr int kContradictoryMap = 3;
 
 void Print(const plumbline::Summary& summary) {
-  std::printf("%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time, %s\n",
-              summary.scans,
-              summary.planes,
-              1e3 * summary.residual_rms_m,
-              summary.duration_s,
-              summary.real_time_factor,
-              plumbline::VerdictName(summary.consistency.verdict).c_str());
+  std::printf(
+      "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time, %s\n",
+      summary.scans,
+      summary.planes,
+      1e3 * summary.residual_rms_m,
+      summary.duration_s,
+      summary.real_time_factor,
+      plumbline::VerdictName(summary.consistency.verdict).c_str());
 }
 
 // Says of a map that must not be trusted that it must not.
 void Warn(const char* which) {
   std::fflush(stdout);
-  std::fprintf(stderr,
-               "plumbline_map: %s was written, but it contradicts the scans it was made from: do "
-               "not trust it (the warnings say where and why)\n",
-               which);
+  std::fprintf(
+      stderr,
+      "plumbline_map: %s was written, but it contradicts the scans it was made from: do "
+      "not trust it (the warnings say where and why)\n",
+      which);
 }
 
 // Prints what came out, and returns the exit code.
@@ -80,14 +82,14 @@ int main(int argc, char** argv) {
       {"recording", "rig", "output"},
       [&verdict_code] {
         plumbline::Progress progress("map");
-        const plumbline::Summary summary = plumbline::RunMapJob(
-            {FLAGS_recording,
-             FLAGS_rig,
-             FLAGS_config,
-             FLAGS_output,
-             FLAGS_threads,
-             plumbline::StopSignals()},
-            [&](double share) { progress.Report(share); });
+        const plumbline::Summary summary =
+            plumbline::RunMapJob({FLAGS_recording,
+                                  FLAGS_rig,
+                                  FLAGS_config,
+                                  FLAGS_output,
+                                  FLAGS_threads,
+                                  plumbline::StopSignals()},
+                                 [&](double share) { progress.Report(share); });
         verdict_code = Report(summary);
       });
   return exit_code == 0 ? verdict_code : exit_code;

@@ -171,7 +171,8 @@ void TentativePlanes::Start(const Observation& observation,
 
 bool TentativePlanes::HasAge(const TentativePlane& plane) const {
   const PatchExtent& extent = plane.landmark.extent;
-  if ((extent.max_corner() - extent.min_corner()).norm() > options_.planes.small_m) return true;
+  if ((extent.max_corner() - extent.min_corner()).norm() > options_.planes.small_m)
+    return true;
   return SecondsBetween(plane.first_time_ns, plane.last_time_ns) >
          options_.planes.min_age_of_small_s;
 }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <unordered_map>
 
-
 namespace plumbline {
 
 // A direction in which a cell says where its surface lies.
@@ -51,10 +50,10 @@ class LocalCell {
 // LocalMap holds what the scanners saw around the rig lately, plane or not: normal
 // distributions of the points in cubes (Magnusson 2009, "The three-dimensional
 // normal-distributions transform"), with two differences. A single scan line is thin across
-// its scan plane whatever it meets: a cell gives only the directions that its points determine,
-// across a patch that several sweeps have covered, or, for level scan planes, across a line or
-// around a post, taken to be upright. And a cell that has seen enough takes in no more points:
-// it would follow the drift of the poses that it is to hold.
+// its scan plane whatever it meets: a cell gives only the directions that its points
+// determine, across a patch that several sweeps have covered, or, for level scan planes,
+// across a line or around a post, taken to be upright. And a cell that has seen enough takes
+// in no more points: it would follow the drift of the poses that it is to hold.
 class LocalMap {
  public:
   LocalMap(double cell_m, bool planar);

@@ -155,8 +155,7 @@ void ScanMatcher::MatchLine(const Line& line,
                             const MotionVector& error,
                             PoseSampler* poses,
                             ScanMatch* match) const {
-  const double noise_m =
-      rig_.scanners[static_cast<size_t>(line.scanner_index)].range_noise_m;
+  const double noise_m = rig_.scanners[static_cast<size_t>(line.scanner_index)].range_noise_m;
   const double surface_stddev_m = options_.surface_stddev_m * (1 << level);
   const double surface_variance = surface_stddev_m * surface_stddev_m;
   const ScanMotion motion = MotionOf(line, poses);
@@ -207,8 +206,7 @@ void ScanMatcher::MatchLine(const Line& line,
   match->num_cells += num_cells;
   if (num_cells == 0) return;
   match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), repeated_weight_));
-  match->hessian +=
-      repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
+  match->hessian += repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
   match->gradient += repeated_weight_ * by_motion.transpose() * equations.gradient();
 }
 
@@ -227,12 +225,8 @@ ScanMatch ScanMatcher::MatchMoved(const Trajectory& trajectory,
   PoseSampler poses(trajectory);
   ScanMatch match;
   for (size_t i = 0; i < lines_.size(); ++i) {
-    MatchLine(lines_[i],
-              level,
-              chosen == nullptr ? nullptr : &(*chosen)[i],
-              error,
-              &poses,
-              &match);
+    MatchLine(
+        lines_[i], level, chosen == nullptr ? nullptr : &(*chosen)[i], error, &poses, &match);
   }
   return match;
 }
@@ -241,8 +235,8 @@ MotionVector ScanMatcher::BestTurn(const Trajectory& trajectory,
                                    const MotionMatrix& covariance) const {
   constexpr int kYawAtEnd = 8;
   const double variance = covariance(kYawAtEnd, kYawAtEnd);
-  const int num_steps = static_cast<int>(
-      std::min(kMaxTurn, kTurnSigmas * std::sqrt(variance)) / kTurnStep);
+  const int num_steps =
+      static_cast<int>(std::min(kMaxTurn, kTurnSigmas * std::sqrt(variance)) / kTurnStep);
   MotionVector best = MotionVector::Zero();
   if (num_steps == 0) return best;
   // What is to be expected of the whole motion where the heading at the end is off.
@@ -266,8 +260,7 @@ MotionVector ScanMatcher::Refine(const Trajectory& trajectory,
     for (int round = 0; round < kRoundsPerLevel; ++round) {
       const ScanMatch match = MatchMoved(trajectory, level, nullptr, error);
       const MotionMatrix hessian = match.hessian + information;
-      const MotionVector step =
-          hessian.ldlt().solve(-(match.gradient + information * error));
+      const MotionVector step = hessian.ldlt().solve(-(match.gradient + information * error));
       error += step;
       if (step.norm() < kSmallStep) break;
     }
@@ -305,8 +298,7 @@ int ScanMatcher::num_points() const {
 
 BeamMask ScanMatcher::AllBeams() const {
   BeamMask mask;
-  for (const Line& line : lines_)
-    mask.emplace_back(static_cast<size_t>(line.num_beams), true);
+  for (const Line& line : lines_) mask.emplace_back(static_cast<size_t>(line.num_beams), true);
   return mask;
 }
 

@@ -53,15 +53,15 @@ class ScanMatcher {
   // Matches them with the local map, from the trajectory's poses on: the normal equations of
   // one Gauss-Newton step. Each cell counts as one measurement, since its points share the
   // deviation of its surface, and repeats itself as long as the beams meet the same spot.
-  // level: of the cells' size, from 0, the finest, to kNumLevels - 1; each is twice as large as
-  // the one before it, and catches points from twice as far away. chosen: the beams to take;
-  // nullptr: all.
+  // level: of the cells' size, from 0, the finest, to kNumLevels - 1; each is twice as large
+  // as the one before it, and catches points from twice as far away. chosen: the beams to
+  // take; nullptr: all.
   ScanMatch Match(const Trajectory& trajectory, int level, const BeamMask* chosen) const {
     return MatchMoved(trajectory, level, chosen, MotionVector::Zero());
   }
-  // Moves the scan to where the local map has what it shows, from the trajectory's poses, whose
-  // error has this covariance: first by the likeliest of several turns, then from coarse cells
-  // to fine ones. Returns the match there.
+  // Moves the scan to where the local map has what it shows, from the trajectory's poses,
+  // whose error has this covariance: first by the likeliest of several turns, then from coarse
+  // cells to fine ones. Returns the match there.
   ScanMatch Register(const Trajectory& trajectory, const MotionMatrix& covariance) const;
   // The instants of the scan's first and last point; there has to be a point.
   int64_t begin_ns() const { return begin_ns_; }
@@ -72,7 +72,8 @@ class ScanMatcher {
   int num_points() const;  // of the newest scan
   // A mask of all beams of the scan.
   BeamMask AllBeams() const;
-  // Takes the beams first .. last of a scan line, by its index in the recording, out of a mask.
+  // Takes the beams first .. last of a scan line, by its index in the recording, out of a
+  // mask.
   void Exclude(int scan_line_index, int first_beam, int last_beam, BeamMask* mask) const;
 
  private:
@@ -82,7 +83,7 @@ class ScanMatcher {
     int scanner_index = 0;
     int scan_line_index = 0;  // in the recording
     int num_beams = 0;
-    std::vector<int> beams;  // that have a return
+    std::vector<int> beams;                  // that have a return
     std::vector<Eigen::Vector2d> p_scanner;  // m
     std::vector<int64_t> times_ns;
     int64_t middle_ns() const { return times_ns.front() / 2 + times_ns.back() / 2; }

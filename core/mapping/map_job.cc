@@ -179,16 +179,34 @@ Summary WriteResult(const Rig& rig,
   return summary;
 }
 
-// Says where there is less space than a map is likely to take: its points are about seven times
-// as large as a recording that is not packed.
+// Says where there is less space than a map is likely to take: its points are about seven
+// times as large as a recording that is not packed.
 void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
   constexpr uintmax_t kBytesPerRecordedByte = 7;
   std::error_code error;
   const uintmax_t recorded = std::filesystem::file_size(job.recording, error);
   const uintmax_t free = output.FreeSpace();
   if (error || free / kBytesPerRecordedByte >= recorded) return;
-  LOG(WARNING) << job.output << ": only " << free / 1'000'000 << " MB are free; the map may need "
+  LOG(WARNING) << job.output << ": only " << free / 1'000'000
+               << " MB are free; the map may need "
                << recorded * kBytesPerRecordedByte / 1'000'000 << " MB";
+}
+
+// Adds the stages of all parts, those of the longest first: what has the same name is added
+// up.
+void AddStages(const std::vector<MapResult>& parts, size_t longest, Summary* summary) {
+  const auto add = [&](const MapResult& part) {
+    summary->stages.insert(summary->stages.end(), part.stages.begin(), part.stages.end());
+  };
+  add(parts[longest]);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (i != longest) add(parts[i]);
+  }
+}
+
+MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
+  const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
+  return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
 }
 
 // Runs the job on the threads of the caller's arena.
@@ -199,9 +217,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Stopwatch judging_watch;
   auto total = std::make_unique<Stopwatch::Running>(&total_watch);
   const Rig rig = ReadRig(job.rig);
-  const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
-  const MapperOptions options =
-      job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
+  const MapperOptions options = OptionsOf(job, rig);
   // Before the work, so that an output that can not be written shows first.
   ResultDirectory output(job.output);
   auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
@@ -233,7 +249,8 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
         options,
         parts[i],
         [&](double share) {
-          const double done = (static_cast<double>(i) + share) / static_cast<double>(parts.size());
+          const double done =
+              (static_cast<double>(i) + share) / static_cast<double>(parts.size());
           progress(kMappingShare + (1.0 - kMappingShare) * done);
         },
         &recording,
@@ -252,13 +269,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   Summary& summary = summaries[longest];
   if (parts.size() > 1) summary.parts = part_summaries;
   summary.stages.emplace_back("reading", reading_watch.seconds());
-  const auto& stages = parts[longest].stages;
-  summary.stages.insert(summary.stages.end(), stages.begin(), stages.end());
-  for (size_t i = 0; i < parts.size(); ++i) {  // stages of the same name are added up
-    if (i != longest)
-      summary.stages.insert(
-          summary.stages.end(), parts[i].stages.begin(), parts[i].stages.end());
-  }
+  AddStages(parts, longest, &summary);
   summary.stages.emplace_back("writing", writing_watch.seconds() - judging_watch.seconds());
   summary.stages.emplace_back("judging", judging_watch.seconds());
   summary.stages.emplace_back("total", total_watch.seconds());

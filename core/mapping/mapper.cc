@@ -227,8 +227,8 @@ size_t LongestPart(const std::vector<MapResult>& parts) {
   const auto has_less_scans = [](const MapResult& a, const MapResult& b) {
     return a.scan_times_ns.size() < b.scan_times_ns.size();
   };
-  return static_cast<size_t>(
-      std::max_element(parts.begin(), parts.end(), has_less_scans) - parts.begin());
+  return static_cast<size_t>(std::max_element(parts.begin(), parts.end(), has_less_scans) -
+                             parts.begin());
 }
 
 std::vector<MapResult> MapRecording(const Rig& rig,
@@ -262,7 +262,8 @@ std::vector<MapResult> MapRecording(const Rig& rig,
           planar,
           options,
           [&](double share) {
-            const double done = (static_cast<double>(i) + share) / static_cast<double>(parts.size());
+            const double done =
+                (static_cast<double>(i) + share) / static_cast<double>(parts.size());
             progress(kFollowingShare + (1.0 - kFollowingShare) * done);
           },
           recording,

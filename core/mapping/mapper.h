@@ -24,7 +24,7 @@ struct MapResult {
 
   MapState state;
   bool planar = false;
-  double start_s = 0.0;   // of the mapped time, since the recording's start
+  double start_s = 0.0;  // of the mapped time, since the recording's start
   double end_s = 0.0;
   std::string ended_by;  // a sentence where the map ends before the recording; else empty
   std::vector<int64_t> scan_times_ns;            // instant of each mapped scan
@@ -42,9 +42,9 @@ struct MapResult {
 //
 // Where the rig is lost, or no scan comes for longer than the motion can be followed across,
 // the map ends, and another part with a model frame of its own starts where the scans allow.
-// Returns the parts in the order of time, at least one. stop, if given, is asked at every scan:
-// once it says true, the recording is not followed any farther. Throws Error when there is no
-// part.
+// Returns the parts in the order of time, at least one. stop, if given, is asked at every
+// scan: once it says true, the recording is not followed any farther. Throws Error when there
+// is no part.
 std::vector<MapResult> MapRecording(const Rig& rig,
                                     const MapperOptions& options,
                                     const ProgressCallback& progress,

@@ -54,8 +54,8 @@ class ScanFollower {
 
  private:
   void FollowWhileKnown(const Scan& recorded);
-  // The scan without the ranges of scan lines that repeat their scanner's last one to the bit: a
-  // scanner that has frozen says that the rig stands still.
+  // The scan without the ranges of scan lines that repeat their scanner's last one to the bit:
+  // a scanner that has frozen says that the rig stands still.
   Scan WithoutRepetitions(const Scan& scan);
   // Finds the segments of a scan.
   std::vector<Observation> Observe(const Scan& scan);

@@ -217,11 +217,11 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
     if (best.length_m >= regime.max_length_share * total_length) break;
     // The points have shown how the rig moved.
     if (by_points && regime.scale > 0.0) break;
-    Association association = ChooseUnder(
-        by_points ? PointsCovariance()
-                  : Matrix6d(regime.scale * regime.scale * UnsteadyCovariance()),
-        order,
-        landmarks);
+    Association association =
+        ChooseUnder(by_points ? PointsCovariance()
+                              : Matrix6d(regime.scale * regime.scale * UnsteadyCovariance()),
+                    order,
+                    landmarks);
     if (association.length_m < regime.min_length_share * total_length) continue;
     const double cost = association.cost - 2.0 * std::log(regime.share);
     if (cost >= best_cost) continue;

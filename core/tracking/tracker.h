@@ -30,7 +30,8 @@ class Tracker {
 
   // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.
-  // scan_matcher: with the scan's points, if they are to hold the pose as well; nullptr if not.
+  // scan_matcher: with the scan's points, if they are to hold the pose as well; nullptr if
+  // not.
   void Track(int first_observation,
              int last_observation,
              const LandmarksWithinGap& landmarks,
@@ -109,8 +110,8 @@ class Tracker {
                                int last_observation,
                                const LandmarksWithinGap& landmarks,
                                bool by_points) const;
-  // Gives the scan's observations the landmarks of AssociateJointly; false when there are none.
-  // Says whether the motion is unsteady, by how many they are.
+  // Gives the scan's observations the landmarks of AssociateJointly; false when there are
+  // none. Says whether the motion is unsteady, by how many they are.
   bool AssociatePredicted(int first_observation,
                           int last_observation,
                           const LandmarksWithinGap& landmarks,
@@ -133,7 +134,7 @@ class Tracker {
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
   bool needs_points_ = false;   // too few of the last scan's points are on planes
   double usual_share_on_no_plane_ = 0.0;
-  double usual_share_ = 1.0;    // of a scan's segments, by length, that find their planes
+  double usual_share_ = 1.0;  // of a scan's segments, by length, that find their planes
 };
 
 }  // namespace plumbline

@@ -319,11 +319,6 @@ void Window::Marginalise(int new_start) {
   }
   leaving.AddSegments(gone, options_.association.huber_width, &groups_);
   AddPoseConstraints(new_start, &leaving);
-  while (first_constraint_ < state_->pose_constraints.size() &&
-         state_->trajectory.Locate(state_->pose_constraints[first_constraint_].time_ns).first <
-             new_start) {
-    ++first_constraint_;
-  }
   NormalEquations added = LineariseDense(leaving, leaving.Layout());
   EquationsToAnchored(state_->landmarks, &added);
   groups_.ForgetBefore(new_start);
@@ -374,7 +369,16 @@ void Window::Marginalise(int new_start) {
   past.hessian = rest->hessian();
   past.gradient = rest->gradient();
   window_ = std::move(staying);
+  MoveStart(new_start);
+}
+
+void Window::MoveStart(int new_start) {
   start_ = new_start;
+  const std::deque<PoseConstraint>& constraints = state_->pose_constraints;
+  while (first_constraint_ < constraints.size() &&
+         state_->trajectory.Locate(constraints[first_constraint_].time_ns).first < start_) {
+    ++first_constraint_;
+  }
 }
 
 void Window::MergeLandmarks(int into, int from) {

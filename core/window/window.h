@@ -98,6 +98,8 @@ class Window {
   PoseGaussian NewestPoses(const NormalEquations& equations, int newest) const;
   void KeepEstimate(const NormalEquations& equations, int newest, int64_t now_ns);
   void Marginalise(int new_start);
+  // Begins the window with this control point, and leaves behind the constraints before it.
+  void MoveStart(int new_start);
 
   const Rig& rig_;
   bool planar_;

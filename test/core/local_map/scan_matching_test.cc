@@ -89,8 +89,7 @@ TEST_F(ScanMatchingTest, OnlyTheChosenBeamsCount) {
   BeamMask mask = matcher_.AllBeams();
   EXPECT_EQ(matcher_.Match(truth, 0, &mask).num_points, matcher_.num_points());
   for (size_t i = 0; i < scan.scan_lines.size(); ++i) {
-    matcher_.Exclude(
-        scan.scan_line_indices[i], 0, scan.scan_lines[i].num_beams() - 1, &mask);
+    matcher_.Exclude(scan.scan_line_indices[i], 0, scan.scan_lines[i].num_beams() - 1, &mask);
   }
   EXPECT_EQ(matcher_.Match(truth, 0, &mask).num_points, 0);
 }
