@@ -23,6 +23,10 @@ constexpr double kRounding = 1e-6;    // m, of the distances computed
 // The mean squared deviation of a landmark's segments, where two is expected, is at most this:
 // planes have 0.9 to 3.7, oblique false planes 4 to 18.
 constexpr double kMaxMeanDeviation = 4.0;
+// The sine of the angle at which a scan plane cuts a plane that its beams can hit. A scan plane
+// that runs along a wall, as an upright one in a doorway, holds other surfaces' segments: all
+// of them would lie on the wall.
+constexpr double kMinCuttingSine = 0.1;
 
 // The centroid on the straight line between the ends, where they were measured.
 Eigen::Vector3d CentroidWorld(const Observation& observation,
@@ -168,6 +172,8 @@ void VisitHypotheses(const Observation& observation,
   const Eigen::Vector3d end_world =
       poses.motion.ToWorld(observation.end(), observation.end_time_ns());
   const Eigen::Vector3d centroid_world = CentroidWorld(observation, start_world, end_world);
+  const Eigen::Vector3d scan_normal =
+      poses.world_from_scanner.rotation * Eigen::Vector3d::UnitZ();
   const double pose_variance = MaxVariance(
       pose_covariance, (centroid_world - poses.world_from_body.translation).squaredNorm());
   const Eigen::Matrix2d flatness =
@@ -178,6 +184,9 @@ void VisitHypotheses(const Observation& observation,
   const double gate = TwoDegreesQuantile(options.significance);
   for (const LandmarkView& view : views) {
     if (view.SignedDistance(scanner_world) <= 0.0) continue;
+    if (scan_normal.cross(view.normal).squaredNorm() < kMinCuttingSine * kMinCuttingSine) {
+      continue;
+    }
     // Cheap first: a distance that no covariance can explain.
     const double offset = view.SignedDistance(centroid_world);
     const double max_variance = own_variance + view.DistanceVariance(centroid_world);
