@@ -170,9 +170,11 @@ void TentativePlanes::Start(const Observation& observation,
 }
 
 bool TentativePlanes::HasAge(const TentativePlane& plane) const {
+  // Somebody who walks is as high as a wall piece, but not as wide.
   const PatchExtent& extent = plane.landmark.extent;
-  if ((extent.max_corner() - extent.min_corner()).norm() > options_.planes.small_m)
-    return true;
+  const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
+  const bool is_vertical = plane.landmark.model == PlaneModel::kVertical;
+  if ((is_vertical ? sides.x() : sides.norm()) > options_.planes.small_m) return true;
   return SecondsBetween(plane.first_time_ns, plane.last_time_ns) >
          options_.planes.min_age_of_small_s;
 }

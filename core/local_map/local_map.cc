@@ -69,7 +69,8 @@ void LocalCell::Determine(bool planar, double cell_m) {
   take(solver.eigenvectors().col(0), std::max(0.0, spread[0]));
 }
 
-LocalMap::LocalMap(double cell_m, bool planar) : cell_m_(cell_m), planar_(planar) {}
+LocalMap::LocalMap(double cell_m, bool planar, int min_age_scans)
+    : cell_m_(cell_m), planar_(planar), min_age_scans_(min_age_scans) {}
 
 LocalMap::Key LocalMap::KeyOf(const Eigen::Vector3d& p_world) const {
   Key key = 0;
@@ -91,9 +92,11 @@ Eigen::Vector3d LocalMap::CentreOf(Key key) const {
 
 void LocalMap::Add(const Eigen::Vector3d& p_world,
                    const Eigen::Vector3d& scan_normal,
-                   int scan_index) {
+                   int scan_index,
+                   bool may_found) {
   const Key key = KeyOf(p_world);
   auto it = cells_.find(key);
+  if (it == cells_.end() && !may_found) return;
   if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
   LocalCell& cell = it->second;
   if (cell.num_points_ >= kEnoughPoints && cell.num_determined_ > 0) {
@@ -110,8 +113,9 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
 
 const LocalCell* LocalMap::Find(const Eigen::Vector3d& p_world) const {
   const auto it = cells_.find(KeyOf(p_world));
-  if (it == cells_.end() || it->second.num_determined_ == 0) return nullptr;
-  return &it->second;
+  if (it == cells_.end()) return nullptr;
+  const LocalCell& cell = it->second;
+  return cell.num_determined_ > 0 && cell.age_scans() >= min_age_scans_ ? &cell : nullptr;
 }
 
 void LocalMap::ForgetBefore(int scan_index) {

@@ -22,6 +22,7 @@ class LocalCell {
 
   int num_points() const { return num_points_; }
   int last_scan() const { return last_scan_; }
+  int age_scans() const { return last_scan_ - first_scan_; }
   void Touch(int scan_index) { last_scan_ = scan_index; }
   Eigen::Vector3d Mean() const { return centre_ + sum_ / num_points_; }
   // The directions that the points determine: at most two.
@@ -56,11 +57,17 @@ class LocalCell {
 // in no more points: it would follow the drift of the poses that it is to hold.
 class LocalMap {
  public:
-  LocalMap(double cell_m, bool planar);
+  // min_age_scans: a cell says nothing before it has been seen over so many scans: what
+  // somebody who walks along with the rig leaves behind is no place.
+  LocalMap(double cell_m, bool planar, int min_age_scans);
 
   // Adds a point that a scanner with this scan plane normal saw. Points of one scan come
-  // together; scan_index never decreases.
-  void Add(const Eigen::Vector3d& p_world, const Eigen::Vector3d& scan_normal, int scan_index);
+  // together; scan_index never decreases. may_found: whether
+  // it may be the first of its cell.
+  void Add(const Eigen::Vector3d& p_world,
+           const Eigen::Vector3d& scan_normal,
+           int scan_index,
+           bool may_found);
   // The cell of a point, or nullptr where too little was seen.
   const LocalCell* Find(const Eigen::Vector3d& p_world) const;
   // Forgets the cells that were not seen since this scan.
@@ -74,6 +81,7 @@ class LocalMap {
 
   double cell_m_;
   bool planar_;
+  int min_age_scans_;
   std::unordered_map<Key, LocalCell> cells_;
 };
 

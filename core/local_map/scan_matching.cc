@@ -37,8 +37,21 @@ constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
 constexpr int64_t kMaxSpanNs = 25'000'000;
 // The coarse levels take every so many-th point.
 constexpr size_t kCoarseStride = 3;
-// Every how many-th scan the local map forgets.
-constexpr int kForgetPeriod = 64;
+// Side of the cells that tell what moves: half of what a person is wide. Points lie off by up
+// to the margin for the noise and the prediction of the poses.
+constexpr double kOccupancyCell = 0.2;  // m
+constexpr double kMovingMargin = 0.1;   // m
+// Where less than this share of a scan moves, the scans of the next moment are not looked at.
+constexpr double kStillShare = 0.01;
+constexpr double kStillTime = 0.1;  // s
+// With a larger share of the points in the way, the pose is wrong.
+constexpr double kMaxMovingShare = 0.4;
+// So many beams a scan line are traced through the cells, and not in every scan: somebody who
+// walks has hardly moved.
+constexpr size_t kTracedBeams = 60;
+constexpr double kTracePeriod = 0.05;  // s
+// The local map forgets at these intervals.
+constexpr double kForgetPeriod = 5.0;  // s
 
 // Collects the normal equations of a pose's error: rotation (rad, world frame), position (m).
 class PoseEquations {
@@ -90,6 +103,11 @@ struct CellPoints {
   int num = 0;
 };
 
+// At least one.
+int NumScans(double duration_s, double scan_period_s) {
+  return std::max(1, static_cast<int>(duration_s / std::max(1e-3, scan_period_s)));
+}
+
 }  // namespace
 
 ScanMatcher::ScanMatcher(const Rig& rig,
@@ -99,10 +117,16 @@ ScanMatcher::ScanMatcher(const Rig& rig,
     : rig_(rig),
       options_(options),
       repeated_weight_(std::min(1.0, scan_period_s / kRepeatTime)),
-      max_age_scans_(static_cast<int>(options.max_age_s / std::max(1e-3, scan_period_s))),
-      maps_() {
+      max_age_scans_(NumScans(options.max_age_s, scan_period_s)),
+      forget_period_scans_(NumScans(kForgetPeriod, scan_period_s)),
+      trace_period_scans_(NumScans(kTracePeriod, scan_period_s)),
+      still_scans_(NumScans(kStillTime, scan_period_s)),
+      maps_(),
+      occupancy_(kOccupancyCell) {
   for (int level = 0; level < kNumLevels; ++level) {
-    maps_.emplace_back(options.cell_m * (1 << level), planar);
+    maps_.emplace_back(options.cell_m * (1 << level),
+                       planar,
+                       static_cast<int>(options.min_age_s / std::max(1e-3, scan_period_s)));
   }
 }
 
@@ -190,6 +214,7 @@ void ScanMatcher::MatchLine(const Line& line,
     ++num_cells;
   };
   for (size_t i = 0; i < line.p_scanner.size(); ++i) {
+    if (line.Moves(i)) continue;
     if (chosen != nullptr && !(*chosen)[static_cast<size_t>(line.beams[i])]) continue;
     const Eigen::Vector3d p_world =
         turn * motion.ToWorld(line.p_scanner[i], line.times_ns[i]) + correction.translation;
@@ -292,8 +317,48 @@ ScanMatch ScanMatcher::Register(const Trajectory& trajectory,
 
 int ScanMatcher::num_points() const {
   int num = 0;
-  for (const Line& line : lines_) num += static_cast<int>(line.beams.size());
+  for (const Line& line : lines_) {
+    num += static_cast<int>(line.beams.size()) -
+           static_cast<int>(std::count(line.moves.begin(), line.moves.end(), true));
+  }
   return num;
+}
+
+void ScanMatcher::LeaveOutMoving(const Trajectory& trajectory) {
+  if (!options_.leave_out_moving || scan_index_ < next_check_scan_) return;
+  PoseSampler poses(trajectory);
+  size_t num_points = 0;
+  size_t num_moving = 0;
+  for (Line& line : lines_) {
+    const ScanMotion motion = MotionOf(line, &poses);
+    line.moves.assign(line.p_scanner.size(), false);
+    for (size_t i = 0; i < line.p_scanner.size(); ++i) {
+      const Eigen::Vector3d p_world = motion.ToWorld(line.p_scanner[i], line.times_ns[i]);
+      if (!occupancy_.IsEmpty(p_world, kMovingMargin)) continue;
+      line.moves[i] = true;
+      ++num_moving;
+    }
+    num_points += line.p_scanner.size();
+  }
+  const double share =
+      static_cast<double>(num_moving) / std::max(1.0, static_cast<double>(num_points));
+  if (share < kStillShare) next_check_scan_ = scan_index_ + still_scans_;
+  if (share <= kMaxMovingShare) return;
+  for (Line& line : lines_) line.moves.clear();
+}
+
+bool ScanMatcher::IsMoving(int scan_line_index, int first_beam, int last_beam) const {
+  int num_points = 0;
+  int num_moving = 0;
+  for (const Line& line : lines_) {
+    if (line.scan_line_index != scan_line_index || line.moves.empty()) continue;
+    const auto first = std::lower_bound(line.beams.begin(), line.beams.end(), first_beam);
+    for (auto beam = first; beam != line.beams.end() && *beam <= last_beam; ++beam) {
+      ++num_points;
+      if (line.moves[static_cast<size_t>(beam - line.beams.begin())]) ++num_moving;
+    }
+  }
+  return 2 * num_moving > num_points;
 }
 
 BeamMask ScanMatcher::AllBeams() const {
@@ -312,23 +377,33 @@ void ScanMatcher::Exclude(int scan_line_index,
   }
 }
 
-void ScanMatcher::Remember(const Trajectory& trajectory) {
+void ScanMatcher::Remember(const Trajectory& trajectory, bool may_found) {
   PoseSampler poses(trajectory);
+  const bool traces = options_.leave_out_moving && scan_index_ % trace_period_scans_ == 0;
   for (const Line& line : lines_) {
     const ScanMotion motion = MotionOf(line, &poses);
     const Eigen::Matrix3d placement = motion.nodes()[1];
     const Eigen::Vector3d normal = placement.col(0).cross(placement.col(1));
+    const size_t stride = std::max<size_t>(1, line.beams.size() / kTracedBeams);
+    const Eigen::Vector3d from_world = motion.nodes()[1].col(2);
     for (size_t i = 0; i < line.p_scanner.size(); ++i) {
       const Eigen::Vector3d p_world = motion.ToWorld(line.p_scanner[i], line.times_ns[i]);
+      const bool moves = line.Moves(i);
+      if (traces &&
+          (i + static_cast<size_t>(scan_index_ / trace_period_scans_)) % stride == 0) {
+        occupancy_.AddBeam(from_world, p_world, !moves, scan_index_);
+      }
+      if (moves) continue;
       // Large cells fill with fewer points.
       const size_t num_levels = i % kCoarseStride == 0 ? maps_.size() : 1;
       for (size_t level = 0; level < num_levels; ++level) {
-        maps_[level].Add(p_world, normal, scan_index_);
+        maps_[level].Add(p_world, normal, scan_index_, may_found);
       }
     }
   }
-  if (++scan_index_ % kForgetPeriod != 0) return;
+  if (++scan_index_ % forget_period_scans_ != 0) return;
   for (LocalMap& map : maps_) map.ForgetBefore(scan_index_ - max_age_scans_);
+  occupancy_.ForgetBefore(scan_index_ - max_age_scans_);
 }
 
 }  // namespace plumbline

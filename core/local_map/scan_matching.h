@@ -8,6 +8,7 @@
 #include "core/geometry/rigid3.h"
 #include "core/geometry/scan_plane_motion.h"
 #include "core/local_map/local_map.h"
+#include "core/local_map/occupancy_grid.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_reader.h"
@@ -50,6 +51,12 @@ class ScanMatcher {
 
   // Takes the points of the newest scan.
   void Take(const Scan& scan);
+  // Finds the points that lie, by the trajectory's poses, where beams passed before: they
+  // move, and neither Match nor the local map takes them. None where these would be most of
+  // the scan: it is then the rig that is elsewhere.
+  void LeaveOutMoving(const Trajectory& trajectory);
+  // Whether most points of these beams of a scan line, by its index in the recording, move.
+  bool IsMoving(int scan_line_index, int first_beam, int last_beam) const;
   // Matches them with the local map, from the trajectory's poses on: the normal equations of
   // one Gauss-Newton step. Each cell counts as one measurement, since its points share the
   // deviation of its surface, and repeats itself as long as the beams meet the same spot.
@@ -66,10 +73,11 @@ class ScanMatcher {
   // The instants of the scan's first and last point; there has to be a point.
   int64_t begin_ns() const { return begin_ns_; }
   int64_t end_ns() const { return end_ns_; }
-  // Adds the points to the local map, by the trajectory as it is now.
-  void Remember(const Trajectory& trajectory);
+  // Adds the points to the local map, by the trajectory as it is now. may_found: whether they
+  // may found cells, or only add to those that there are.
+  void Remember(const Trajectory& trajectory, bool may_found);
 
-  int num_points() const;  // of the newest scan
+  int num_points() const;  // of the newest scan, without those that move
   // A mask of all beams of the scan.
   BeamMask AllBeams() const;
   // Takes the beams first .. last of a scan line, by its index in the recording, out of a
@@ -86,6 +94,8 @@ class ScanMatcher {
     std::vector<int> beams;                  // that have a return
     std::vector<Eigen::Vector2d> p_scanner;  // m
     std::vector<int64_t> times_ns;
+    std::vector<bool> moves;  // empty: none does
+    bool Moves(size_t i) const { return !moves.empty() && moves[i]; }
     int64_t middle_ns() const { return times_ns.front() / 2 + times_ns.back() / 2; }
   };
 
@@ -115,11 +125,16 @@ class ScanMatcher {
   PointOptions options_;
   double repeated_weight_;
   int max_age_scans_;
+  int forget_period_scans_;
+  int trace_period_scans_;
+  int still_scans_;
   std::vector<LocalMap> maps_;  // by level
+  OccupancyGrid occupancy_;
   std::vector<Line> lines_;
   int64_t begin_ns_ = 0;  // of the newest scan's points
   int64_t end_ns_ = 0;
   int scan_index_ = 0;
+  int next_check_scan_ = 0;  // for what moves
 };
 
 }  // namespace plumbline

@@ -24,6 +24,18 @@
 #include "core/visibility/resegmentation.h"
 
 namespace plumbline {
+namespace {
+
+// From scan to scan the rig's position is known to this even while nothing determines it.
+constexpr double kMaxRelativeStddev = 0.05;  // m
+
+// What a pose's covariance leaves for planes that were seen in the last scans.
+Matrix6d Relative(const Matrix6d& covariance) {
+  const double variance = covariance.bottomRightCorner<3, 3>().trace();
+  return covariance * std::min(1.0, kMaxRelativeStddev * kMaxRelativeStddev / variance);
+}
+
+}  // namespace
 
 ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
   ScannerMotion motion;
@@ -91,7 +103,7 @@ bool ScanFollower::Start(const Scan& scan) {
     scan_matcher_ =
         std::make_unique<ScanMatcher>(rig_, planar_, options_.points, scan_period_s_);
     scan_matcher_->Take(scan);
-    scan_matcher_->Remember(state_->trajectory);
+    scan_matcher_->Remember(state_->trajectory, true);
   }
   scan_times_ns_.push_back(scan.start_ns);
   last_known_ns_ = scan.end_ns;
@@ -263,17 +275,26 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   state_->trajectory.ExtendTo(scan.end_ns);
   const int first = static_cast<int>(state_->observations.size());
   const int scan_index = static_cast<int>(scan_times_ns_.size());
+  if (scan_matcher_ != nullptr) {
+    scan_matcher_->Take(scan);
+    scan_matcher_->LeaveOutMoving(state_->trajectory);
+  }
   for (Observation& observation : Observe(scan)) {
+    if (scan_matcher_ != nullptr &&
+        scan_matcher_->IsMoving(
+            observation.scan_line_index, observation.first_beam, observation.last_beam)) {
+      continue;
+    }
     state_->observations.push_back(std::move(observation));
   }
   scan_times_ns_.push_back(scan.start_ns);
   const int last = static_cast<int>(state_->observations.size()) - 1;
-  if (scan_matcher_ != nullptr) scan_matcher_->Take(scan);
   tracker_->Track(first,
                   last,
                   {state_->landmarks, scan_index, options_.loop_closure},
                   scan_matcher_.get());
-  if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory);
+  const bool may_found = !tracker_->IsUndecided(scan.end_ns);
+  if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory, may_found);
   CheckNotLost(scan.end_ns);
   // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
   if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
@@ -291,14 +312,14 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
       Judge(observation);
       Accept(index, true);
     } else if (observation.num_points > 0) {  // has beams left
-      tentative_planes_.Offer(
-          observation,
-          index,
-          poses_->Of(observation),
-          tracker_->pose_uncertainty().At(state_->trajectory, observation.middle_time_ns()));
+      tentative_planes_.Offer(observation,
+                              index,
+                              poses_->Of(observation),
+                              Relative(tracker_->pose_uncertainty().At(
+                                  state_->trajectory, observation.middle_time_ns())));
     }
   }
-  StartPlanes(options_.planes.min_scans);
+  if (may_found) StartPlanes(options_.planes.min_scans);
   tentative_planes_.DropStale(scan.end_ns);
   const int step =
       tracker_->FollowsWell(scan.end_ns) ? options_.window.knot_intervals_per_step : 1;

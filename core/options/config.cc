@@ -50,6 +50,7 @@ void Visit(Options& o, Visitor& v) {
   });
   v.Section("tracking", [&](auto& s) {
     s.Number("min_part_s", o.tracking.min_part_s, 0.0, 1e6);
+    s.Number("max_undecided_s", o.tracking.max_undecided_s, 0.0, 1000.0);
     s.Number("max_start_search_s", o.tracking.max_start_search_s, 0.0, 1e6);
     s.Number("lost_position_m", o.tracking.lost_position_m, 1e-3, 100.0);
     s.Number("lost_rotation_deg", o.tracking.lost_rotation_deg, 1e-2, 180.0);
@@ -67,6 +68,8 @@ void Visit(Options& o, Visitor& v) {
     s.Flag("hold_pose", o.points.hold_pose);
     s.Number("cell_m", o.points.cell_m, 0.02, 10.0);
     s.Number("surface_stddev_m", o.points.surface_stddev_m, 0.0005, 1.0);
+    s.Number("min_age_s", o.points.min_age_s, 0.0, 1000.0);
+    s.Flag("leave_out_moving", o.points.leave_out_moving);
     s.Number("max_age_s", o.points.max_age_s, 0.1, 1e6);
   });
   v.Section("loop_closure", [&](auto& s) {

@@ -76,6 +76,9 @@ struct TrackingOptions {
   // for longer than max_gap_s. [0.001, 100] and [0.01, 180]
   double lost_position_m = 0.5;
   double lost_rotation_deg = 10.0;
+  // Where walls leave the position open, what else is seen founds no planes for so long: it
+  // may move. [0, 1000]
+  double max_undecided_s = 2.0;
   // Where the rig was lost, what was followed for less than this is left out. [0, 1e6]
   double min_part_s = 2.0;
 };
@@ -89,6 +92,10 @@ struct PointOptions {
   // Standard deviation of what a cell says of where its surface lies, the same for all beams
   // that meet it: unevenness, and errors of the poses that made the map. [0.0005, 1]
   double surface_stddev_m = 0.02;
+  // A cell counts once it has been seen for so long. [0, 1000]
+  double min_age_s = 0.5;
+  // Whether points are left out that lie where beams passed before: people, doors.
+  bool leave_out_moving = true;
   // The local map forgets what was not seen for so long. [0.1, 1e6]
   double max_age_s = 20.0;
 };

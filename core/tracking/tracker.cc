@@ -15,6 +15,7 @@
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/util/error.h"
+#include "core/util/time.h"
 #include "factors/linear_algebra/symmetric_inverse.h"
 
 namespace plumbline {
@@ -328,6 +329,10 @@ double Tracker::ShareOnNoPlane(int first_observation,
   return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
 }
 
+bool Tracker::IsUndecided(int64_t now_ns) const {
+  return is_open_ && SecondsBetween(last_held_ns_, now_ns) < options_.tracking.max_undecided_s;
+}
+
 std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_matcher) {
   ScanMatch match = scan_matcher.Register(
       state_->trajectory,
@@ -379,6 +384,10 @@ void Tracker::Track(int first_observation,
   std::optional<ScanMatch> by_points;
   if (scan_matcher != nullptr && needs_points_ && scan_matcher->num_points() > 0)
     by_points = EstimateByPoints(*scan_matcher);
+  const int64_t scan_end_ns =
+      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
+  const Eigen::Vector3d predicted = state_->trajectory.WorldFromBody(scan_end_ns).translation;
+  const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   PoseGaussian estimate;
   bool unsteady = false;
   std::vector<PoseConstraint> constraints;
@@ -415,8 +424,25 @@ void Tracker::Track(int first_observation,
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
     share_on_no_plane = 1.0;
   }
+  const std::vector<int> withheld =
+      thin_evidence_.Withhold(*state_,
+                              first_observation,
+                              last_observation,
+                              predicted,
+                              covariance.bottomRightCorner<3, 3>(),
+                              state_->trajectory.WorldFromBody(scan_end_ns).translation);
+  if (!withheld.empty()) {
+    for (const int index : withheld) {
+      state_->observations[static_cast<size_t>(index)].landmark_id = -1;
+    }
+    estimate = Estimate(first_observation, last_observation, constraints);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+  }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
-  needs_points_ = std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
+  is_open_ = WallsLeaveOpen(*state_, first_observation, last_observation, options_);
+  if (!is_open_) last_held_ns_ = scan_end_ns;
+  needs_points_ =
+      is_open_ || std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(
       state_->pose_constraints.end(), constraints.begin(), constraints.end());
   // The scan becomes part of the prior, so that the next scan's system is as small.
@@ -426,9 +452,7 @@ void Tracker::Track(int first_observation,
     prior_ = PosePrior(gaussian_, planar_);
     return;
   }
-  const int64_t now_ns =
-      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
-  loose_until_ns_ = now_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
+  loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
   Loosen();
   prior_ = PosePrior(gaussian_, planar_);
 }

@@ -14,6 +14,7 @@
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
+#include "core/tracking/thin_evidence.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/trajectory/pose_uncertainty.h"
 #include "core/trajectory/trajectory.h"
@@ -48,6 +49,9 @@ class Tracker {
   bool FollowsWell(int64_t now_ns) const;
   // Whether the rig moves as its spline can follow.
   bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
+  // Whether the walls in the newest scan leave its position open in some horizontal direction,
+  // and have not for long: what is left to hold it may be somebody who walks along.
+  bool IsUndecided(int64_t now_ns) const;
 
   // The uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
@@ -132,7 +136,10 @@ class Tracker {
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
-  bool needs_points_ = false;   // too few of the last scan's points are on planes
+  bool is_open_ = false;        // walls leave the newest scan's position open
+  int64_t last_held_ns_ = 0;    // when they last did not
+  ThinEvidence thin_evidence_;
+  bool needs_points_ = false;  // too few of the last scan's points are on planes
   double usual_share_on_no_plane_ = 0.0;
   double usual_share_ = 1.0;  // of a scan's segments, by length, that find their planes
 };

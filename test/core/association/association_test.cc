@@ -246,6 +246,19 @@ TEST_F(AssociationTest, WallIsSeenFromItsFrontOnly) {
   EXPECT_EQ(Find(), -1);
 }
 
+// An upright scan plane in a doorway: what it sees of other surfaces lies in the wall's plane.
+TEST_F(AssociationTest, AScanPlaneAlongTheWallCanNotHitIt) {
+  AddWall(0.0, 0.0, -1.0, 4.0);
+  const ScenePlane other = {-Eigen::Vector3d::UnitX(), -3.0};
+  std::mt19937_64 random(1);
+  scanner_.body_from_scanner = {RotationFromRollPitchYaw(M_PI / 2.0, 0.0, 0.0),
+                                {0.0, 1.998, 0.0}};
+  const ScanLine line = TakeScanLine(
+      {other}, scanner_, 0, kStart, [](int64_t) { return Rigid3d(); }, 0.0, &random);
+  observation_ = ObservePlane(line, scanner_, Rigid3d(), other, 0, 90);
+  EXPECT_EQ(Find(), -1);
+}
+
 TEST_F(AssociationTest, WallEndsWhereItWasSeen) {
   options_.max_gap_m = 1.0;
   AddWall(0.0, 0.0, 3.0, 6.0);

@@ -129,6 +129,34 @@ class TentativePlanesTest : public testing::Test {
     return nullptr;
   }
 
+  // What the level scanner sees of a front of this width, ahead of a body at rest.
+  Observation ObserveFront(const ScenePlane& front, double width_m, int scan) {
+    const Scanner& scanner = rig_.scanners[0];
+    const Rigid3d pose(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.4});
+    const ScanLine line = TakeScanLine(
+        {front},
+        scanner,
+        0,
+        kStart + scan * kPeriod,
+        [&](int64_t) { return pose; },
+        0.0,
+        &random_);
+    int first = -1;
+    int last = -1;
+    for (int beam = 0; beam < line.num_beams(); ++beam) {
+      const Eigen::Vector2d p =
+          line.ranges[static_cast<size_t>(beam)] * line.BeamDirection(beam);
+      const Eigen::Vector3d p_body =
+          scanner.body_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      if (!p_body.allFinite() || std::abs(p_body.y()) > 0.5 * width_m) continue;
+      if (first < 0) first = beam;
+      last = beam;
+    }
+    Observation observation = ObservePlane(line, scanner, pose, front, first, last);
+    observation.scan_index = scan;
+    return observation;
+  }
+
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
   TentativePlanes candidates_{false, options_};
@@ -217,6 +245,32 @@ TEST_F(TentativePlanesTest, MovingTowardsAWallMakesNoFloor) {
     EXPECT_NE(candidate.landmark.model, PlaneModel::kHorizontal)
         << candidate.landmark.Distance();
   }
+}
+
+// Somebody is as high as a piece of wall, and makes no plane until it stands still for longer.
+TEST_F(TentativePlanesTest, HighAndNarrowIsSmall) {
+  constexpr double kWidth = 0.6;  // m
+  const Rigid3d pose(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.4});
+  const Trajectory trajectory(kStart, 200 * kPeriod, pose);
+  const ScenePlane front = {WallNormal(180.0), -2.0};
+  const auto is_ready_after = [&](double width_m, double duration_s) {
+    TentativePlanes planes(false, options_);
+    const int num_scans = static_cast<int>(duration_s / 0.025) + 1;
+    for (int scan = 0; scan < num_scans; ++scan) {
+      Observation observation = ObserveFront(front, width_m, scan);
+      planes.Offer(
+          observation,
+          scan,
+          ObservationPoses(trajectory, rig_.scanners[0].body_from_scanner, observation),
+          Matrix6d::Zero());
+    }
+    return !planes.TakeReady(options_.planes.min_scans).empty();
+  };
+  const double age_s = options_.planes.min_age_of_small_s;
+  const double few_scans_s = 0.025 * options_.planes.min_scans;
+  EXPECT_TRUE(is_ready_after(1.5, few_scans_s + 0.1));
+  EXPECT_FALSE(is_ready_after(kWidth, age_s - 0.1));
+  EXPECT_TRUE(is_ready_after(kWidth, age_s + 0.1));
 }
 
 }  // namespace

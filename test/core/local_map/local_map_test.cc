@@ -17,15 +17,16 @@ void AddSweeps(int num_scans, LocalMap* map) {
   for (int scan = 0; scan < num_scans; ++scan) {
     for (int i = 0; i < 8; ++i) {
       const double y = 0.03 * i;
-      map->Add({1.1, 0.01 + y, 0.01 + 0.3 * y + 0.02 * scan}, kTilted, scan);
+      map->Add({1.1, 0.01 + y, 0.01 + 0.3 * y + 0.02 * scan}, kTilted, scan, true);
     }
   }
 }
 
 TEST(LocalMap, ALineOfATiltedScannerGivesNoDirection) {
-  LocalMap map(kCell, false);
+  LocalMap map(kCell, false, 0);
   for (int scan = 0; scan < 6; ++scan) {  // the rig stands: the same line again and again
-    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1 + 0.01 * i}, kTilted, scan);
+    for (int i = 0; i < 8; ++i)
+      map.Add({1.1, 0.01 + 0.03 * i, 0.1 + 0.01 * i}, kTilted, scan, true);
   }
   const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
   ASSERT_NE(cell, nullptr);
@@ -33,7 +34,7 @@ TEST(LocalMap, ALineOfATiltedScannerGivesNoDirection) {
 }
 
 TEST(LocalMap, ManySweepsGiveTheSurfacesNormal) {
-  LocalMap map(kCell, false);
+  LocalMap map(kCell, false, 0);
   AddSweeps(8, &map);
   const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
   ASSERT_NE(cell, nullptr);
@@ -44,9 +45,9 @@ TEST(LocalMap, ManySweepsGiveTheSurfacesNormal) {
 }
 
 TEST(LocalMap, ALevelLineIsTakenForAnUprightSurface) {
-  LocalMap map(kCell, false);
+  LocalMap map(kCell, false, 0);
   for (int scan = 0; scan < 3; ++scan) {
-    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1}, kLevel, scan);
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1}, kLevel, scan, true);
   }
   const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
   ASSERT_NE(cell, nullptr);
@@ -56,10 +57,10 @@ TEST(LocalMap, ALevelLineIsTakenForAnUprightSurface) {
 }
 
 TEST(LocalMap, APostIsKnownInBothDirectionsOfThePlan) {
-  LocalMap map(kCell, true);
+  LocalMap map(kCell, true, 0);
   for (int scan = 0; scan < 3; ++scan) {
     for (int i = 0; i < 6; ++i) {
-      map.Add({1.1 + 0.02 * std::cos(i), 0.1 + 0.02 * std::sin(i), 0.0}, kLevel, scan);
+      map.Add({1.1 + 0.02 * std::cos(i), 0.1 + 0.02 * std::sin(i), 0.0}, kLevel, scan, true);
     }
   }
   ASSERT_NE(map.Find({1.1, 0.1, 0.0}), nullptr);
@@ -67,28 +68,49 @@ TEST(LocalMap, APostIsKnownInBothDirectionsOfThePlan) {
 }
 
 TEST(LocalMap, OneScanAloneTellsNothing) {
-  LocalMap map(kCell, true);
-  for (int i = 0; i < 20; ++i) map.Add({1.1, 0.01 + 0.01 * i, 0.0}, kLevel, 0);
+  LocalMap map(kCell, true, 0);
+  for (int i = 0; i < 20; ++i) map.Add({1.1, 0.01 + 0.01 * i, 0.0}, kLevel, 0, true);
   EXPECT_EQ(map.Find({1.1, 0.1, 0.0}), nullptr);
 }
 
 // A cell that followed the poses could not hold them.
 TEST(LocalMap, ACellThatHasSeenEnoughStaysWhereItIs) {
-  LocalMap map(kCell, false);
+  LocalMap map(kCell, false, 0);
   AddSweeps(8, &map);
   const double before = map.Find({1.1, 0.1, 0.1})->Mean().x();
   for (int scan = 8; scan < 40; ++scan) {
-    for (int i = 0; i < 8; ++i) map.Add({1.15, 0.03 * i, 0.1}, kTilted, scan);
+    for (int i = 0; i < 8; ++i) map.Add({1.15, 0.03 * i, 0.1}, kTilted, scan, true);
   }
   EXPECT_EQ(map.Find({1.1, 0.1, 0.1})->Mean().x(), before);
   EXPECT_EQ(map.Find({1.1, 0.1, 0.1})->last_scan(), 39);
 }
 
-TEST(LocalMap, ForgetsWhatWasNotSeenForLong) {
-  LocalMap map(kCell, true);
+// Somebody who walks along is nowhere for long.
+TEST(LocalMap, ACellCountsOnceItHasAge) {
+  LocalMap map(kCell, false, 6);
+  AddSweeps(6, &map);
+  EXPECT_EQ(map.Find({1.1, 0.1, 0.1}), nullptr);
+  for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.1}, kTilted, 6, true);
+  EXPECT_NE(map.Find({1.1, 0.1, 0.1}), nullptr);
+}
+
+TEST(LocalMap, FoundsNoCellsWhereItMayNot) {
+  LocalMap map(kCell, true, 0);
   for (int scan = 0; scan < 3; ++scan) {
-    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan);
-    for (int i = 0; i < 8; ++i) map.Add({-3.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan + 10);
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan, scan > 0);
+  }
+  EXPECT_NE(map.Find({1.1, 0.1, 0.0}), nullptr);
+  for (int scan = 3; scan < 6; ++scan) {
+    for (int i = 0; i < 8; ++i) map.Add({-3.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan, false);
+  }
+  EXPECT_EQ(map.Find({-3.1, 0.1, 0.0}), nullptr);
+}
+
+TEST(LocalMap, ForgetsWhatWasNotSeenForLong) {
+  LocalMap map(kCell, true, 0);
+  for (int scan = 0; scan < 3; ++scan) {
+    for (int i = 0; i < 8; ++i) map.Add({1.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan, true);
+    for (int i = 0; i < 8; ++i) map.Add({-3.1, 0.01 + 0.03 * i, 0.0}, kLevel, scan + 10, true);
   }
   map.ForgetBefore(5);
   EXPECT_EQ(map.Find({1.1, 0.1, 0.0}), nullptr);

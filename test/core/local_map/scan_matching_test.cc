@@ -29,7 +29,7 @@ class ScanMatchingTest : public testing::Test {
     for (int i = 0; i < num_scans; ++i) {
       const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
       matcher_.Take(walk_.Take());
-      matcher_.Remember(truth);
+      matcher_.Remember(truth, true);
     }
   }
 
@@ -57,7 +57,7 @@ class ScanMatchingTest : public testing::Test {
 };
 
 TEST_F(ScanMatchingTest, FindsTheScanWhereTheLocalMapHasIt) {
-  Remember(60);
+  Remember(90);
   const Rigid3d truth = walk_.WorldFromBody(walk_.now_ns());
   const Trajectory predicted = Predicted(2.0 * kDegree, Eigen::Vector3d(0.06, -0.05, 0.0));
   matcher_.Take(walk_.Take());
@@ -72,7 +72,7 @@ TEST_F(ScanMatchingTest, FindsTheScanWhereTheLocalMapHasIt) {
 
 // Beyond the reach of the cells, one of the turns that are tried finds it.
 TEST_F(ScanMatchingTest, FindsALargeTurn) {
-  Remember(60);
+  Remember(90);
   const Rigid3d truth = walk_.WorldFromBody(walk_.now_ns());
   const Trajectory predicted = Predicted(14.0 * kDegree, Eigen::Vector3d::Zero());
   matcher_.Take(walk_.Take());
@@ -82,7 +82,7 @@ TEST_F(ScanMatchingTest, FindsALargeTurn) {
 }
 
 TEST_F(ScanMatchingTest, OnlyTheChosenBeamsCount) {
-  Remember(60);
+  Remember(90);
   const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
   const Scan scan = walk_.Take();
   matcher_.Take(scan);
@@ -97,6 +97,40 @@ TEST_F(ScanMatchingTest, OnlyTheChosenBeamsCount) {
 TEST_F(ScanMatchingTest, ANewPlaceIsUnknown) {
   matcher_.Take(walk_.Take());
   EXPECT_EQ(matcher_.Match(Predicted(0.0, Eigen::Vector3d::Zero()), 0, nullptr).num_known, 0);
+}
+
+// Somebody steps into the view of the level scanner, half way to the wall: where beams passed.
+TEST_F(ScanMatchingTest, LeavesOutWhatMoves) {
+  constexpr int kFirst = 100;
+  constexpr int kLast = 110;
+  Remember(90);
+  const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
+  Scan scan = walk_.Take();
+  for (int beam = kFirst; beam <= kLast; ++beam) {
+    scan.scan_lines[0].ranges[static_cast<size_t>(beam)] *= 0.5f;
+  }
+  matcher_.Take(scan);
+  const int num_points = matcher_.num_points();
+  matcher_.LeaveOutMoving(truth);
+  const int line = scan.scan_line_indices[0];
+  EXPECT_TRUE(matcher_.IsMoving(line, kFirst, kLast));
+  EXPECT_FALSE(matcher_.IsMoving(line, kLast + 5, kLast + 40));
+  EXPECT_FALSE(matcher_.IsMoving(scan.scan_line_indices[1], kFirst, kLast));
+  EXPECT_NEAR(num_points - matcher_.num_points(), kLast - kFirst + 1, 4);
+  EXPECT_EQ(matcher_.Match(truth, 0, nullptr).num_points, matcher_.num_points());
+}
+
+// Where most of what is seen lies in free space, it is the pose that is wrong.
+TEST_F(ScanMatchingTest, AWrongPoseMovesNothing) {
+  Remember(90);
+  Scan scan = walk_.Take();
+  for (ScanLine& line : scan.scan_lines) {
+    for (float& range : line.ranges) range *= 0.6f;
+  }
+  matcher_.Take(scan);
+  const int num_points = matcher_.num_points();
+  matcher_.LeaveOutMoving(Predicted(0.0, Eigen::Vector3d::Zero()));
+  EXPECT_EQ(matcher_.num_points(), num_points);
 }
 
 }  // namespace

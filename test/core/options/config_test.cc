@@ -35,10 +35,10 @@ MapperOptions UnusualOptions() {
   o.segmentation.significance = 2.5e-5;
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125, 7.5};
-  o.tracking = {2.5, 0.75, 4.0, 3.5};
+  o.tracking = {2.5, 0.75, 4.0, 0.5, 3.5};
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
-  o.points = {false, 0.5, 0.0375, 12.5};
+  o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
   o.loop_closure = {false, 77};
   o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
@@ -60,12 +60,15 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.tracking.max_start_search_s, 2.5);
   EXPECT_EQ(read.tracking.lost_position_m, 0.75);
   EXPECT_EQ(read.tracking.lost_rotation_deg, 4.0);
+  EXPECT_EQ(read.tracking.max_undecided_s, 0.5);
   EXPECT_EQ(read.planes.min_scans, 7);
   EXPECT_EQ(read.planes.small_m, 1.25);
   EXPECT_EQ(read.planes.min_age_of_small_s, 0.75);
   EXPECT_EQ(read.planes.max_tentative_age_s, 2.5);
   EXPECT_FALSE(read.points.hold_pose);
   EXPECT_EQ(read.points.cell_m, 0.5);
+  EXPECT_EQ(read.points.min_age_s, 0.25);
+  EXPECT_FALSE(read.points.leave_out_moving);
   EXPECT_EQ(read.window.num_scans, 33);
   EXPECT_EQ(read.window.knot_intervals_per_step, 3);
   EXPECT_FALSE(read.window.resegment);

@@ -1,0 +1,126 @@
+#include "core/tracking/thin_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include "core/map/landmark.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kStart = 0;      // ns
+constexpr double kPeriod = 0.025;  // s
+
+// A corridor along x: two long walls beside the rig, and two across it.
+class ThinEvidenceTest : public testing::Test {
+ protected:
+  ThinEvidenceTest() {
+    AddWall({0.0, 1.0, 0.0}, {0.0, -1.0, 0.0}, {10.0, -1.0, 0.0});
+    AddWall({0.0, -1.0, 0.0}, {0.0, 1.0, 0.0}, {10.0, 1.0, 0.0});
+    AddWall({-1.0, 0.0, 0.0}, {5.0, -1.0, 0.0}, {5.0, 1.0, 0.0});
+    AddWall({1.0, 0.0, 0.0}, {-5.0, -1.0, 0.0}, {-5.0, 1.0, 0.0});
+  }
+
+  void AddWall(const Eigen::Vector3d& normal,
+               const Eigen::Vector3d& start,
+               const Eigen::Vector3d& end) {
+    Landmark landmark = MakeVerticalLandmark(normal, start);
+    landmark.extent.AddSegment(start, end);
+    landmark.num_segments = 1;
+    landmark.id = static_cast<int>(state_.landmarks.size());
+    state_.landmarks.push_back(std::move(landmark));
+  }
+
+  // The next scan has these numbers of points on each wall.
+  void See(const std::vector<int>& num_points) {
+    now_ns_ += NanosecondsFromSeconds(kPeriod);
+    first_ = static_cast<int>(state_.observations.size());
+    for (size_t wall = 0; wall < num_points.size(); ++wall) {
+      if (num_points[wall] == 0) continue;
+      Observation observation;
+      observation.landmark_id = static_cast<int>(wall);
+      observation.num_points = num_points[wall];
+      observation.sigma_offset_m = 0.005F;
+      observation.start_ns = static_cast<int32_t>(now_ns_);
+      observation.end_ns = static_cast<int32_t>(now_ns_);
+      state_.observations.push_back(std::move(observation));
+    }
+  }
+
+  // How many observations are withheld where the rig would be shifted along the corridor,
+  // whose position along it is known to sigma_m.
+  size_t NumWithheld(double shift_m, double sigma_m) {
+    const Eigen::Vector3d variances(sigma_m * sigma_m, 1e-6, 1e-6);
+    return thin_
+        .Withhold(state_,
+                  first_,
+                  static_cast<int>(state_.observations.size()) - 1,
+                  Eigen::Vector3d::Zero(),
+                  variances.asDiagonal(),
+                  {shift_m, 0.0, 0.0})
+        .size();
+  }
+
+  bool WallsLeaveScanOpen() const {
+    return WallsLeaveOpen(
+        state_, first_, static_cast<int>(state_.observations.size()) - 1, options_);
+  }
+
+  MapperOptions options_;
+  MapState state_{Trajectory(kStart, 125'000'000, Rigid3d()), {}, {}, kStart, {}};
+  ThinEvidence thin_;
+  int64_t now_ns_ = kStart;
+  int first_ = 0;
+};
+
+TEST_F(ThinEvidenceTest, OnePlaneWithFewPointsIsNotBelievedAtOnce) {
+  See({300, 300, 16});
+  EXPECT_EQ(NumWithheld(0.2, 0.05), 1u);
+}
+
+TEST_F(ThinEvidenceTest, IsBelievedWhereTheDirectionWasKnown) {
+  See({300, 300, 16});
+  EXPECT_EQ(NumWithheld(0.2, 0.02), 0u);
+}
+
+TEST_F(ThinEvidenceTest, ManyPointsOrASecondPlaneAreBelieved) {
+  See({300, 300, 60});
+  EXPECT_EQ(NumWithheld(0.2, 0.05), 0u);
+  See({300, 300, 16, 8});
+  EXPECT_EQ(NumWithheld(0.2, 0.05), 0u);
+}
+
+TEST_F(ThinEvidenceTest, WhatStandsStillIsBelievedAfterAWhile) {
+  int num_withheld_scans = 0;
+  for (int scan = 0; scan < 20; ++scan) {
+    See({300, 300, 16});
+    if (NumWithheld(0.2 + 0.001 * scan, 0.05) == 0) break;
+    ++num_withheld_scans;
+  }
+  EXPECT_NEAR(num_withheld_scans * kPeriod, 0.25, 1.5 * kPeriod);
+}
+
+TEST_F(ThinEvidenceTest, WhoWalksIsNotBelieved) {
+  constexpr double kSpeed = 0.6;  // m/s
+  for (int scan = 0; scan < 80; ++scan) {
+    See({300, 300, 16});
+    EXPECT_EQ(NumWithheld(0.2 + kSpeed * kPeriod * scan, 0.05), 1u) << scan;
+  }
+}
+
+TEST_F(ThinEvidenceTest, WallsAlongTheCorridorLeaveItOpen) {
+  See({300, 300});
+  EXPECT_TRUE(WallsLeaveScanOpen());
+  See({300, 300, 16});
+  EXPECT_FALSE(WallsLeaveScanOpen());
+}
+
+// What is no wider than a person or a door's leaf is no wall.
+TEST_F(ThinEvidenceTest, NarrowPlanesAreNoWalls) {
+  AddWall({-1.0, 0.0, 0.0}, {2.0, -0.3, 0.0}, {2.0, 0.3, 0.0});
+  See({300, 300, 0, 0, 40});
+  EXPECT_TRUE(WallsLeaveScanOpen());
+}
+
+}  // namespace
+}  // namespace plumbline
