@@ -25,7 +25,8 @@ constexpr double kDoubtfulShare = 0.10;
 constexpr double kContradictoryShare = 0.25;
 constexpr double kMinComparable = 40.0;
 constexpr double kMinDoubled = 30.0;
-constexpr int kMaxGap = 3;  // s, between seconds of one interval
+constexpr double kMaxStddev = 0.05;  // m, of a position that is known
+constexpr int kMaxGap = 3;           // s, between seconds of one interval
 
 // Points of a second's segments with and without a plane.
 SharesOverTime SegmentsWithoutPlane(const MapState& state, int64_t start_ns) {
@@ -51,6 +52,7 @@ struct Evidence {
   std::vector<bool> glitches;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
+  std::vector<double> position_stddevs_m;
   std::vector<ScannerAgreement> scanners;
   std::vector<ScannerFault> faults;
   std::vector<MountingError> mountings;
@@ -73,7 +75,8 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
     std::snprintf(text,
                   sizeof(text),
                   "second %zu: passed %.3f of %.0f, doubled %.3f of %.0f, revisit %d segs "
-                  "%.3f m %.2f deg near %.2f moved %.2f, acc %.2f ang %.2f, no plane %.2f, weakest %.4f m",
+                  "%.3f m %.2f deg near %.2f moved %.2f, acc %.2f ang %.2f, no plane %.2f, "
+                  "weakest %.4f m",
                   s,
                   passages.value(),
                   passages.comparable,
@@ -93,9 +96,9 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
   for (size_t i = 0; i < evidence.scanners.size(); ++i) {
     const ScannerAgreement& a = evidence.scanners[i];
     VLOG(1) << "scanner " << rig.scanners[i].name << ": " << a.num_points << " points, used "
-            << a.used_share << ", alone " << a.alone_share << ", difference "
-            << a.difference_m << " m, ratio " << a.difference_ratio << " of "
-            << a.num_differences << ", deviation ratio " << a.deviation_ratio;
+            << a.used_share << ", alone " << a.alone_share << ", difference " << a.difference_m
+            << " m, ratio " << a.difference_ratio << " of " << a.num_differences
+            << ", deviation ratio " << a.deviation_ratio;
   }
   for (size_t i = 0; i < evidence.mountings.size(); ++i) {
     const MountingError& m = evidence.mountings[i];
@@ -119,11 +122,12 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
 }
 
 Evidence Collect(const Rig& rig,
-                 bool planar,
-                 const MapState& state,
+                 const FinishedMap& map,
                  const ScannerActivity& activity,
                  int64_t start_ns) {
+  const MapState& state = map.state;
   Evidence evidence;
+  evidence.position_stddevs_m = map.position_stddevs_m;
   const Sightings sightings = CollectSightings(rig, state, start_ns);
   evidence.passages = FindContradictedPassages(sightings);
   evidence.doubled = FindDoubledSurfaces(state, sightings);
@@ -132,8 +136,8 @@ Evidence Collect(const Rig& rig,
   evidence.jumps = FindJumps(evidence.motion);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
-  evidence.strengths = StrengthOverTime(rig, planar, state, start_ns);
-  evidence.mountings = CompareMountings(rig, planar, state);
+  evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
+  evidence.mountings = CompareMountings(rig, map.planar, state);
   evidence.scanners = CompareScanners(rig, state, activity, start_ns);
   evidence.faults = FindScannerFaults(rig, evidence.scanners, evidence.mountings, activity);
   return evidence;
@@ -160,6 +164,7 @@ class Judge {
     AddIntervals(evidence_.jumps, "the pose jumps: no rig accelerates so");
     AddIntervals(evidence_.glitches,
                  "for an instant segments lie off the planes, and the rig seems to jerk");
+    JudgeStatedDeviations();
     JudgeScanners();
     Share all;
     for (const Share& share : evidence_.passages) {
@@ -200,7 +205,8 @@ class Judge {
       marked.push_back(counts && smooth.value() > kDoubtfulShare);
       if (counts) largest = std::max(largest, smooth.value());
     }
-    AddIntervals(marked, reason + " (up to " + Percent(largest) + " of the places seen again)");
+    AddIntervals(marked,
+                 reason + " (up to " + Percent(largest) + " of the places seen again)");
     if (largest > kContradictoryShare) Raise(Verdict::kContradictory);
   }
 
@@ -216,6 +222,23 @@ class Judge {
                   sizeof(text),
                   "the place lies up to %.0f cm off where an earlier visit saw it",
                   100.0 * largest);
+    AddIntervals(marked, text);
+  }
+
+  // What the motion prior has bridged is stated honestly, and no map to rely on.
+  void JudgeStatedDeviations() {
+    std::vector<bool> marked;
+    double largest = 0.0;
+    for (const double stddev_m : evidence_.position_stddevs_m) {
+      marked.push_back(stddev_m > kMaxStddev);
+      largest = std::max(largest, stddev_m);
+    }
+    char text[160];
+    std::snprintf(text,
+                  sizeof(text),
+                  "the position against the map's start is known to %.2g m only: where the "
+                  "scans left a direction open, the motion alone tells how far the rig went",
+                  largest);
     AddIntervals(marked, text);
   }
 
@@ -235,11 +258,12 @@ class Judge {
     constexpr double kNoiseTooLarge = 0.35;  // about the square of 1 / 1.7
     char text[240];
     if (variance_factor < kNoiseTooLarge) {
-      std::snprintf(text,
-                    sizeof(text),
-                    "the scans deviate from the planes only %.2f times as far as the rig file's "
-                    "noise says: range_noise_m is too large, and so are the stated deviations",
-                    std::sqrt(variance_factor));
+      std::snprintf(
+          text,
+          sizeof(text),
+          "the scans deviate from the planes only %.2f times as far as the rig file's "
+          "noise says: range_noise_m is too large, and so are the stated deviations",
+          std::sqrt(variance_factor));
       report_.warnings.emplace_back(text);
     }
     for (const DegenerateInterval& interval : report_.consistency.degenerate_intervals) {
@@ -277,14 +301,12 @@ class Judge {
 }  // namespace
 
 ConsistencyReport JudgeConsistency(const Rig& rig,
-                                   bool planar,
-                                   const MapState& state,
-                                   double variance_factor,
+                                   const FinishedMap& map,
                                    const ScannerActivity& activity,
                                    int64_t start_ns) {
-  const Evidence evidence = Collect(rig, planar, state, activity, start_ns);
-  LogEvidence(rig, state, evidence);
-  return Judge(evidence, activity.Span()).Report(variance_factor);
+  const Evidence evidence = Collect(rig, map, activity, start_ns);
+  LogEvidence(rig, map.state, evidence);
+  return Judge(evidence, activity.Span()).Report(map.variance_factor);
 }
 
 }  // namespace plumbline

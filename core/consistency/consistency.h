@@ -17,6 +17,15 @@ struct ConsistencyReport {
   std::vector<std::string> warnings;
 };
 
+// A finished map, as the batch leaves it.
+struct FinishedMap {
+  bool planar = false;
+  const MapState& state;
+  double variance_factor = 1.0;
+  // What is stated of the position, m, in the worst direction, by second of the recording.
+  std::vector<double> position_stddevs_m;
+};
+
 // Judges a finished map by what it says of itself, since a wrong map can explain every
 // segment by planes of its own and still have small residuals (docs/robustness.md):
 //   - beams that pass through what was a surface at other times,
@@ -24,13 +33,11 @@ struct ConsistencyReport {
 //   - places that a later visit sees shifted,
 //   - poses that jump,
 //   - segments without planes,
-//   - scanners that contradict the others.
-// The state is as the batch leaves it. start_ns: of the recording. Works on the threads of the
-// caller's tbb::task_arena.
+//   - scanners that contradict the others,
+//   - positions that are hardly known, by the covariance that is stated.
+// start_ns: of the recording. Works on the threads of the caller's tbb::task_arena.
 ConsistencyReport JudgeConsistency(const Rig& rig,
-                                   bool planar,
-                                   const MapState& state,
-                                   double variance_factor,
+                                   const FinishedMap& map,
                                    const ScannerActivity& activity,
                                    int64_t start_ns);
 

@@ -19,6 +19,10 @@ constexpr double kGrowth = 1.3;
 constexpr double kMaxThickness = 0.12;
 // Across a direction with more spread than this the points cover a patch.
 constexpr double kMinSpread = 0.15;
+// A post takes so many points of a scan. Far along a wall a cell takes one of a level scan
+// line, at much the same spot each time: a post that would go along with the rig. Where all
+// scanners are level the scan lines are taken to be dense enough.
+constexpr double kMinPerScanOfPost = 2.5;
 // A scan plane is level where its normal's vertical part is at least this.
 constexpr double kLevel = 0.96;
 
@@ -31,6 +35,7 @@ constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
 
 void LocalCell::Add(const Eigen::Vector3d& p_world, double scan_normal_z, int scan_index) {
   if (num_points_ == 0) first_scan_ = scan_index;
+  if (num_points_ == 0 || scan_index != last_scan_) ++num_scans_;
   const Eigen::Vector3d p = p_world - centre_;
   sum_ += p;
   products_.noalias() += p * p.transpose();
@@ -46,8 +51,10 @@ void LocalCell::Determine(bool planar, double cell_m) {
   Eigen::Matrix3d covariance = products_ / num_points_ - mean * mean.transpose();
   const double max_variance = kMaxThickness * kMaxThickness * cell_m * cell_m;
   const double min_spread = kMinSpread * kMinSpread * cell_m * cell_m;
+  const bool is_thin = !planar && num_points_ < kMinPerScanOfPost * num_scans_;
+  const int max_directions = is_thin ? 1 : 2;
   const auto take = [&](const Eigen::Vector3d& normal, double variance) {
-    if (variance > max_variance || num_directions_ == 2) return;
+    if (variance > max_variance || num_directions_ == max_directions) return;
     directions_[static_cast<size_t>(num_directions_++)] = {normal, variance};
   };
   const bool level = planar || sum_scan_normal_z2_ > kLevel * kLevel * num_points_;

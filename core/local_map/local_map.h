@@ -41,6 +41,7 @@ class LocalCell {
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of p - centre with themselves
   double sum_scan_normal_z2_ = 0.0;
   int num_points_ = 0;
+  int num_scans_ = 0;  // that the points are of
   int first_scan_ = 0;
   int last_scan_ = 0;
   int num_determined_ = 0;  // points when the directions were found

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <tbb/task_arena.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -135,18 +136,34 @@ void LogWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) LOG(WARNING) << warning;
 }
 
+// The largest standard deviation of the position over all directions, by second.
+std::vector<double> PositionStddevs(const MapResult& result, int64_t start_ns) {
+  std::vector<double> stddevs_m;
+  for (const int64_t time_ns : result.scan_times_ns) {
+    const auto second = static_cast<size_t>(std::max(0.0, SecondsBetween(start_ns, time_ns)));
+    if (second < stddevs_m.size()) continue;
+    const Matrix6d covariance =
+        result.batch.covariance.PoseAt(result.state.trajectory, time_ns);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+    stddevs_m.resize(second, 0.0);
+    stddevs_m.push_back(std::sqrt(std::max(0.0, solver.eigenvalues()[2])));
+  }
+  return stddevs_m;
+}
+
 // Judges the map, for its summary.
 void Judge(const Rig& rig,
            const MapResult& result,
            const PointReport& points,
            const RecordingReader& recording,
            Summary* summary) {
-  const ConsistencyReport report = JudgeConsistency(rig,
-                                                    result.planar,
-                                                    result.state,
-                                                    result.batch.variance_factor,
-                                                    points.activity,
-                                                    recording.start_ns());
+  const FinishedMap map = {result.planar,
+                           result.state,
+                           result.batch.variance_factor,
+                           PositionStddevs(result, recording.start_ns())};
+  const ConsistencyReport report =
+      JudgeConsistency(rig, map, points.activity, recording.start_ns());
   LogWarnings(report.warnings);
   summary->consistency = report.consistency;
   if (!result.ended_by.empty()) summary->consistency.ends_at_s = result.end_s;

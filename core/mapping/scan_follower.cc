@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -206,7 +207,10 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
 void ScanFollower::CheckNotLost(int64_t now_ns) {
   const Matrix6d covariance = tracker_->pose_uncertainty().At(state_->trajectory, now_ns);
   const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
-  const double position = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  // The motion prior bridges one open direction, as along a smooth corridor.
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  const double position = std::sqrt(solver.eigenvalues().head<2>().sum());
   if (position < options_.tracking.lost_position_m &&
       rotation < kRadiansPerDegree * options_.tracking.lost_rotation_deg) {
     last_known_ns_ = now_ns;

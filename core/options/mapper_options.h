@@ -73,7 +73,8 @@ struct TrackingOptions {
   // start. [0, 1e6]
   double max_start_search_s = 5.0;
   // The rig is lost where the planes in view leave its pose open by these standard deviations
-  // for longer than max_gap_s. [0.001, 100] and [0.01, 180]
+  // for longer than max_gap_s; of the position the worst direction does not count. [0.001,
+  // 100] and [0.01, 180]
   double lost_position_m = 0.5;
   double lost_rotation_deg = 10.0;
   // Where walls leave the position open, what else is seen founds no planes for so long: it

@@ -39,8 +39,9 @@ std::string RigText(const Scenario& scenario) {
          << "\n    body_from_scanner:\n      translation: [" << scanner.translation
          << "]\n      rotation_rpy_deg: [" << scanner.rotation_deg
          << "]\n    range_noise_m: " << scanner.range_noise_m
-         << "\n    min_range_m: 0.1\n    max_range_m: 30.0\n    time_offset_s: "
-         << scanner.time_offset_s << "\n    beams: " << scanner.beams
+         << "\n    min_range_m: 0.1\n    max_range_m: " << scanner.max_range_m
+         << "\n    time_offset_s: " << scanner.time_offset_s
+         << "\n    beams: " << scanner.beams
          << "\n    field_of_view_deg: 270.0\n    scan_rate_hz: " << scanner.scan_rate_hz
          << "\n";
   }

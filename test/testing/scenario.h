@@ -20,6 +20,7 @@ struct ScenarioScanner {
   int beams = 180;
   double scan_rate_hz = 20.0;
   double range_noise_m = 0.02;
+  double max_range_m = 30.0;
   double time_offset_s = 0.0;
 };
 

@@ -67,6 +67,24 @@ TEST(LocalMap, APostIsKnownInBothDirectionsOfThePlan) {
   EXPECT_EQ(map.Find({1.1, 0.1, 0.0})->num_directions(), 2);
 }
 
+// Far along a wall one beam of a scan line meets the cell.
+TEST(LocalMap, ASpotOnAWallIsNoPost) {
+  for (const int points_per_scan : {1, 4}) {
+    LocalMap map(kCell, false, 0);
+    for (int scan = 0; scan < 8; ++scan) {
+      for (int i = 0; i < points_per_scan; ++i) {
+        map.Add({1.1 + 0.005 * (scan % 2), 0.1 + 0.02 * std::sin(scan + i), 0.1},
+                kLevel,
+                scan,
+                true);
+      }
+    }
+    const LocalCell* cell = map.Find({1.1, 0.1, 0.1});
+    ASSERT_NE(cell, nullptr);
+    EXPECT_EQ(cell->num_directions(), points_per_scan == 1 ? 1 : 2);
+  }
+}
+
 TEST(LocalMap, OneScanAloneTellsNothing) {
   LocalMap map(kCell, true, 0);
   for (int i = 0; i < 20; ++i) map.Add({1.1, 0.01 + 0.01 * i, 0.0}, kLevel, 0, true);

@@ -147,9 +147,9 @@ TEST_F(ScanFollowerTest, BridgesAFewBlindScans) {
 }
 
 // White acceleration a over knots of T lets the velocity wander by a sqrt(T t), the position
-// by a sqrt(T t^3 / 3) on each axis: half a metre in all after t = 0.6 s.
+// by a sqrt(T t^3 / 3) on each axis: half a metre on two of them after t = 0.7 s.
 TEST_F(ScanFollowerTest, ReportsLossAfterTheLongestGap) {
-  constexpr double kSecondsToLoss = 0.6;
+  constexpr double kSecondsToLoss = 0.7;
   Start(20);
   const int64_t last_seen_ns = walk_.now_ns();
   std::string message;
