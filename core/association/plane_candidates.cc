@@ -179,9 +179,11 @@ bool TentativePlanes::HasAge(const TentativePlane& plane) const {
          options_.planes.min_age_of_small_s;
 }
 
-bool TentativePlanes::IsReady(const TentativePlane& plane, int min_scans) const {
+bool TentativePlanes::IsReady(const TentativePlane& plane,
+                              int min_scans,
+                              bool needs_age) const {
   if (static_cast<int>(plane.scans.size()) < min_scans) return false;
-  if (min_scans > 1 && !HasAge(plane)) return false;
+  if (needs_age && !HasAge(plane)) return false;
   if (plane.landmark.model == PlaneModel::kVertical) {
     // The surface's unevenness is the same in every scan: it does not average out.
     const PatchExtent& extent = plane.landmark.extent;
@@ -200,10 +202,10 @@ bool TentativePlanes::IsReady(const TentativePlane& plane, int min_scans) const 
          (plane.last_position - plane.first_position).norm() > kRevealingMotion;
 }
 
-std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans) {
+std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans, bool needs_age) {
   std::vector<TentativePlane> ready;
   for (auto it = planes_.begin(); it != planes_.end();) {
-    if (IsReady(*it, min_scans)) {
+    if (IsReady(*it, min_scans, needs_age)) {
       ready.push_back(std::move(*it));
       it = planes_.erase(it);
     } else {

@@ -53,8 +53,9 @@ class TentativePlanes {
              const Matrix6d& pose_covariance);
 
   // Removes and returns the tentative planes that are to become landmarks. min_scans: see
-  // PlaneOptions.
-  std::vector<TentativePlane> TakeReady(int min_scans);
+  // PlaneOptions. needs_age: whether small planes have to have their age, since something
+  // moves.
+  std::vector<TentativePlane> TakeReady(int min_scans, bool needs_age);
 
   // Drops tentative planes that nothing has confirmed for a while.
   void DropStale(int64_t now_ns);
@@ -76,7 +77,7 @@ class TentativePlanes {
              const TypeEvidence& evidence);
   // Whether the plane is large, or was seen for long enough not to be somebody who walks.
   bool HasAge(const TentativePlane& plane) const;
-  bool IsReady(const TentativePlane& plane, int min_scans) const;
+  bool IsReady(const TentativePlane& plane, int min_scans, bool needs_age) const;
 
   bool planar_;
   const MapperOptions& options_;

@@ -133,7 +133,7 @@ Evidence Collect(const Rig& rig,
   evidence.doubled = FindDoubledSurfaces(state, sightings);
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state.trajectory, start_ns);
-  evidence.jumps = FindJumps(evidence.motion);
+  evidence.jumps = FindJumps(evidence.motion, evidence.passages);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);

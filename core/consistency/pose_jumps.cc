@@ -11,6 +11,10 @@ namespace {
 // A jump accelerates so many times as far as the largest tenth of the recording's seconds.
 constexpr double kTimesUsual = 6.0;
 constexpr double kUsualShare = 0.9;
+// So many times where this share of at least so many places is contradicted as well.
+constexpr double kTimesUsualWithPassages = 2.0;
+constexpr double kPassages = 0.05;
+constexpr double kMinPlaces = 40.0;
 // And at least so far: 10 cm within a knot interval of an eighth of a second are 6 m/s^2, what
 // a person carrying a rig reaches at a jolt.
 constexpr double kMinAcceleration = 6.0;          // m/s^2
@@ -53,8 +57,8 @@ std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t
     if (has_previous) {
       now.acceleration_m_s2 =
           std::max(now.acceleration_m_s2, (linear - previous_linear).norm() / step_s);
-      now.angular_acceleration_rad_s2 = std::max(
-          now.angular_acceleration_rad_s2, (angular - previous_angular).norm() / step_s);
+      now.angular_acceleration_rad_s2 = std::max(now.angular_acceleration_rad_s2,
+                                                 (angular - previous_angular).norm() / step_s);
     }
     previous_angular = angular;
     previous_linear = linear;
@@ -107,21 +111,25 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
   return is_glitch;
 }
 
-std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion) {
+std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
+                            const SharesOverTime& passages) {
   std::vector<double> accelerations;
   std::vector<double> angular;
   for (const SecondOfMotion& second : motion) {
     accelerations.push_back(second.acceleration_m_s2);
     angular.push_back(second.angular_acceleration_rad_s2);
   }
-  const double limit =
-      std::max(kMinAcceleration, kTimesUsual * Quantile(accelerations, kUsualShare));
-  const double angular_limit =
-      std::max(kMinAngularAcceleration, kTimesUsual * Quantile(angular, kUsualShare));
+  const double usual = Quantile(accelerations, kUsualShare);
+  const double usual_angular = Quantile(angular, kUsualShare);
   std::vector<bool> is_jump;
-  for (const SecondOfMotion& second : motion) {
-    is_jump.push_back(second.acceleration_m_s2 > limit ||
-                      second.angular_acceleration_rad_s2 > angular_limit);
+  for (size_t s = 0; s < motion.size(); ++s) {
+    const bool passes = s < passages.size() && passages[s].comparable >= kMinPlaces &&
+                        passages[s].value() > kPassages;
+    const double times_usual = passes ? kTimesUsualWithPassages : kTimesUsual;
+    is_jump.push_back(motion[s].acceleration_m_s2 >
+                          std::max(kMinAcceleration, times_usual * usual) ||
+                      motion[s].angular_acceleration_rad_s2 >
+                          std::max(kMinAngularAcceleration, times_usual * usual_angular));
   }
   return is_jump;
 }

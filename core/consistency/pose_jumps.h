@@ -31,6 +31,9 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
 
 // Seconds in which the rig would have accelerated as no other second shows it, and as hardly
 // any rig does: a pose that jumped.
-std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion);
+// Where beams pass through what were surfaces at other times in the same second, less does:
+// the pose slipped from one surface to the next one, a step of a stair.
+std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
+                            const SharesOverTime& passages);
 
 }  // namespace plumbline

@@ -44,6 +44,8 @@ constexpr double kMovingMargin = 0.1;   // m
 // Where less than this share of a scan moves, the scans of the next moment are not looked at.
 constexpr double kStillShare = 0.01;
 constexpr double kStillTime = 0.1;  // s
+// Over so long it is found whether something moves.
+constexpr double kMotionTime = 2.0;  // s
 // With a larger share of the points in the way, the pose is wrong.
 constexpr double kMaxMovingShare = 0.4;
 // So many beams a scan line are traced through the cells, and not in every scan: somebody who
@@ -116,6 +118,7 @@ ScanMatcher::ScanMatcher(const Rig& rig,
                          double scan_period_s)
     : rig_(rig),
       options_(options),
+      scan_period_s_(scan_period_s),
       repeated_weight_(std::min(1.0, scan_period_s / kRepeatTime)),
       max_age_scans_(NumScans(options.max_age_s, scan_period_s)),
       forget_period_scans_(NumScans(kForgetPeriod, scan_period_s)),
@@ -342,6 +345,10 @@ void ScanMatcher::LeaveOutMoving(const Trajectory& trajectory) {
   }
   const double share =
       static_cast<double>(num_moving) / std::max(1.0, static_cast<double>(num_points));
+  const double gain =
+      std::min(1.0, (scan_index_ - last_check_scan_) * scan_period_s_ / kMotionTime);
+  last_check_scan_ = scan_index_;
+  motion_ += gain * ((share < kStillShare ? 0.0 : 1.0) - motion_);
   if (share < kStillShare) next_check_scan_ = scan_index_ + still_scans_;
   if (share <= kMaxMovingShare) return;
   for (Line& line : lines_) line.moves.clear();
@@ -359,6 +366,20 @@ bool ScanMatcher::IsMoving(int scan_line_index, int first_beam, int last_beam) c
     }
   }
   return 2 * num_moving > num_points;
+}
+
+std::vector<MovingBeams> ScanMatcher::FindMovingBeams() const {
+  std::vector<MovingBeams> runs;
+  for (const Line& line : lines_) {
+    for (size_t i = 0; i < line.moves.size(); ++i) {
+      if (!line.moves[i]) continue;
+      const size_t first = i;
+      while (i + 1 < line.moves.size() && line.moves[i + 1]) ++i;
+      if (i == first) continue;
+      runs.push_back({line.scan_line_index, line.beams[first], line.beams[i]});
+    }
+  }
+  return runs;
 }
 
 BeamMask ScanMatcher::AllBeams() const {

@@ -10,6 +10,7 @@
 #include "core/local_map/local_map.h"
 #include "core/local_map/occupancy_grid.h"
 #include "core/options/mapper_options.h"
+#include "core/sensor/moving_beams.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_reader.h"
 #include "core/trajectory/pose_constraint.h"
@@ -55,6 +56,11 @@ class ScanMatcher {
   // move, and neither Match nor the local map takes them. None where these would be most of
   // the scan: it is then the rig that is elsewhere.
   void LeaveOutMoving(const Trajectory& trajectory);
+  // The beams of the newest scan that move, by scan line and beam: runs of at least two.
+  std::vector<MovingBeams> FindMovingBeams() const;
+  // Whether something has moved lately, in most scans of some seconds; so at the start, when
+  // nobody can tell.
+  bool SeesMotion() const { return motion_ > kMotion; }
   // Whether most points of these beams of a scan line, by its index in the recording, move.
   bool IsMoving(int scan_line_index, int first_beam, int last_beam) const;
   // Matches them with the local map, from the trajectory's poses on: the normal equations of
@@ -85,6 +91,8 @@ class ScanMatcher {
   void Exclude(int scan_line_index, int first_beam, int last_beam, BeamMask* mask) const;
 
  private:
+  static constexpr double kMotion = 0.3;
+
   // The valid points of one scan line, or of a part of it that took no longer than one pose
   // correction serves.
   struct Line {
@@ -123,6 +131,7 @@ class ScanMatcher {
 
   const Rig& rig_;
   PointOptions options_;
+  double scan_period_s_;
   double repeated_weight_;
   int max_age_scans_;
   int forget_period_scans_;
@@ -135,6 +144,8 @@ class ScanMatcher {
   int64_t end_ns_ = 0;
   int scan_index_ = 0;
   int next_check_scan_ = 0;  // for what moves
+  int last_check_scan_ = 0;
+  double motion_ = 1.0;  // share of the late scans in which something moved
 };
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
+#include "core/sensor/moving_beams.h"
 #include "core/sensor/rig.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
@@ -23,6 +24,8 @@ struct MapState {
   // their own or parts of one on no plane (core/visibility/resegmentation.h). Each has its
   // landmark; they are ordered by scan line and beam.
   std::deque<Observation> sub_minimum_segments = {};
+  // What was seen to move, by scan line and beam.
+  std::deque<MovingBeams> moving_beams = {};
   // What the points on no plane say of the poses, by time.
   std::deque<PoseConstraint> pose_constraints = {};
 };

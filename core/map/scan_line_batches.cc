@@ -9,10 +9,10 @@ namespace {
 
 constexpr size_t kLinesPerBlock = 8;
 
-// Moves *next behind the observations of this scan line, which it is the first of.
-void Pass(const std::deque<Observation>& observations, int scan_line_index, size_t* next) {
-  while (*next < observations.size() &&
-         observations[*next].scan_line_index == scan_line_index) {
+// Moves *next behind the elements of this scan line, which it is the first of.
+template <typename Element>
+void Pass(const std::deque<Element>& elements, int scan_line_index, size_t* next) {
+  while (*next < elements.size() && elements[*next].scan_line_index == scan_line_index) {
     ++*next;
   }
 }
@@ -31,9 +31,12 @@ bool ScanLineBatchReader::Next(ScanLineBatch* block) {
     ScanLineBatch::Line& line = block->lines[num_lines];
     line.first_observation = next_observation_;
     line.first_run = next_run_;
+    line.first_moving = next_moving_;
     Pass(state_.observations, next_index_, &next_observation_);
     Pass(state_.sub_minimum_segments, next_index_, &next_run_);
+    Pass(state_.moving_beams, next_index_, &next_moving_);
     line.last_observation = next_observation_;
+    line.last_moving = next_moving_;
     line.last_run = next_run_;
     ++next_index_;
     ++num_lines;
@@ -42,6 +45,7 @@ bool ScanLineBatchReader::Next(ScanLineBatch* block) {
   block->end_index = next_index_;
   if (num_lines > 0) return true;
   CHECK_EQ(next_observation_, state_.observations.size()) << "observations out of order";
+  CHECK_EQ(next_moving_, state_.moving_beams.size()) << "moving beams out of order";
   CHECK_EQ(next_run_, state_.sub_minimum_segments.size())
       << "sub-minimum segments out of order";
   return false;

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 // A few scan lines that follow each other in a recording, and the positions [first, last) of
-// their observations and sub-minimum segments in a map's state.
+// their observations, sub-minimum segments and moving beams in a map's state.
 struct ScanLineBatch {
   struct Line {
     ScanLine scan_line;
@@ -18,6 +18,8 @@ struct ScanLineBatch {
     size_t last_observation = 0;
     size_t first_run = 0;  // of the sub-minimum segments
     size_t last_run = 0;
+    size_t first_moving = 0;  // of the beams that met something that moves
+    size_t last_moving = 0;
   };
 
   std::vector<Line> lines;
@@ -39,6 +41,7 @@ class ScanLineBatchReader {
   int next_index_ = 0;
   size_t next_observation_ = 0;
   size_t next_run_ = 0;
+  size_t next_moving_ = 0;
 };
 
 }  // namespace plumbline

@@ -2,10 +2,14 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/mapping/batch_policies.h"
+#include "core/mapping/loop_closures.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/resegmentation.h"
 
@@ -55,6 +59,7 @@ class Batch {
     }
     BatchReport report{estimator_.EstimateFinally(), round, num_changed};
     RebuildLandmarks(rig_, state_);
+    report.closures = Closures();
     return report;
   }
 
@@ -62,8 +67,9 @@ class Batch {
   // Applies the rules to the landmarks and segments as they are estimated now; returns how
   // many associations changed.
   int ImproveAssociations(int round) {
+    TakeBackClosures();
     RebuildLandmarks(rig_, state_);
-    const std::vector<int> merged_into = MergePlanes(rig_, options_, state_);
+    const std::vector<int> merged_into = MergePlanes(rig_, options_, apart_, state_);
     int num_dropped = DropRedundantPlanes(rig_, options_.loop_closure, state_) +
                       DropPassedThrough(rig_, state_);
     std::vector<bool> is_merged(state_->landmarks.size(), false);
@@ -76,6 +82,31 @@ class Batch {
               << " segments taken from planes that are none";
     progress_(share_done_);
     return num_changed + num_dropped;
+  }
+
+  // Estimates anew where closures are taken back: what they had bent straightens.
+  void TakeBackClosures() {
+    const int num_changed =
+        TakeBackContradictedClosures(rig_, options_, state_, &rejected_closures_);
+    if (num_changed == 0) return;
+    LOG(INFO) << num_changed << " segments taken from closures that their visits contradict";
+    for (const LoopClosure& closure : rejected_closures_) {
+      apart_.insert({closure.surface_a, closure.surface_b});
+    }
+    openings_.resize(state_->landmarks.size());
+    RebuildLandmarks(rig_, state_);
+    estimator_.EstimateRobustly();
+  }
+
+  // The closures of the finished map, and those taken back.
+  std::vector<LoopClosure> Closures() const {
+    std::vector<LoopClosure> closures = TestLoopClosures(rig_, options_, *state_);
+    closures.insert(closures.end(), rejected_closures_.begin(), rejected_closures_.end());
+    std::stable_sort(
+        closures.begin(), closures.end(), [](const LoopClosure& a, const LoopClosure& b) {
+          return a.time_ns < b.time_ns;
+        });
+    return closures;
   }
 
   // Whether the last estimation follows this round, after which another one would change so
@@ -110,6 +141,8 @@ class Batch {
   MapState* state_;
   BatchEstimator estimator_;
   std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
+  std::vector<LoopClosure> rejected_closures_;
+  std::set<std::pair<int, int>> apart_;  // landmarks of rejected closures
   double share_done_ = 0.0;              // of the batch's time
 };
 

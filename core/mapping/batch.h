@@ -1,8 +1,11 @@
 #pragma once
 
+#include <vector>
+
 #include "core/map/map_state.h"
 #include "core/mapping/batch_estimator.h"
 #include "core/options/mapper_options.h"
+#include "core/result/result_types.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/rig.h"
 #include "core/util/progress.h"
@@ -12,7 +15,8 @@ namespace plumbline {
 // The batch's final estimate, and how many rounds led to it.
 struct BatchReport : FinalEstimate {
   int rounds = 0;
-  int changed_associations = 0;  // in the last round before the final estimation
+  int changed_associations = 0;            // in the last round before the final estimation
+  std::vector<LoopClosure> closures = {};  // accepted and rejected, in the order of time
 };
 
 // How many segments another round of associations would change, by the rate at which the

@@ -93,13 +93,17 @@ int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state) {
   return num_changed;
 }
 
-std::vector<int> MergePlanes(const Rig& rig, const MapperOptions& options, MapState* state) {
+std::vector<int> MergePlanes(const Rig& rig,
+                             const MapperOptions& options,
+                             const std::set<std::pair<int, int>>& apart,
+                             MapState* state) {
   std::vector<int> merged_into;
   // A landmark that was itself merged away passes its share on.
   std::vector<int> target(state->landmarks.size());
   std::iota(target.begin(), target.end(), 0);
   for (const auto& [into, from] : FindMergeablePlanes(rig, *state, options, 0)) {
     const int end = target[static_cast<size_t>(into)];
+    if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
     target[static_cast<size_t>(from)] = end;
     MergeInto(end, from, state);
     merged_into.push_back(end);

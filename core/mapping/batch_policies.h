@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/map/map_state.h"
@@ -19,8 +21,12 @@ namespace plumbline {
 int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state);
 
 // Merges landmarks that turn out to be one plane (FindMergeablePlanes). Returns the ids of the
-// landmarks that others were merged into, one entry for each of the others.
-std::vector<int> MergePlanes(const Rig& rig, const MapperOptions& options, MapState* state);
+// landmarks that others were merged into, one entry for each of the others. Pairs (older,
+// newer) that were found to be two surfaces are left apart.
+std::vector<int> MergePlanes(const Rig& rig,
+                             const MapperOptions& options,
+                             const std::set<std::pair<int, int>>& apart,
+                             MapState* state);
 
 // Drops landmarks that their own segments contradicted while the rig was followed: oblique
 // false planes across corners. Where the noise is larger than the rig file states, the

@@ -113,6 +113,7 @@ Summary Summarise(const RecordingReader& recording,
   summary.scans = static_cast<int>(result.scan_times_ns.size());
   summary.points = points.num_points;
   summary.points_used = points.num_used;
+  summary.points_moving = points.num_moving;
   summary.residual_rms_m = points.residual_rms_m;
   summary.segments = static_cast<int>(std::count_if(
       result.state.observations.begin(),
@@ -185,6 +186,7 @@ Summary WriteResult(const Rig& rig,
   writer->WritePlanes(planes);
   writer->WriteTrajectoryCovariance(PoseCovariances(result));
   writer->WritePlaneCovariance(covariance);
+  writer->WriteLoopClosures(result.batch.closures);
   if (!result.window_estimates.empty()) WriteWindow(result, writer);
   const PointReport points = ExportPoints(rig, result.state, progress, recording, writer);
   LogWarnings(points.warnings);

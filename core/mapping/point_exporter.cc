@@ -79,6 +79,7 @@ struct LineCount {
   int64_t num_points = 0;  // valid ranges
   int64_t num_placed = 0;  // within the map's time
   int64_t num_used = 0;
+  int64_t num_moving = 0;
   double sum_squares = 0.0;  // of the residuals, m^2
 };
 
@@ -110,6 +111,11 @@ class LinePlacer {
     }
     for (size_t i = line.first_run; i < line.last_run; ++i)
       Assign(state_.sub_minimum_segments[i]);
+    moves_.assign(line.scan_line.ranges.size(), false);
+    for (size_t i = line.first_moving; i < line.last_moving; ++i) {
+      const MovingBeams& beams = state_.moving_beams[i];
+      std::fill(moves_.begin() + beams.first_beam, moves_.begin() + beams.last_beam + 1, true);
+    }
     return PlaceBeams(line.scan_line, points);
   }
 
@@ -166,6 +172,9 @@ class LinePlacer {
         count.sum_squares += residual * residual;
         point.plane_id = plane->landmark->id;
         point.residual_m = static_cast<float>(residual);
+      } else if (moves_[static_cast<size_t>(beam)]) {
+        point.plane_id = kMovingPlaneId;
+        ++count.num_moving;
       }
       points->Add(point);
     }
@@ -178,6 +187,7 @@ class LinePlacer {
   int64_t start_ns_;
   PoseSampler sampler_;
   std::vector<const LandmarkView*> plane_of_beam_;
+  std::vector<bool> moves_;  // by beam
 };
 
 }  // namespace
@@ -208,6 +218,7 @@ PointReport ExportPoints(const Rig& rig,
         for (const LineCount& count : item->counts) {
           report.num_points += count.num_points;
           report.num_used += count.num_used;
+          report.num_moving += count.num_moving;
           sum_squares += count.sum_squares;
           if (count.num_placed > 0 || count.num_points == 0) {
             report.activity.Add(count.scanner_index,

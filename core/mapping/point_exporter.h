@@ -17,6 +17,7 @@ namespace plumbline {
 struct PointReport {
   int64_t num_points = 0;       // valid ranges in the recording
   int64_t num_used = 0;         // of these on planes' segments and sub-minimum segments
+  int64_t num_moving = 0;       // on things that move
   double residual_rms_m = 0.0;  // of what is used
   ScannerActivity activity;
   std::vector<std::string> warnings;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "core/association/association.h"
@@ -173,7 +174,9 @@ bool ScanFollower::IsRedundantPlane(const TentativePlane& plane) const {
 }
 
 void ScanFollower::StartPlanes(int min_scans) {
-  for (TentativePlane& plane : tentative_planes_.TakeReady(min_scans)) {
+  const bool needs_age =
+      min_scans > 1 && (scan_matcher_ == nullptr || scan_matcher_->SeesMotion());
+  for (TentativePlane& plane : tentative_planes_.TakeReady(min_scans, needs_age)) {
     // An observation that served two tentative planes belongs to the one that came first.
     std::vector<int>& indices = plane.observations;
     indices.erase(
@@ -235,7 +238,7 @@ void ScanFollower::Follow(const Scan& scan) {
     FollowWhileKnown(scan);
   } catch (const LostTrack&) {
     throw;
-  } catch (const Error& error) {
+  } catch (const std::runtime_error& error) {
     // The estimate broke down before the pose's covariance told.
     throw LostTrack("lost track of the rig " +
                     FormatSeconds(SecondsBetween(state_->origin_time_ns, last_known_ns_)) +
@@ -282,6 +285,9 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   if (scan_matcher_ != nullptr) {
     scan_matcher_->Take(scan);
     scan_matcher_->LeaveOutMoving(state_->trajectory);
+    for (const MovingBeams& beams : scan_matcher_->FindMovingBeams()) {
+      state_->moving_beams.push_back(beams);
+    }
   }
   for (Observation& observation : Observe(scan)) {
     if (scan_matcher_ != nullptr &&

@@ -7,13 +7,16 @@
 
 namespace plumbline {
 
+// The plane id of points on things that move.
+inline constexpr int kMovingPlaneId = -2;
+
 // MapPoint is one point of map.ply and map.pcd.
 struct MapPoint {
   Eigen::Vector3f p_world;
   double time_s = 0.0;  // since the recording's first scan line
   int scanner = 0;
   int plane_id = -1;        // -1: on no plane
-  float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is -1
+  float residual_m = 0.0f;  // signed distance to its plane; NaN where plane_id is negative
 };
 
 // PointBuffer holds the bytes of points as they stand in map.ply and map.pcd:

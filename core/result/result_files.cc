@@ -13,6 +13,7 @@ constexpr size_t kPartLength = sizeof(kPart) - 1;
 
 bool IsResultFile(const std::string& name) {
   static const char* const kNames[] = {"config_used.yaml",
+                                       "loop_closures.json",
                                        "map.pcd",
                                        "map.ply",
                                        "plane_covariance.csv",

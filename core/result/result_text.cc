@@ -111,6 +111,23 @@ std::string FormatPlanes(const std::vector<PlanePatch>& planes) {
   return text + "\n]\n";
 }
 
+std::string FormatLoopClosures(const std::vector<LoopClosure>& closures) {
+  std::string text = "[";
+  for (const LoopClosure& closure : closures) {
+    text += text.size() == 1 ? "\n  {" : ",\n  {";
+    text += "\"surface_a\": " + std::to_string(closure.surface_a) +
+            ", \"surface_b\": " + std::to_string(closure.surface_b) +
+            ", \"time\": " + SecondsText(closure.time_ns) +
+            ", \"difference_m\": " + NumberText(closure.difference_m) +
+            ", \"statistic\": " + NumberText(closure.statistic) +
+            ", \"threshold\": " + NumberText(closure.threshold) +
+            ", \"return_statistic\": " + NumberText(closure.return_statistic) +
+            ", \"return_threshold\": " + NumberText(closure.return_threshold) +
+            ", \"accepted\": " + (closure.accepted ? "true" : "false") + "}";
+  }
+  return text + (text.size() == 1 ? "]\n" : "\n]\n");
+}
+
 std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
   std::string vertices;
   std::string faces;
@@ -191,6 +208,7 @@ std::string FormatSummary(const Summary& summary) {
   json["scans"] = summary.scans;
   json["points"] = summary.points;
   json["points_used"] = summary.points_used;
+  json["points_moving"] = summary.points_moving;
   json["segments"] = summary.segments;
   json["planes"] = summary.planes;
   json["control_points"] = summary.control_points;

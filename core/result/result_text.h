@@ -31,6 +31,9 @@ std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes);
 // Makes summary.json. The seconds of stages with the same name are added up.
 std::string FormatSummary(const Summary& summary);
 
+// Makes loop_closures.json, a JSON array with one object per line.
+std::string FormatLoopClosures(const std::vector<LoopClosure>& closures);
+
 // Makes plane_covariance.csv: a head line "plane,parameter,<id>:<parameter>,..." and one line
 // for each parameter.
 std::string FormatPlaneCovariance(const PlaneCovariance& covariance);

@@ -87,6 +87,20 @@ struct Consistency {
   std::optional<double> ends_at_s;
 };
 
+// LoopClosure is one line of loop_closures.json: a surface that was seen again after an
+// absence, and how its segments of then agree with those of before.
+struct LoopClosure {
+  int surface_a = 0;  // plane of before, and of this visit: the same where it was accepted
+  int surface_b = 0;
+  int64_t time_ns = 0;        // when the surface came back into view
+  double difference_m = 0.0;  // of the mean deviations from the plane, this visit minus before
+  double statistic = 0.0;     // difference squared over its variance
+  double threshold = 0.0;
+  double return_statistic = 0.0;  // sum over the surfaces that came back at about that time
+  double return_threshold = 0.0;
+  bool accepted = true;
+};
+
 // PartSummary is one part of a recording that could not be mapped in one piece.
 struct PartSummary {
   std::string folder;    // of its result, relative to that of the summary
@@ -100,8 +114,9 @@ struct PartSummary {
 // Summary holds the figures of summary.json.
 struct Summary {
   int scans = 0;
-  int64_t points = 0;       // valid ranges in the recording
-  int64_t points_used = 0;  // points on segments of planes in the final estimate
+  int64_t points = 0;         // valid ranges in the recording
+  int64_t points_used = 0;    // points on segments of planes in the final estimate
+  int64_t points_moving = 0;  // on things that were seen to move
   int segments = 0;
   int planes = 0;
   int control_points = 0;

@@ -56,6 +56,10 @@ void ResultWriter::WriteWindow(const std::vector<StampedPose>& poses,
   impl_->Write("window_plane_covariance.csv", FormatPlaneCovariance(planes));
 }
 
+void ResultWriter::WriteLoopClosures(const std::vector<LoopClosure>& closures) {
+  impl_->Write("loop_closures.json", FormatLoopClosures(closures));
+}
+
 void ResultWriter::AddMapPoints(const PointBuffer& points) { impl_->points.Add(points); }
 
 void ResultWriter::WriteSummary(const Summary& summary) {

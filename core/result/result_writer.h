@@ -30,10 +30,11 @@ class ResultWriter {
   void WriteWindow(const std::vector<StampedPose>& poses,
                    const std::vector<StampedCovariance>& covariances,
                    const PlaneCovariance& planes);
-  void AddMapPoints(const PointBuffer& points);  // map.ply, map.pcd
-  void WriteSummary(const Summary& summary);     // summary.json
-  void WriteConfig(const std::string& yaml);     // config_used.yaml
-  void Finish();                                 // completes all files; call once, at the end
+  void WriteLoopClosures(const std::vector<LoopClosure>& closures);  // loop_closures.json
+  void AddMapPoints(const PointBuffer& points);                      // map.ply, map.pcd
+  void WriteSummary(const Summary& summary);                         // summary.json
+  void WriteConfig(const std::string& yaml);                         // config_used.yaml
+  void Finish();  // completes all files; call once, at the end
 
  private:
   struct Impl;

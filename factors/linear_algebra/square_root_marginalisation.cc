@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -37,9 +38,12 @@ class PivotedElimination {
     for (Eigen::Index k = begin; k < end; ++k) {
       Eigen::Index pivot_at = 0;
       const double pivot = matrix_.diagonal().segment(k, end - k).maxCoeff(&pivot_at);
-      CHECK(std::isfinite(pivot)) << "normal matrix with entries that are not finite";
-      CHECK_GE(matrix_.diagonal().segment(k, end - k).minCoeff(), indefinite)
-          << "normal matrix is not positive semi-definite";
+      if (!std::isfinite(pivot)) {
+        throw std::runtime_error("the normal matrix has entries that are not finite");
+      }
+      if (matrix_.diagonal().segment(k, end - k).minCoeff() < indefinite) {
+        throw std::runtime_error("the normal matrix is not positive semi-definite");
+      }
       if (!(pivot > tolerance)) return static_cast<int>(k - begin);
       Swap(k, k + pivot_at);
       const double root = std::sqrt(pivot);

@@ -19,8 +19,9 @@ struct MarginalisedSystem {
 
 // Schur complement of the normal matrix H = J^T J and gradient g = J^T r, ordered
 // [ marginalised | kept ], onto the kept variables, by Cholesky's elimination with pivoting.
-// Only the lower triangle of H is read; H must be positive semi-definite; CHECKs when it is
-// clearly indefinite. A variable counts as free when, with all variables scaled to unit
+// Only the lower triangle of H is read; H must be positive semi-definite: throws
+// std::runtime_error when it is clearly indefinite or not finite, as of an estimate that has
+// gone astray. A variable counts as free when, with all variables scaled to unit
 // information (unit diagonal of H), less than relative_tolerance of it remains after those
 // before it.
 MarginalisedSystem Marginalise(const Eigen::MatrixXd& hessian,

@@ -101,6 +101,7 @@ TEST_F(MapJobTest, LeavesNothingButTheResult) {
   }
   EXPECT_EQ(files,
             (std::set<std::string>{"config_used.yaml",
+                                   "loop_closures.json",
                                    "map.pcd",
                                    "map.ply",
                                    "plane_covariance.csv",

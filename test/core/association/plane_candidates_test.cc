@@ -169,7 +169,7 @@ class TentativePlanesTest : public testing::Test {
 TEST_F(TentativePlanesTest, BecomePlanesOfTheRoom) {
   const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
   Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
-  std::vector<TentativePlane> ready = candidates_.TakeReady(options_.planes.min_scans);
+  std::vector<TentativePlane> ready = candidates_.TakeReady(options_.planes.min_scans, true);
   EXPECT_GE(ready.size(), 6u);
   std::set<const ScenePlane*> found;
   for (const TentativePlane& candidate : ready) {
@@ -181,14 +181,15 @@ TEST_F(TentativePlanesTest, BecomePlanesOfTheRoom) {
     EXPECT_FALSE(candidate.landmark.extent.empty());
   }
   EXPECT_EQ(found.size(), 6u);
-  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty()) << "taken is gone";
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans, true).empty())
+      << "taken is gone";
 }
 
 TEST_F(TentativePlanesTest, FewScansAreNotEnough) {
   const PlaneScene room = MakeRoom({{0.2, 2.5}, {1.9, 2.0}, {3.4, 2.8}, {4.8, 2.2}}, 0.0, 2.7);
   Walk(room, {0, 1, 2}, options_.planes.min_scans - 1, 0.5, 0.3);
-  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty());
-  EXPECT_FALSE(candidates_.TakeReady(options_.planes.min_scans - 1).empty());
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans, true).empty());
+  EXPECT_FALSE(candidates_.TakeReady(options_.planes.min_scans - 1, true).empty());
 }
 
 TEST_F(TentativePlanesTest, StaleOnesAreDropped) {
@@ -196,7 +197,7 @@ TEST_F(TentativePlanesTest, StaleOnesAreDropped) {
   Walk(room, {0, 1, 2}, options_.planes.min_scans, 0.5, 0.3);
   const int64_t last_ns = kStart + scan_ * kPeriod;
   candidates_.DropStale(last_ns + NanosecondsFromSeconds(options_.planes.max_tentative_age_s));
-  EXPECT_TRUE(candidates_.TakeReady(1).empty());
+  EXPECT_TRUE(candidates_.TakeReady(1, false).empty());
 }
 
 // One tilted scanner alone, standing still: a horizontal trace on a wall looks like a floor's.
@@ -205,14 +206,14 @@ TEST_F(TentativePlanesTest, StandingStillOneScannerDoesNotMakeAFloor) {
   const PlaneScene wall = {{WallNormal(225.0), -2.0}};
   Walk(wall, {1}, 40, 0.0, 0.0);
   EXPECT_GT(num_offered_, 0);
-  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans).empty());
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans, true).empty());
 }
 
 // Motion tells: what fits a horizontal plane while the rig moves on is one.
 TEST_F(TentativePlanesTest, MotionTellsFloorFromWall) {
   const PlaneScene floor = {{Eigen::Vector3d::UnitZ(), 0.0}};
   Walk(floor, {2}, 40, 0.5, 0.0);
-  const auto ready = candidates_.TakeReady(options_.planes.min_scans);
+  const auto ready = candidates_.TakeReady(options_.planes.min_scans, true);
   // Pieces far from each other may be candidates of their own.
   ASSERT_FALSE(ready.empty());
   for (const TentativePlane& candidate : ready) {
@@ -230,9 +231,9 @@ TEST_F(TentativePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
   const PlaneScene sloping = {{WallNormal(225.045), -2.0}};  // 5 standard deviations
   Walk(sloping, {1}, 1, 0.0, 0.0);
   Walk(level, {1}, min_scans - 1, 0.0, 0.0);
-  EXPECT_TRUE(candidates_.TakeReady(min_scans).empty());
+  EXPECT_TRUE(candidates_.TakeReady(min_scans, true).empty());
   Walk(sloping, {1}, min_scans - 1, 0.0, 0.0);
-  const std::vector<TentativePlane> walls = candidates_.TakeReady(min_scans);
+  const std::vector<TentativePlane> walls = candidates_.TakeReady(min_scans, true);
   ASSERT_EQ(walls.size(), 1u);
   EXPECT_EQ(walls.front().landmark.model, PlaneModel::kVertical);
   EXPECT_EQ(static_cast<int>(walls.front().scans.size()), 2 * min_scans - 1);
@@ -241,7 +242,8 @@ TEST_F(TentativePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
 TEST_F(TentativePlanesTest, MovingTowardsAWallMakesNoFloor) {
   const PlaneScene wall = {{WallNormal(225.0), -3.0}};
   Walk(wall, {1}, 40, 0.8, 0.0);
-  for (const TentativePlane& candidate : candidates_.TakeReady(options_.planes.min_scans)) {
+  for (const TentativePlane& candidate :
+       candidates_.TakeReady(options_.planes.min_scans, true)) {
     EXPECT_NE(candidate.landmark.model, PlaneModel::kHorizontal)
         << candidate.landmark.Distance();
   }
@@ -253,7 +255,7 @@ TEST_F(TentativePlanesTest, HighAndNarrowIsSmall) {
   const Rigid3d pose(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.4});
   const Trajectory trajectory(kStart, 200 * kPeriod, pose);
   const ScenePlane front = {WallNormal(180.0), -2.0};
-  const auto is_ready_after = [&](double width_m, double duration_s) {
+  const auto is_ready_after = [&](double width_m, double duration_s, bool needs_age = true) {
     TentativePlanes planes(false, options_);
     const int num_scans = static_cast<int>(duration_s / 0.025) + 1;
     for (int scan = 0; scan < num_scans; ++scan) {
@@ -264,12 +266,13 @@ TEST_F(TentativePlanesTest, HighAndNarrowIsSmall) {
           ObservationPoses(trajectory, rig_.scanners[0].body_from_scanner, observation),
           Matrix6d::Zero());
     }
-    return !planes.TakeReady(options_.planes.min_scans).empty();
+    return !planes.TakeReady(options_.planes.min_scans, needs_age).empty();
   };
   const double age_s = options_.planes.min_age_of_small_s;
   const double few_scans_s = 0.025 * options_.planes.min_scans;
   EXPECT_TRUE(is_ready_after(1.5, few_scans_s + 0.1));
   EXPECT_FALSE(is_ready_after(kWidth, age_s - 0.1));
+  EXPECT_TRUE(is_ready_after(kWidth, age_s - 0.1, false)) << "where nothing moves";
   EXPECT_TRUE(is_ready_after(kWidth, age_s + 0.1));
 }
 

@@ -21,7 +21,7 @@ TEST(PoseJumpsTest, AWalkHasNone) {
   ASSERT_GE(motion.size(), 20u);
   EXPECT_NEAR(motion[5].speed_m_s, 1.0, 1e-9);
   EXPECT_NEAR(motion[5].acceleration_m_s2, 0.0, 1e-9);
-  for (const bool is_jump : FindJumps(motion)) EXPECT_FALSE(is_jump);
+  for (const bool is_jump : FindJumps(motion, {})) EXPECT_FALSE(is_jump);
 }
 
 TEST(PoseJumpsTest, FindsAShiftOfHalfAMetre) {
@@ -30,7 +30,7 @@ TEST(PoseJumpsTest, FindsAShiftOfHalfAMetre) {
   for (int i = half; i < trajectory.num_control_points(); ++i) {
     trajectory.control_point(i).position[1] += 0.5;
   }
-  const std::vector<bool> jumps = FindJumps(MotionOverTime(trajectory, 0));
+  const std::vector<bool> jumps = FindJumps(MotionOverTime(trajectory, 0), {});
   const int num_jumps = static_cast<int>(std::count(jumps.begin(), jumps.end(), true));
   EXPECT_GE(num_jumps, 1);
   EXPECT_LE(num_jumps, 2);
@@ -43,7 +43,22 @@ TEST(PoseJumpsTest, ARigThatShakesAllTheTimeDoesNotJump) {
   for (int i = 0; i < trajectory.num_control_points(); ++i) {
     trajectory.control_point(i).position[1] += i % 2 == 0 ? 0.1 : -0.1;
   }
-  for (const bool is_jump : FindJumps(MotionOverTime(trajectory, 0))) EXPECT_FALSE(is_jump);
+  for (const bool is_jump : FindJumps(MotionOverTime(trajectory, 0), {}))
+    EXPECT_FALSE(is_jump);
+}
+
+// A slip of the height on a stair: hardly a jolt, but beams pass through the steps.
+TEST(PoseJumpsTest, LessIsAJumpWhereBeamsPassThroughSurfaces) {
+  std::vector<SecondOfMotion> motion(10, {2.5, 1.0, 1.0});
+  motion[5].acceleration_m_s2 = 7.5;
+  SharesOverTime passages(10, {2.0, 200.0});
+  EXPECT_EQ(FindJumps(motion, passages), std::vector<bool>(10, false));
+  passages[5].contradicted = 26.0;
+  std::vector<bool> expected(10, false);
+  expected[5] = true;
+  EXPECT_EQ(FindJumps(motion, passages), expected);
+  passages[5] = {3.0, 23.0};  // too few places to tell
+  EXPECT_EQ(FindJumps(motion, passages), std::vector<bool>(10, false));
 }
 
 // Ten seconds of motion and of support, eight intervals a second; at 5 s something happens.

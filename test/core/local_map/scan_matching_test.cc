@@ -133,5 +133,25 @@ TEST_F(ScanMatchingTest, AWrongPoseMovesNothing) {
   EXPECT_EQ(matcher_.num_points(), num_points);
 }
 
+TEST_F(ScanMatchingTest, SeesWhetherAnythingMoves) {
+  EXPECT_TRUE(matcher_.SeesMotion()) << "nobody can tell yet";
+  const auto take_scans = [&](int num_scans, bool with_somebody) {
+    for (int i = 0; i < num_scans; ++i) {
+      const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());
+      Scan scan = walk_.Take();
+      for (int beam = 100; with_somebody && beam <= 120; ++beam) {
+        scan.scan_lines[0].ranges[static_cast<size_t>(beam)] *= 0.5f;
+      }
+      matcher_.Take(scan);
+      matcher_.LeaveOutMoving(truth);
+      matcher_.Remember(truth, true);
+    }
+  };
+  take_scans(100, false);
+  EXPECT_FALSE(matcher_.SeesMotion());
+  take_scans(40, true);
+  EXPECT_TRUE(matcher_.SeesMotion());
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -169,7 +169,9 @@ TEST_F(BatchPoliciesTest, LandmarksMergeInChains) {
   AddWall(6.0, 0.0, 2.0);
   for (const int id : {0, 1, 2, 3}) AddSegment(id);
   options_.association.max_gap_m = 0.1;  // the third is near the second alone
-  EXPECT_EQ(MergePlanes(rig_, options_, &state_), (Ints{0, 0}));
+  MapState apart = state_;
+  EXPECT_EQ(MergePlanes(rig_, options_, {{0, 1}}, &apart).size(), 1u);
+  EXPECT_EQ(MergePlanes(rig_, options_, {}, &state_), (Ints{0, 0}));
   EXPECT_EQ(Ids(), (Ints{0, 0, 0, 3}));
   EXPECT_EQ(state_.landmarks[0].num_segments, 3);
   EXPECT_EQ(state_.landmarks[2].num_segments, 0);

@@ -130,6 +130,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
               ElementsAre("scans",
                           "points",
                           "points_used",
+                          "points_moving",
                           "segments",
                           "planes",
                           "control_points",
