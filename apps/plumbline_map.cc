@@ -25,6 +25,10 @@ DEFINE_int32(
     "number of threads, which changes the time but not the result; 0: as many as there "
     "are cores");
 DEFINE_validator(threads, [](const char*, int32_t threads) { return threads >= 0; });
+DEFINE_bool(resume,
+            false,
+            "go on where a run with the same inputs and output was killed, once it had followed "
+            "the whole recording");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -88,6 +92,7 @@ int main(int argc, char** argv) {
                                   FLAGS_config,
                                   FLAGS_output,
                                   FLAGS_threads,
+                                  FLAGS_resume,
                                   plumbline::StopSignals()},
                                  [&](double share) { progress.Report(share); });
         verdict_code = Report(summary);

@@ -56,6 +56,17 @@ class CellGrid {
     return false;
   }
 
+  // Calls visit(member) for each: to keep them in a file and take them back.
+  template <typename Visit>
+  void VisitMembers(Visit& visit) {
+    visit(first_.first);
+    visit(first_.second);
+    visit(size_.first);
+    visit(size_.second);
+    visit(counts_);
+    visit(num_occupied_);
+  }
+
  private:
   size_t Index(int i, int j) const {
     return static_cast<size_t>(i) * static_cast<size_t>(size_.second) + static_cast<size_t>(j);

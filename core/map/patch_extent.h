@@ -91,6 +91,18 @@ class PatchExtent {
   const Eigen::Vector3d& v_axis() const { return axes_.v; }
   Eigen::Vector3d ToWorld(const Eigen::Vector2d& uv) const { return axes_.ToWorld(uv); }
 
+  // Calls visit(member) for each: to keep them in a file and take them back.
+  template <typename Visit>
+  void VisitMembers(Visit& visit) {
+    visit(axes_.anchor);
+    visit(axes_.u);
+    visit(axes_.v);
+    cells_.VisitMembers(visit);
+    visit(hull_points_);
+    visit(min_);
+    visit(max_);
+  }
+
  private:
   bool is_upright() const { return axes_.v.z() > 0.5; }
   void AddCorner(const Eigen::Vector2d& p);

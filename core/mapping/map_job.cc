@@ -16,6 +16,7 @@
 #include "core/estimation/block_layout.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
+#include "core/mapping/checkpoint.h"
 #include "core/mapping/point_exporter.h"
 #include "core/options/config.h"
 #include "core/result/plane_covariance.h"
@@ -23,6 +24,7 @@
 #include "core/result/result_files.h"
 #include "core/result/result_writer.h"
 #include "core/trajectory/motion_noise.h"
+#include "core/util/error.h"
 #include "core/util/stopwatch.h"
 
 namespace plumbline {
@@ -211,35 +213,94 @@ void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
                << recorded * kBytesPerRecordedByte / 1'000'000 << " MB";
 }
 
-// Adds the stages of all parts, those of the longest first: what has the same name is added
-// up.
-void AddStages(const std::vector<MapResult>& parts, size_t longest, Summary* summary) {
-  const auto add = [&](const MapResult& part) {
-    summary->stages.insert(summary->stages.end(), part.stages.begin(), part.stages.end());
-  };
-  add(parts[longest]);
-  for (size_t i = 0; i < parts.size(); ++i) {
-    if (i != longest) add(parts[i]);
-  }
-}
-
 MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
   const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
   return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
 }
 
+// The times that a job takes.
+struct JobWatches {
+  Stopwatch total;
+  Stopwatch reading;
+  Stopwatch writing;  // the judging included
+  Stopwatch judging;
+};
+
+// Writes all files but the summaries, which are returned without times.
+std::vector<Summary> WriteParts(const Rig& rig,
+                                const MapperOptions& options,
+                                const std::vector<MapResult>& parts,
+                                const ProgressCallback& progress,
+                                RecordingReader* recording,
+                                std::vector<std::unique_ptr<ResultWriter>>* writers,
+                                Stopwatch* judging_watch) {
+  std::vector<Summary> summaries;
+  const auto num_parts = static_cast<double>(parts.size());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    LogWarnings(parts[i].warnings);
+    summaries.push_back(WriteResult(
+        rig,
+        options,
+        parts[i],
+        [&](double share) {
+          const double done = (static_cast<double>(i) + share) / num_parts;
+          progress(kMappingShare + (1.0 - kMappingShare) * done);
+        },
+        recording,
+        (*writers)[i].get(),
+        judging_watch));
+  }
+  return summaries;
+}
+
+// Adds times and memory to the summary of the longest part, the stages of the same name of all
+// parts added up.
+void AddTimes(const std::vector<MapResult>& parts, const JobWatches& watches, Summary* summary) {
+  const size_t longest = LongestPart(parts);
+  summary->stages.emplace_back("reading", watches.reading.seconds());
+  const auto& stages = parts[longest].stages;
+  summary->stages.insert(summary->stages.end(), stages.begin(), stages.end());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (i != longest)
+      summary->stages.insert(
+          summary->stages.end(), parts[i].stages.begin(), parts[i].stages.end());
+  }
+  summary->stages.emplace_back("writing",
+                               watches.writing.seconds() - watches.judging.seconds());
+  summary->stages.emplace_back("judging", watches.judging.seconds());
+  summary->stages.emplace_back("total", watches.total.seconds());
+  summary->real_time_factor = summary->duration_s / watches.total.seconds();
+  summary->peak_memory_mb = PeakMemoryMb();
+}
+
+// Where the run keeps its checkpoint, and that of a killed one which it goes on with.
+CheckpointFiles Checkpoint(const MapJob& job,
+                           const MapperOptions& options,
+                           const ResultDirectory& output) {
+  CheckpointFiles files;
+  files.inputs = InputsOf(job.recording, job.rig, MapperOptionsToYaml(options));
+  if (!job.resume) {
+    files.write_to = output.CheckpointPath();
+  } else if (output.HasCheckpoint()) {
+    files.read_from = output.CheckpointPath();
+    LOG(INFO) << "going on with what a killed run has followed";
+  } else {
+    throw Error(job.output + ": there is no killed run to resume, or it had not yet followed "
+                             "the recording");
+  }
+  return files;
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
-  Stopwatch total_watch;
-  Stopwatch reading_watch;
-  Stopwatch writing_watch;  // the judging included
-  Stopwatch judging_watch;
-  auto total = std::make_unique<Stopwatch::Running>(&total_watch);
+  JobWatches watches;
+  auto total = std::make_unique<Stopwatch::Running>(&watches.total);
   const Rig rig = ReadRig(job.rig);
   const MapperOptions options = OptionsOf(job, rig);
   // Before the work, so that an output that can not be written shows first.
-  ResultDirectory output(job.output);
-  auto reading = std::make_unique<Stopwatch::Running>(&reading_watch);
+  ResultDirectory output(job.output, job.resume);
+  const CheckpointFiles checkpoint = Checkpoint(job, options, output);
+  auto reading = std::make_unique<Stopwatch::Running>(&watches.reading);
   RecordingReader recording(job.recording, rig);
   reading.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
@@ -252,48 +313,31 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
       options,
       [&](double share) { progress(kMappingShare * share); },
       &recording,
-      job.stop);
+      job.stop,
+      checkpoint);
   const size_t longest = LongestPart(parts);
 
-  auto writing = std::make_unique<Stopwatch::Running>(&writing_watch);
+  auto writing = std::make_unique<Stopwatch::Running>(&watches.writing);
+  std::vector<std::string> folders;
   std::vector<std::unique_ptr<ResultWriter>> writers;
-  std::vector<Summary> summaries;
-  std::vector<PartSummary> part_summaries;
   for (size_t i = 0; i < parts.size(); ++i) {
-    LogWarnings(parts[i].warnings);
-    const std::string part = i == longest ? "" : PartName(i + 1);
-    writers.push_back(std::make_unique<ResultWriter>(output, part));
-    summaries.push_back(WriteResult(
-        rig,
-        options,
-        parts[i],
-        [&](double share) {
-          const double done =
-              (static_cast<double>(i) + share) / static_cast<double>(parts.size());
-          progress(kMappingShare + (1.0 - kMappingShare) * done);
-        },
-        &recording,
-        writers.back().get(),
-        &judging_watch));
-    part_summaries.push_back({part.empty() ? "." : part,
-                              parts[i].start_s,
-                              parts[i].end_s,
-                              summaries.back().scans,
-                              summaries.back().planes,
-                              summaries.back().consistency.verdict});
+    folders.push_back(i == longest ? "" : PartName(i + 1));
+    writers.push_back(std::make_unique<ResultWriter>(output, folders.back()));
+  }
+  std::vector<Summary> summaries =
+      WriteParts(rig, options, parts, progress, &recording, &writers, &watches.judging);
+  Summary& summary = summaries[longest];
+  for (size_t i = 0; i < parts.size() && parts.size() > 1; ++i) {
+    summary.parts.push_back({folders[i].empty() ? "." : folders[i],
+                             parts[i].start_s,
+                             parts[i].end_s,
+                             summaries[i].scans,
+                             summaries[i].planes,
+                             summaries[i].consistency.verdict});
   }
   writing.reset();
   total.reset();
-
-  Summary& summary = summaries[longest];
-  if (parts.size() > 1) summary.parts = part_summaries;
-  summary.stages.emplace_back("reading", reading_watch.seconds());
-  AddStages(parts, longest, &summary);
-  summary.stages.emplace_back("writing", writing_watch.seconds() - judging_watch.seconds());
-  summary.stages.emplace_back("judging", judging_watch.seconds());
-  summary.stages.emplace_back("total", total_watch.seconds());
-  summary.real_time_factor = summary.duration_s / total_watch.seconds();
-  summary.peak_memory_mb = PeakMemoryMb();
+  AddTimes(parts, watches, &summary);
   for (size_t i = 0; i < parts.size(); ++i) {
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();

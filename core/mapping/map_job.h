@@ -14,6 +14,9 @@ struct MapJob {
   std::string config;     // YAML, empty: defaults
   std::string output;     // directory
   int threads = 1;        // 0: as many as the machine has
+  // Goes on where a run with the same inputs and output was killed after it had followed the
+  // recording; an error where there is none, or one with other inputs.
+  bool resume = false;
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
 };

@@ -187,18 +187,16 @@ MapResult EstimatePart(const Rig& rig,
                        const MapperOptions& options,
                        const ProgressCallback& progress,
                        RecordingReader* recording,
-                       Part* part) {
-  ScanFollower& follower = *part->follower;
-  PlaneCovariance window_planes = PlanesOf(follower.estimates(), follower.state());
-  MapResult result(std::move(follower.state()));
-  result.window_estimates = follower.estimates();
+                       FollowedPart* part) {
+  PlaneCovariance window_planes = PlanesOf(part->window_estimates, part->state);
+  MapResult result(std::move(part->state));
+  result.window_estimates = std::move(part->window_estimates);
   result.window_planes = std::move(window_planes);
   result.planar = planar;
   result.start_s = part->start_s;
   result.end_s = part->end_s;
   result.ended_by = part->ended_by;
-  result.scan_times_ns = follower.scan_times_ns();
-  part->follower.reset();
+  result.scan_times_ns = std::move(part->scan_times_ns);
   Stopwatch batch_watch;
   {
     const Stopwatch::Running running(&batch_watch);
@@ -221,6 +219,85 @@ MapResult EstimatePart(const Rig& rig,
   return result;
 }
 
+// Follows the recording; stages gets the times that takes.
+FollowedRecording FollowRecording(const Rig& rig,
+                                  bool planar,
+                                  const MapperOptions& options,
+                                  const ProgressCallback& progress,
+                                  RecordingReader* recording,
+                                  const std::function<bool()>& stop,
+                                  std::vector<std::pair<std::string, double>>* stages) {
+  Stopwatch tracking_watch;
+  RecordingFollower recording_follower(rig, planar, options, recording);
+  std::vector<Part> parts;
+  {
+    const Stopwatch::Running running(&tracking_watch);
+    parts = recording_follower.Run(progress, stop);
+  }
+  double segmentation_s = 0.0;
+  FollowedRecording followed;
+  followed.num_skipped = recording_follower.num_skipped();
+  for (Part& part : parts) {
+    ScanFollower& follower = *part.follower;
+    segmentation_s += follower.segmentation_watch().seconds();
+    FollowedPart& moved = followed.parts.emplace_back(std::move(follower.state()));
+    moved.scan_times_ns = follower.scan_times_ns();
+    moved.window_estimates = follower.estimates();
+    moved.start_s = part.start_s;
+    moved.end_s = part.end_s;
+    moved.ended_by = part.ended_by;
+    part.follower.reset();
+  }
+  *stages = {{"segmentation", segmentation_s},
+             {"window", tracking_watch.seconds() - segmentation_s}};
+  return followed;
+}
+
+// A map does not fail for want of a checkpoint.
+void KeepCheckpoint(const CheckpointFiles& checkpoint, FollowedRecording* followed) {
+  try {
+    WriteCheckpoint(checkpoint.inputs, checkpoint.write_to, followed);
+  } catch (const Error& error) {
+    LOG(WARNING) << "no checkpoint for --resume: " << error.what();
+  }
+}
+
+// The maps of all parts that can be estimated; throws Error where there is none. The longest
+// one's warnings name a part that can not.
+std::vector<MapResult> EstimateParts(const Rig& rig,
+                                     bool planar,
+                                     const MapperOptions& options,
+                                     const ProgressCallback& progress,
+                                     RecordingReader* recording,
+                                     std::vector<FollowedPart>* parts) {
+  std::vector<MapResult> results;
+  std::string failed;
+  const auto num_parts = static_cast<double>(parts->size());
+  for (size_t i = 0; i < parts->size(); ++i) {
+    FollowedPart& part = (*parts)[i];
+    try {
+      results.push_back(EstimatePart(
+          rig,
+          planar,
+          options,
+          [&](double share) {
+            const double done = (static_cast<double>(i) + share) / num_parts;
+            progress(kFollowingShare + (1.0 - kFollowingShare) * done);
+          },
+          recording,
+          &part));
+    } catch (const Error& error) {
+      failed = "the part from " + FormatSeconds(part.start_s) + " to " +
+               FormatSeconds(part.end_s) + " could not be estimated: " + error.what();
+      if (parts->size() == 1) throw Error(failed);
+      LOG(WARNING) << failed;
+    }
+  }
+  if (results.empty()) throw Error(failed);
+  if (!failed.empty()) results[LongestPart(results)].warnings.push_back(failed);
+  return results;
+}
+
 }  // namespace
 
 size_t LongestPart(const std::vector<MapResult>& parts) {
@@ -235,7 +312,8 @@ std::vector<MapResult> MapRecording(const Rig& rig,
                                     const MapperOptions& options,
                                     const ProgressCallback& progress,
                                     RecordingReader* recording,
-                                    const std::function<bool()>& stop) {
+                                    const std::function<bool()>& stop,
+                                    const CheckpointFiles& checkpoint) {
   options.Check();
   const bool planar = IsPlanar(rig);
   if (planar) {
@@ -243,49 +321,22 @@ std::vector<MapResult> MapRecording(const Rig& rig,
         << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
            "be seen; estimating the planar motion";
   }
-  Stopwatch tracking_watch;
-  RecordingFollower recording_follower(rig, planar, options, recording);
-  std::vector<Part> parts;
-  {
-    const Stopwatch::Running running(&tracking_watch);
-    parts = recording_follower.Run(progress, stop);
-  }
-  double segmentation_s = 0.0;
-  for (const Part& part : parts)
-    segmentation_s += part.follower->segmentation_watch().seconds();
-  std::vector<MapResult> results;
-  std::string failed;
-  for (size_t i = 0; i < parts.size(); ++i) {
-    try {
-      results.push_back(EstimatePart(
-          rig,
-          planar,
-          options,
-          [&](double share) {
-            const double done =
-                (static_cast<double>(i) + share) / static_cast<double>(parts.size());
-            progress(kFollowingShare + (1.0 - kFollowingShare) * done);
-          },
-          recording,
-          &parts[i]));
-    } catch (const Error& error) {
-      failed = "the part from " + FormatSeconds(parts[i].start_s) + " to " +
-               FormatSeconds(parts[i].end_s) + " could not be estimated: " + error.what();
-      if (parts.size() == 1) throw Error(failed);
-      LOG(WARNING) << failed;
-    }
-  }
-  if (results.empty()) throw Error(failed);
+  std::vector<std::pair<std::string, double>> stages;
+  FollowedRecording followed =
+      checkpoint.read_from.empty()
+          ? FollowRecording(rig, planar, options, progress, recording, stop, &stages)
+          : ReadCheckpoint(checkpoint.inputs, checkpoint.read_from);
+  if (!checkpoint.write_to.empty()) KeepCheckpoint(checkpoint, &followed);
+  std::vector<MapResult> results =
+      EstimateParts(rig, planar, options, progress, recording, &followed.parts);
   MapResult& main = results[LongestPart(results)];
-  if (!failed.empty()) main.warnings.push_back(failed);
-  if (const int num_skipped = recording_follower.num_skipped(); num_skipped > 0) {
+  if (followed.num_skipped > 0) {
     main.warnings.push_back(
-        "the first " + std::to_string(num_skipped) + " scans are left out: they do not show " +
+        "the first " + std::to_string(followed.num_skipped) +
+        " scans are left out: they do not show " +
         (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
   }
-  main.stages.insert(main.stages.begin(),
-                     {{"segmentation", segmentation_s},
-                      {"window", tracking_watch.seconds() - segmentation_s}});
+  main.stages.insert(main.stages.begin(), stages.begin(), stages.end());
   return results;
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/map/map_state.h"
 #include "core/mapping/batch.h"
+#include "core/mapping/checkpoint.h"
 #include "core/options/mapper_options.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_types.h"
@@ -35,6 +36,13 @@ struct MapResult {
   std::vector<std::string> warnings;
 };
 
+// Where a run keeps what following the recording has found, in case it is killed in the batch.
+struct CheckpointFiles {
+  MapInputs inputs;
+  std::string write_to;   // empty: not kept
+  std::string read_from;  // instead of following the recording; empty: none
+};
+
 // Estimates the trajectory and the planes from the scan lines of a recording: initialisation,
 // tracking scan by scan with the window, final batch (docs/architecture.md). Works on the
 // threads of the caller's tbb::task_arena, by default all of the machine: their number changes
@@ -49,7 +57,8 @@ std::vector<MapResult> MapRecording(const Rig& rig,
                                     const MapperOptions& options,
                                     const ProgressCallback& progress,
                                     RecordingReader* recording,
-                                    const std::function<bool()>& stop = {});
+                                    const std::function<bool()>& stop = {},
+                                    const CheckpointFiles& checkpoint = {});
 
 // The part that holds the most scans.
 size_t LongestPart(const std::vector<MapResult>& parts);

@@ -24,6 +24,7 @@ namespace {
 constexpr char kLock[] = "lock";
 constexpr char kNew[] = "new";
 constexpr char kOld[] = "old";
+constexpr char kCheckpoint[] = "checkpoint.bin";
 
 [[noreturn]] void Fail(const std::string& path, const std::string& why) {
   throw Error(path + ": can not be used as output directory: " + why);
@@ -90,6 +91,10 @@ void DissolvePartial(const fs::path& partial, const fs::path& target) {
   if (IsRealDirectory(partial / kOld)) Move(partial / kOld, target);
   Dissolve(partial / kOld, target);
   Dissolve(partial / kNew, target);
+  for (const fs::path& entry : EntriesOf(partial)) {
+    const std::string name = entry.filename().string();
+    if (name == kCheckpoint || IsPartialName(name, kCheckpoint)) fs::remove(entry, ignored);
+  }
   fs::remove(partial / kLock, ignored);
   fs::remove(partial, ignored);
 }
@@ -138,8 +143,8 @@ fs::path ResolvedTarget(const std::string& path) {
 
 }  // namespace
 
-ResultDirectory::ResultDirectory(const std::string& path)
-    : path_(path), target_(ResolvedTarget(path)) {
+ResultDirectory::ResultDirectory(const std::string& path, bool keep_checkpoint)
+    : path_(path), target_(ResolvedTarget(path)), keep_checkpoint_(keep_checkpoint) {
   try {
     CreateParents();
     // Created first, so that of two runs that begin at once, one at least sees the other.
@@ -156,6 +161,8 @@ ResultDirectory::~ResultDirectory() {
 }
 
 void ResultDirectory::Discard() {
+  // The next run finds the checkpoint as if this one had been killed.
+  if (keep_checkpoint_ && HasCheckpoint()) return;
   if (lock_.is_open()) DissolvePartial(partial_, target_);
   std::error_code ignored;
   for (auto parent = created_parents_.rbegin(); parent != created_parents_.rend(); ++parent) {
@@ -182,7 +189,9 @@ void ResultDirectory::RemoveLeftovers() const {
     OpenFile lock;
     const LockState state = TryLock((entry / kLock).string(), &lock);
     if (state == LockState::kInUse) Fail(path_, "another run is writing its result there");
-    if (state == LockState::kTaken) DissolvePartial(entry, target_);
+    if (state != LockState::kTaken) continue;
+    if (keep_checkpoint_ && !HasCheckpoint()) Move(entry / kCheckpoint, partial_ / kCheckpoint);
+    DissolvePartial(entry, target_);
   }
 }
 
@@ -212,6 +221,10 @@ std::string ResultDirectory::Folder(const std::string& part) const {
 std::string ResultDirectory::FinalName(const std::string& part) const {
   return (part.empty() ? fs::path(path_) : fs::path(path_) / part).string();
 }
+
+std::string ResultDirectory::CheckpointPath() const { return (partial_ / kCheckpoint).string(); }
+
+bool ResultDirectory::HasCheckpoint() const { return Exists(partial_ / kCheckpoint); }
 
 uintmax_t ResultDirectory::FreeSpace() const {
   std::error_code error;

@@ -14,6 +14,7 @@ namespace plumbline {
 //
 //   .<output>.<random>.partial/lock   held by the process that writes
 //   .<output>.<random>.partial/new/   the result
+//   .<output>.<random>.partial/checkpoint.bin   where the run has written one
 //
 // and Commit() exchanges new/ with the output directory. What lies in that one and is no file of
 // a result moves along into the new one. Without Commit() the partial directory is removed;
@@ -21,8 +22,9 @@ namespace plumbline {
 class ResultDirectory {
  public:
   // Throws Error where the directory can not be written to or exchanged, or where another
-  // process writes a result for it.
-  explicit ResultDirectory(const std::string& path);
+  // process writes a result for it. keep_checkpoint: that of a process that was killed is not
+  // removed, but taken over, until there is a result.
+  explicit ResultDirectory(const std::string& path, bool keep_checkpoint = false);
   ~ResultDirectory();
   ResultDirectory(const ResultDirectory&) = delete;
   ResultDirectory& operator=(const ResultDirectory&) = delete;
@@ -32,6 +34,10 @@ class ResultDirectory {
   std::string Folder(const std::string& part = "") const;
   // The name of that folder once it has been committed, for messages.
   std::string FinalName(const std::string& part = "") const;
+
+  // The path for a checkpoint, and whether one has been taken over.
+  std::string CheckpointPath() const;
+  bool HasCheckpoint() const;
 
   // Bytes that the file system has free for the result.
   uintmax_t FreeSpace() const;
@@ -52,6 +58,7 @@ class ResultDirectory {
   std::filesystem::path target_;  // absolute, without links
   std::filesystem::path partial_;
   std::vector<std::filesystem::path> created_parents_;  // the outermost first
+  bool keep_checkpoint_;
   OpenFile lock_;
   bool committed_ = false;
 };

@@ -57,6 +57,14 @@ class Trajectory {
   // Removes the control points that no pose up to this instant, inclusive, depends on.
   void ShrinkTo(int64_t time_ns);
 
+  // Calls visit(member) for each: to keep them in a file and take them back.
+  template <typename Visit>
+  void VisitMembers(Visit& visit) {
+    visit(start_ns_);
+    visit(knot_interval_ns_);
+    visit(control_points_);
+  }
+
  private:
   int64_t start_ns_;
   int64_t knot_interval_ns_;

@@ -50,6 +50,17 @@ class PackedSegment {
   // In the scanner's frame.
   SegmentMeasurement Unpack() const;
 
+  // Calls visit(member) for each: to keep them in a file and take them back.
+  template <typename Visit>
+  void VisitMembers(Visit& visit) {
+    visit(frame_.origin);
+    visit(frame_.tangent);
+    visit(rows_);
+    visit(first_node_ns_);
+    visit(half_span_ns_);
+    visit(constant_);
+  }
+
  private:
   SegmentFrame frame_;
   CompactArray<float> rows_;
