@@ -23,14 +23,14 @@ PATIENCE_S = 120
 class Mapper:
     """A plumbline_map whose stderr is a terminal, where it tells its progress."""
 
-    def __init__(self, output, recording, rig):
+    def __init__(self, output, recording, rig, more=()):
         self._terminal, other_end = pty.openpty()
         self.text = ""
         self.process = subprocess.Popen(
             [PROGRAM, f"--recording={recording}",
              f"--rig={rig}",
              f"--config={ROOT}/configs/mapper/robot_three_scanners.yaml",
-             "--threads=1", f"--output={output}"],
+             "--threads=1", f"--output={output}", *more],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         os.close(other_end)
@@ -74,8 +74,8 @@ class StopTest(unittest.TestCase):
         self.output = self.directory / "output"
 
     def start(self, recording=ROOT / "test/data/robot_three_scanners.bag",
-              rig=ROOT / "configs/rigs/robot_three_scanners.yaml"):
-        mapper = Mapper(self.output, recording, rig)
+              rig=ROOT / "configs/rigs/robot_three_scanners.yaml", more=(), output=None):
+        mapper = Mapper(output or self.output, recording, rig, more)
         self.addCleanup(mapper.close)
         return mapper
 
@@ -132,6 +132,63 @@ class StopTest(unittest.TestCase):
         self.assertEqual(self.entries(), ["output"])
         self.assertEqual((self.output / "notes.txt").read_text(), "notes")
         self.assertEqual(self.summary()["scans"], 435)
+
+    def kill_in_the_batch(self):
+        mapper = self.start()
+        mapper.wait_for(lambda mapper: "batch round 1" in mapper.text)
+        mapper.process.kill()
+        self.assertEqual(mapper.exit_code(), -signal.SIGKILL)
+
+    def checkpoint(self):
+        [checkpoint] = self.directory.glob(".output.*.partial/checkpoint.bin")
+        return checkpoint
+
+    def assert_refused(self, mapper, message):
+        self.assertEqual(mapper.exit_code(), 1, mapper.text)
+        self.assertIn(message, mapper.text)
+        self.assertEqual(mapper.text.count("plumbline_map: "), 1, mapper.text)
+        self.assertFalse(self.output.exists())
+
+    def test_a_killed_run_is_resumed_to_the_same_bytes(self):
+        whole = self.directory / "whole"
+        self.assertEqual(self.start(output=whole).exit_code(), 0)
+        self.kill_in_the_batch()
+        self.checkpoint()
+        resumed = self.start(more=["--resume"])
+        self.assertEqual(resumed.exit_code(), 0, resumed.text)
+        self.assertIn("going on with what a killed run has followed", resumed.text)
+        self.assertEqual(self.entries(), ["output", "whole"])
+        names = sorted(path.name for path in whole.iterdir())
+        self.assertEqual(names, sorted(path.name for path in self.output.iterdir()))
+        for name in set(names) - {"summary.json"}:
+            self.assertEqual((whole / name).read_bytes(), (self.output / name).read_bytes(), name)
+        timings = {"stages", "real_time_factor", "peak_memory_mb"}
+        expected = json.loads((whole / "summary.json").read_text())
+        for key in set(expected) - timings:
+            self.assertEqual(expected[key], self.summary()[key], key)
+
+    def test_a_checkpoint_of_other_inputs_or_damaged_is_refused_and_kept(self):
+        self.kill_in_the_batch()
+        config = self.directory / "config.yaml"
+        config.write_text((ROOT / "configs/mapper/robot_three_scanners.yaml").read_text() +
+                          "\n# the same settings\n")
+        rig = self.directory / "rig.yaml"
+        rig.write_text((ROOT / "configs/rigs/robot_three_scanners.yaml").read_text() + "\n")
+        self.assert_refused(self.start(rig=rig, more=["--resume"]), "had another rig file")
+        recording = self.directory / "copy.bag"
+        recording.write_bytes((ROOT / "test/data/robot_three_scanners.bag").read_bytes())
+        self.assert_refused(self.start(recording, more=["--resume"]), "had another recording")
+        whole = self.checkpoint().read_bytes()
+        self.checkpoint().write_bytes(whole[:len(whole) // 2])
+        self.assert_refused(self.start(more=["--resume"]), "is damaged or incomplete")
+        self.checkpoint().write_bytes(whole)
+        # Other words, the same settings.
+        self.assertEqual(self.start(more=["--resume", f"--config={config}"]).exit_code(), 0)
+        self.assertTrue(self.output.exists())
+
+    def test_without_a_killed_run_there_is_nothing_to_resume(self):
+        self.assert_refused(self.start(more=["--resume"]), "there is no killed run to resume")
+        self.assertEqual(self.entries(), [])
 
     def test_before_the_following_a_signal_ends_it_at_once(self):
         rig = self.directory / "rig.yaml"
