@@ -113,6 +113,39 @@ TEST_F(ResultDirectoryTest, FilesOfTheEarlierResultGoAndThoseOfTheUserStay) {
   EXPECT_EQ(fs::status(output_).permissions(), fs::perms::owner_all);
 }
 
+TEST_F(ResultDirectoryTest, TheCheckpointOfAKilledRunIsTakenOverByWhoAsksForIt) {
+  Killed([&] {
+    ResultDirectory result(output_.string());
+    WriteBytes(result.CheckpointPath(), "followed");
+    Fill(result, "killed");
+    kill(getpid(), SIGKILL);
+  });
+  for (int i = 0; i < 2; ++i) {  // it outlives a run without a result
+    const ResultDirectory failed(output_.string(), true);
+    ASSERT_TRUE(failed.HasCheckpoint());
+    EXPECT_EQ(ReadBytes(failed.CheckpointPath()), "followed");
+  }
+  {
+    ResultDirectory result(output_.string(), true);
+    Fill(result, "new");
+    result.Commit();
+  }
+  EXPECT_FALSE(ResultDirectory(output_.string(), true).HasCheckpoint());
+  EXPECT_EQ(ReadBytes(output_ / "map.ply"), "new");
+}
+
+TEST_F(ResultDirectoryTest, TheCheckpointOfAKilledRunGoesWithTheNextRunFromTheStart) {
+  Killed([&] {
+    const ResultDirectory result(output_.string());
+    WriteBytes(result.CheckpointPath(), "followed");
+    kill(getpid(), SIGKILL);
+  });
+  Commit("new");
+  EXPECT_THAT(
+      NamesIn(directory_),
+      ElementsAre("output", "output/map.ply", "output/summary.json", "output/trajectory.tum"));
+}
+
 // Results replace each other until a reader has seen some of them. It never sees two at once, and
 // never none.
 TEST_F(ResultDirectoryTest, ReadersSeeOneResultOrTheOther) {
