@@ -71,8 +71,8 @@ TEST_F(CheckpointTest, GivesBackWhatWasWritten) {
     EXPECT_EQ(a.middle_time_ns(), b.middle_time_ns());
   }
   const int64_t time_ns = written.scan_times_ns.back();
-  EXPECT_EQ(part.state.trajectory.PoseAt(time_ns).translation,
-            written.state.trajectory.PoseAt(time_ns).translation);
+  EXPECT_EQ(part.state.trajectory.WorldFromBody(time_ns).translation,
+            written.state.trajectory.WorldFromBody(time_ns).translation);
 }
 
 TEST_F(CheckpointTest, WrittenAgainItIsTheSameToTheBit) {
