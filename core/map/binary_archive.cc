@@ -98,10 +98,25 @@ void BinaryArchive::operator()(ObservedPoint& point) {
 }
 
 void BinaryArchive::operator()(Observation& observation) {
-  auto& [measurement, first_point, last_point, start_ns, end_ns, scan_index, scan_line_index,
-         scanner_index, first_beam, last_beam, num_points, landmark_id, revision, taken_to,
-         sigma_offset_m, sigma_direction_rad, out_of_plane_ratio, excluded_beams, points] =
-      observation;
+  auto& [measurement,
+         first_point,
+         last_point,
+         start_ns,
+         end_ns,
+         scan_index,
+         scan_line_index,
+         scanner_index,
+         first_beam,
+         last_beam,
+         num_points,
+         landmark_id,
+         revision,
+         taken_to,
+         sigma_offset_m,
+         sigma_direction_rad,
+         out_of_plane_ratio,
+         excluded_beams,
+         points] = observation;
   measurement.VisitMembers(*this);
   (*this)(first_point);
   (*this)(last_point);
@@ -125,17 +140,35 @@ void BinaryArchive::operator()(Observation& observation) {
 }
 
 void BinaryArchive::operator()(Landmark& landmark) {
-  auto& [id, model, sign, parameters, heading_fixed, extent, covariance, first_scan, last_scan,
-         first_time_ns, last_time_ns, num_segments, num_points, sum_deviations, num_judged] =
-      landmark;
+  auto& [id,
+         model,
+         sign,
+         parameters,
+         heading_fixed,
+         extent,
+         covariance,
+         first_scan,
+         last_scan,
+         first_time_ns,
+         last_time_ns,
+         num_segments,
+         num_points,
+         sum_deviations,
+         num_judged] = landmark;
   (*this)(model);
   (*this)(parameters);
   (*this)(heading_fixed);
   extent.VisitMembers(*this);
   (*this)(covariance);
-  for (int* value : {&id, &first_scan, &last_scan, &num_segments, &num_judged}) (*this)(*value);
+  for (int* value : {&id, &first_scan, &last_scan, &num_segments, &num_judged})
+    (*this)(*value);
   for (int64_t* value : {&first_time_ns, &last_time_ns, &num_points}) (*this)(*value);
   for (double* value : {&sign, &sum_deviations}) (*this)(*value);
+}
+
+void BinaryArchive::operator()(MovingBeams& beams) {
+  auto& [scan_line_index, first_beam, last_beam] = beams;
+  for (int* value : {&scan_line_index, &first_beam, &last_beam}) (*this)(*value);
 }
 
 void BinaryArchive::operator()(PoseConstraint& constraint) {
@@ -149,13 +182,19 @@ void BinaryArchive::operator()(PoseConstraint& constraint) {
 }
 
 void BinaryArchive::operator()(MapState& state) {
-  auto& [trajectory, landmarks, observations, origin_time_ns, sub_minimum_segments,
+  auto& [trajectory,
+         landmarks,
+         observations,
+         origin_time_ns,
+         sub_minimum_segments,
+         moving_beams,
          pose_constraints] = state;
   trajectory.VisitMembers(*this);
   (*this)(landmarks);
   (*this)(observations);
   (*this)(origin_time_ns);
   (*this)(sub_minimum_segments);
+  (*this)(moving_beams);
   (*this)(pose_constraints);
 }
 

@@ -77,6 +77,7 @@ class BinaryArchive {
   void operator()(ObservedPoint& point);
   void operator()(Observation& observation);
   void operator()(Landmark& landmark);
+  void operator()(MovingBeams& beams);
   void operator()(PoseConstraint& constraint);
   void operator()(MapState& state);
 

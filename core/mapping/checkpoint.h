@@ -27,11 +27,12 @@ struct FollowedRecording {
   int num_skipped = 0;              // scans before the first part
 };
 
-// What a map is made from, by name ("recording", "program"): the same inputs give the same map.
+// What a map is made from, by name ("recording", "program"): the same inputs give the same
+// map.
 using MapInputs = std::vector<std::pair<std::string, std::string>>;
 
-// The inputs of a job: the program with the checksum of its file, the recording with its size and
-// the time of its last change, the texts of the rig and of the settings in force.
+// The inputs of a job: the program with the checksum of its file, the recording with its size
+// and the time of its last change, the texts of the rig and of the settings in force.
 MapInputs InputsOf(const std::string& recording,
                    const std::string& rig,
                    const std::string& options_yaml);

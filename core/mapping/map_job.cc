@@ -17,6 +17,7 @@
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/checkpoint.h"
+#include "core/mapping/part_poses.h"
 #include "core/mapping/point_exporter.h"
 #include "core/options/config.h"
 #include "core/result/plane_covariance.h"
@@ -253,9 +254,39 @@ std::vector<Summary> WriteParts(const Rig& rig,
   return summaries;
 }
 
+// Says where the other parts lie in the frame of the longest one, or why that is not known.
+void PlaceParts(const Rig& rig,
+                const std::vector<MapResult>& parts,
+                size_t longest,
+                Summary* summary) {
+  const PartMatchingOptions options;
+  if (parts.size() < 2) return;
+  const PartView of_longest = ViewFromAbove(rig, parts[longest].state, options.spacing_m);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (i == longest) continue;
+    const PartMatch match =
+        MatchParts(of_longest, ViewFromAbove(rig, parts[i].state, options.spacing_m), options);
+    PartSummary& part = summary->parts[i];
+    if (match.pose) {
+      const PartPose& pose = *match.pose;
+      part.pose = {pose.yaw_rad * 180.0 / M_PI,
+                   pose.translation.x(),
+                   pose.translation.y(),
+                   pose.length_m};
+    } else {
+      summary->warnings.push_back(
+          "where " + part.folder +
+          " lies in the frame of the longest part is not known: " + match.reason);
+      LOG(WARNING) << summary->warnings.back();
+    }
+  }
+}
+
 // Adds times and memory to the summary of the longest part, the stages of the same name of all
 // parts added up.
-void AddTimes(const std::vector<MapResult>& parts, const JobWatches& watches, Summary* summary) {
+void AddTimes(const std::vector<MapResult>& parts,
+              const JobWatches& watches,
+              Summary* summary) {
   const size_t longest = LongestPart(parts);
   summary->stages.emplace_back("reading", watches.reading.seconds());
   const auto& stages = parts[longest].stages;
@@ -285,8 +316,9 @@ CheckpointFiles Checkpoint(const MapJob& job,
     files.read_from = output.CheckpointPath();
     LOG(INFO) << "going on with what a killed run has followed";
   } else {
-    throw Error(job.output + ": there is no killed run to resume, or it had not yet followed "
-                             "the recording");
+    throw Error(job.output +
+                ": there is no killed run to resume, or it had not yet followed "
+                "the recording");
   }
   return files;
 }
@@ -333,8 +365,10 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
                              parts[i].end_s,
                              summaries[i].scans,
                              summaries[i].planes,
-                             summaries[i].consistency.verdict});
+                             summaries[i].consistency.verdict,
+                             {}});
   }
+  PlaceParts(rig, parts, longest, &summary);
   writing.reset();
   total.reset();
   AddTimes(parts, watches, &summary);

@@ -331,10 +331,10 @@ std::vector<MapResult> MapRecording(const Rig& rig,
       EstimateParts(rig, planar, options, progress, recording, &followed.parts);
   MapResult& main = results[LongestPart(results)];
   if (followed.num_skipped > 0) {
-    main.warnings.push_back(
-        "the first " + std::to_string(followed.num_skipped) +
-        " scans are left out: they do not show " +
-        (planar ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+    main.warnings.push_back("the first " + std::to_string(followed.num_skipped) +
+                            " scans are left out: they do not show " +
+                            (planar ? "a wall" : "floor or ceiling and a wall") +
+                            " clearly enough");
   }
   main.stages.insert(main.stages.begin(), stages.begin(), stages.end());
   return results;

@@ -249,6 +249,11 @@ std::string FormatSummary(const Summary& summary) {
                              {"scans", part.scans},
                              {"planes", part.planes},
                              {"verdict", VerdictName(part.verdict)}});
+    if (!part.pose) continue;
+    json["parts"].back()["pose"] = {{"yaw_deg", part.pose->yaw_deg},
+                                    {"x_m", part.pose->x_m},
+                                    {"y_m", part.pose->y_m},
+                                    {"matched_m", part.pose->matched_m}};
   }
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.

@@ -101,6 +101,15 @@ struct LoopClosure {
   bool accepted = true;
 };
 
+// Where a part lies in the model frame of the longest one, seen from above:
+// p_longest = R(yaw) p_part + (x, y).
+struct PlanPose {
+  double yaw_deg = 0.0;
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double matched_m = 0.0;  // length of the walls that match
+};
+
 // PartSummary is one part of a recording that could not be mapped in one piece.
 struct PartSummary {
   std::string folder;    // of its result, relative to that of the summary
@@ -109,6 +118,7 @@ struct PartSummary {
   int scans = 0;
   int planes = 0;
   Verdict verdict = Verdict::kConsistent;
+  std::optional<PlanPose> pose;  // where its walls match those of the longest part
 };
 
 // Summary holds the figures of summary.json.

@@ -42,7 +42,8 @@ class CheckpointTest : public TemporaryDirectoryTest {
 
   const MapInputs inputs_ = {{"recording", "5 bytes"}, {"rig file", "scanners: []"}};
   RoomWalk walk_{Eigen::Vector3d(0.4, -0.3, 0.0)};
-  ScanFollower follower_{walk_.rig(), false, MapperOptions(), RoomWalk::kPeriod};
+  const MapperOptions options_;
+  ScanFollower follower_{walk_.rig(), false, options_, RoomWalk::kPeriod};
   FollowedRecording followed_;
   std::string path_;
 };

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/joining/part_matching.h"
+#include "core/map/map_state.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// What the map of a part shows from above: spots on what was seen of its walls, and some of
+// the beams that ended there.
+PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m);
+
+}  // namespace plumbline
