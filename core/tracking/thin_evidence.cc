@@ -25,29 +25,6 @@ constexpr double kMaxPause = 0.1;             // s
 
 }  // namespace
 
-bool WallsLeaveOpen(const MapState& state,
-                    int first_observation,
-                    int last_observation,
-                    const MapperOptions& options) {
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  const double flatness_m = options.association.surface_flatness_m;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model == PlaneModel::kHorizontal) continue;
-    const PatchExtent& extent = landmark.extent;
-    if (extent.max_corner().x() - extent.min_corner().x() < options.planes.small_m) continue;
-    const Eigen::Vector2d normal = landmark.Normal().head<2>();
-    information +=
-        normal * normal.transpose() /
-        (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
-  }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(information, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
-}
-
 bool ThinEvidence::HasStoodStill() const {
   const Sighting& first = sightings_.front();
   if (SecondsBetween(first.time_ns, sightings_.back().time_ns) < kStandStillTime) return false;

@@ -6,16 +6,8 @@
 #include <vector>
 
 #include "core/map/map_state.h"
-#include "core/options/mapper_options.h"
 
 namespace plumbline {
-
-// Whether the walls that the observations first .. last of a scan lie on, planes wider than
-// options.planes.small_m, leave the rig's position open in some horizontal direction.
-bool WallsLeaveOpen(const MapState& state,
-                    int first_observation,
-                    int last_observation,
-                    const MapperOptions& options);
 
 // ThinEvidence withholds planes from a scan where all that speaks for a direction that was
 // open is one plane: somebody who walks past is as easily taken for it, and the rig would

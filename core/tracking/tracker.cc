@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "core/estimation/pose_prior.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
+#include "core/tracking/scan_on_planes.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/util/error.h"
@@ -305,30 +307,6 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
   return association;
 }
 
-BeamMask Tracker::BeamsOnNoPlane(int first_observation,
-                                 int last_observation,
-                                 const ScanMatcher& scan_matcher) const {
-  BeamMask mask = scan_matcher.AllBeams();
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    scan_matcher.Exclude(
-        observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
-  }
-  return mask;
-}
-
-double Tracker::ShareOnNoPlane(int first_observation,
-                               int last_observation,
-                               int num_points) const {
-  int num_on_planes = 0;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    if (observation.landmark_id >= 0) num_on_planes += observation.num_points;
-  }
-  return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
-}
-
 bool Tracker::IsUndecided(int64_t now_ns) const {
   return is_open_ && SecondsBetween(last_held_ns_, now_ns) < options_.tracking.max_undecided_s;
 }
@@ -372,6 +350,47 @@ bool Tracker::AssociatePredicted(int first_observation,
   return !association.chosen.empty();
 }
 
+PoseGaussian Tracker::EstimateInRounds(int first_observation,
+                                       int last_observation,
+                                       const LandmarksWithinGap& landmarks,
+                                       const ScanMatcher* scan_matcher,
+                                       std::vector<PoseConstraint>* constraints,
+                                       bool* unsteady) {
+  PoseGaussian estimate;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    // By the prediction first, all segments together; once the poses are known, one by one,
+    // unless they are known not to describe the motion.
+    bool changed = false;
+    if (round == 0) {
+      changed = AssociatePredicted(
+          first_observation, last_observation, landmarks, scan_matcher != nullptr, unsteady);
+    } else {
+      changed = !*unsteady && Associate(first_observation, last_observation, landmarks);
+    }
+    if (!changed && round > 0) break;
+    if (scan_matcher != nullptr) {
+      const BeamMask on_no_plane =
+          BeamsOnNoPlane(*state_, first_observation, last_observation, *scan_matcher);
+      *constraints = scan_matcher->Match(state_->trajectory, 0, &on_no_plane).constraints;
+    }
+    estimate = Estimate(first_observation, last_observation, *constraints);
+    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+  }
+  return estimate;
+}
+
+PoseGaussian Tracker::EstimateWithout(const std::vector<int>& left_out,
+                                      int first_observation,
+                                      int last_observation,
+                                      const std::vector<PoseConstraint>& constraints) {
+  for (const int index : left_out) {
+    state_->observations[static_cast<size_t>(index)].landmark_id = -1;
+  }
+  PoseGaussian estimate = Estimate(first_observation, last_observation, constraints);
+  pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+  return estimate;
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks,
@@ -388,40 +407,25 @@ void Tracker::Track(int first_observation,
       state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
   const Eigen::Vector3d predicted = state_->trajectory.WorldFromBody(scan_end_ns).translation;
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
-  PoseGaussian estimate;
   bool unsteady = false;
   std::vector<PoseConstraint> constraints;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    // By the prediction first, all segments together; once the poses are known, one by one,
-    // unless they are known not to describe the motion.
-    bool changed = false;
-    if (round == 0) {
-      changed = AssociatePredicted(
-          first_observation, last_observation, landmarks, by_points.has_value(), &unsteady);
-    } else {
-      changed = !unsteady && Associate(first_observation, last_observation, landmarks);
-    }
-    if (!changed && round > 0) break;
-    if (by_points) {
-      const BeamMask on_no_plane =
-          BeamsOnNoPlane(first_observation, last_observation, *scan_matcher);
-      constraints = scan_matcher->Match(state_->trajectory, 0, &on_no_plane).constraints;
-    }
-    estimate = Estimate(first_observation, last_observation, constraints);
-    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
-  }
+  PoseGaussian estimate = EstimateInRounds(first_observation,
+                                           last_observation,
+                                           landmarks,
+                                           by_points ? scan_matcher : nullptr,
+                                           &constraints,
+                                           &unsteady);
   double share_on_no_plane =
       scan_matcher == nullptr
           ? 0.0
-          : ShareOnNoPlane(first_observation, last_observation, scan_matcher->num_points());
+          : ShareOnNoPlane(
+                *state_, first_observation, last_observation, scan_matcher->num_points());
   if (by_points && !AgreesWithPoints(*scan_matcher, *by_points)) {
     // The planes would have the rig elsewhere: most of the scan says that they are others.
-    for (int index = first_observation; index <= last_observation; ++index) {
-      state_->observations[static_cast<size_t>(index)].landmark_id = -1;
-    }
+    std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
+    std::iota(all.begin(), all.end(), first_observation);
     constraints = by_points->constraints;
-    estimate = Estimate(first_observation, last_observation, constraints);
-    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+    estimate = EstimateWithout(all, first_observation, last_observation, constraints);
     share_on_no_plane = 1.0;
   }
   const std::vector<int> withheld =
@@ -432,11 +436,7 @@ void Tracker::Track(int first_observation,
                               covariance.bottomRightCorner<3, 3>(),
                               state_->trajectory.WorldFromBody(scan_end_ns).translation);
   if (!withheld.empty()) {
-    for (const int index : withheld) {
-      state_->observations[static_cast<size_t>(index)].landmark_id = -1;
-    }
-    estimate = Estimate(first_observation, last_observation, constraints);
-    pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
+    estimate = EstimateWithout(withheld, first_observation, last_observation, constraints);
   }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   is_open_ = WallsLeaveOpen(*state_, first_observation, last_observation, options_);

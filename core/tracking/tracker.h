@@ -73,12 +73,6 @@ class Tracker {
   std::optional<ScanMatch> EstimateByPoints(const ScanMatcher& scan_matcher);
   // Whether the points lie where the local map has them as nearly as by_points says.
   bool AgreesWithPoints(const ScanMatcher& scan_matcher, const ScanMatch& by_points) const;
-  // The share of the scan's points that are on no plane.
-  double ShareOnNoPlane(int first_observation, int last_observation, int num_points) const;
-  // The beams of the scan that are on no plane, by scan line.
-  BeamMask BeamsOnNoPlane(int first_observation,
-                          int last_observation,
-                          const ScanMatcher& scan_matcher) const;
 
   int first() const { return gaussian_.mean.empty() ? 0 : gaussian_.first; }
   std::vector<int> FreeRows(Eigen::Index size) const;
@@ -94,6 +88,20 @@ class Tracker {
   PoseGaussian Estimate(int first_observation,
                         int last_observation,
                         const std::vector<PoseConstraint>& constraints);
+  // Associates the scan's observations and estimates its poses in turn, until the associations
+  // stand. scan_matcher: nullptr where the points do not hold the pose. Gives what they say of
+  // the pose, and whether the motion is unsteady.
+  PoseGaussian EstimateInRounds(int first_observation,
+                                int last_observation,
+                                const LandmarksWithinGap& landmarks,
+                                const ScanMatcher* scan_matcher,
+                                std::vector<PoseConstraint>* constraints,
+                                bool* unsteady);
+  // Takes the planes from these observations of the scan and estimates anew.
+  PoseGaussian EstimateWithout(const std::vector<int>& left_out,
+                               int first_observation,
+                               int last_observation,
+                               const std::vector<PoseConstraint>& constraints);
   // The covariance of what a motion of the prior's accelerations does between two knots: of
   // rotation and position of the body.
   Matrix6d UnsteadyCovariance() const;

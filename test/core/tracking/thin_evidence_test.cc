@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/map/landmark.h"
+#include "core/tracking/scan_on_planes.h"
 #include "core/util/time.h"
 
 namespace plumbline {

@@ -1,0 +1,63 @@
+#include "core/tracking/scan_on_planes.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+// A horizontal direction is open where one scan's walls leave it this standard deviation.
+constexpr double kOpenStddev = 0.03;  // m
+
+}  // namespace
+
+double ShareOnNoPlane(const MapState& state,
+                      int first_observation,
+                      int last_observation,
+                      int num_points) {
+  int num_on_planes = 0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) num_on_planes += observation.num_points;
+  }
+  return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
+}
+
+BeamMask BeamsOnNoPlane(const MapState& state,
+                        int first_observation,
+                        int last_observation,
+                        const ScanMatcher& scan_matcher) {
+  BeamMask mask = scan_matcher.AllBeams();
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    scan_matcher.Exclude(
+        observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
+  }
+  return mask;
+}
+
+bool WallsLeaveOpen(const MapState& state,
+                    int first_observation,
+                    int last_observation,
+                    const MapperOptions& options) {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  const double flatness_m = options.association.surface_flatness_m;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model == PlaneModel::kHorizontal) continue;
+    const PatchExtent& extent = landmark.extent;
+    if (extent.max_corner().x() - extent.min_corner().x() < options.planes.small_m) continue;
+    const Eigen::Vector2d normal = landmark.Normal().head<2>();
+    information +=
+        normal * normal.transpose() /
+        (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
+}
+
+}  // namespace plumbline
