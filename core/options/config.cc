@@ -10,6 +10,27 @@
 namespace plumbline {
 namespace {
 
+// The settings of what takes the whole map at once, see Visit.
+template <typename Options, typename Visitor>
+void VisitWholeMap(Options& o, Visitor& v) {
+  v.Section("loop_closure", [&](auto& s) {
+    s.Flag("enabled", o.loop_closure.enabled);
+    s.Integer(
+        "max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
+  });
+  v.Section("batch", [&](auto& s) {
+    s.Choice("solver", o.batch.solver, {"gauss_newton", "ceres"});
+    s.Choice("factor", o.batch.factor, {"segment", "point"});
+    s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
+    s.Flag("resegment", o.batch.resegment);
+    s.Renamed("recut_segments", "resegment");
+    s.Choice("correlated_errors", o.batch.correlated_errors, {"off", "estimated"});
+    s.Removed("estimate_motion_noise",
+              "covariances are always for the motion that the recording shows");
+  });
+  v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
+}
+
 // Visit() is the one place that ties every option to its YAML name and range. A visitor sees
 // sections and fields in a fixed order; one reads, one writes, one checks.
 template <typename Options, typename Visitor>
@@ -72,22 +93,7 @@ void Visit(Options& o, Visitor& v) {
     s.Flag("leave_out_moving", o.points.leave_out_moving);
     s.Number("max_age_s", o.points.max_age_s, 0.1, 1e6);
   });
-  v.Section("loop_closure", [&](auto& s) {
-    s.Flag("enabled", o.loop_closure.enabled);
-    s.Integer(
-        "max_gap_scans", o.loop_closure.max_gap_scans, 1, std::numeric_limits<int>::max());
-  });
-  v.Section("batch", [&](auto& s) {
-    s.Choice("solver", o.batch.solver, {"gauss_newton", "ceres"});
-    s.Choice("factor", o.batch.factor, {"segment", "point"});
-    s.Integer("max_rounds", o.batch.max_rounds, 1, 1000);
-    s.Flag("resegment", o.batch.resegment);
-    s.Renamed("recut_segments", "resegment");
-    s.Choice("correlated_errors", o.batch.correlated_errors, {"off", "estimated"});
-    s.Removed("estimate_motion_noise",
-              "covariances are always for the motion that the recording shows");
-  });
-  v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
+  VisitWholeMap(o, v);
 }
 
 struct FieldReader {
