@@ -10,7 +10,6 @@
 #include "core/geometry/rigid3.h"
 #include "core/map/binary_archive.h"
 #include "core/util/atomic_file.h"
-#include "core/util/checksum.h"
 #include "core/util/error.h"
 
 namespace plumbline {
@@ -22,6 +21,18 @@ std::string ReadText(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
+  return text.str();
+}
+
+// By which a file is known again without reading it.
+std::string StateOf(const std::string& path) {
+  struct stat status = {};
+  if (stat(path.c_str(), &status) != 0) {
+    throw Error(path + ": can not be read: " + std::strerror(errno));
+  }
+  std::ostringstream text;
+  text << status.st_size << " bytes, changed at " << status.st_mtim.tv_sec << "."
+       << status.st_mtim.tv_nsec;
   return text.str();
 }
 
@@ -60,18 +71,8 @@ void Visit(BinaryArchive* archive, FollowedPart* part) {
 MapInputs InputsOf(const std::string& recording,
                    const std::string& rig,
                    const std::string& options_yaml) {
-  struct stat status = {};
-  if (stat(recording.c_str(), &status) != 0) {
-    throw Error(recording + ": can not be read: " + std::strerror(errno));
-  }
-  std::ostringstream file;
-  file << status.st_size << " bytes, changed at " << status.st_mtim.tv_sec << "."
-       << status.st_mtim.tv_nsec;
-  const std::string program = ReadText("/proc/self/exe");
-  Checksum checksum;
-  checksum.Add(program.data(), program.size());
-  return {{"program", std::to_string(program.size()) + " " + std::to_string(checksum.value())},
-          {"recording", file.str()},
+  return {{"program", StateOf("/proc/self/exe")},
+          {"recording", StateOf(recording)},
           {"rig file", ReadText(rig)},
           {"set of settings", options_yaml}};
 }
