@@ -42,8 +42,9 @@ struct PlaneOptions {
   double max_direction_sigma_deg = 3.0;  // [0.01, 90]
   // So many scans have to agree on a tentative plane before it is trusted. [1, 1000]
   int min_scans = 4;
-  // A plane of which no more than this is seen may be of somebody who walks: it has to stand
-  // for so long before it is trusted. [0, 1000] and [0, 1e6]
+  // A plane of which no more than this is seen, of a vertical one no more of its width, may be
+  // of somebody who walks: where something has moved of late it has to stand for so long before
+  // it is trusted. [0, 1000] and [0, 1e6]
   double small_m = 1.0;
   double min_age_of_small_s = 0.5;
   // A tentative plane that is not seen for so long is dropped. [0, 1e6]
