@@ -9,8 +9,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kHeadings = 180;  // bins of two degrees
-constexpr double kPi = 3.14159265358979323846;
+constexpr int kHeadings = 180;        // bins of two degrees
 constexpr double kMinCosine = 0.985;  // between normals of one wall: ten degrees
 constexpr size_t kMaxYaws = 16;
 constexpr size_t kMaxShifts = 12;  // for each yaw
@@ -18,7 +17,8 @@ constexpr size_t kMaxShifts = 12;  // for each yaw
 using Cell = std::pair<int, int>;
 
 Cell CellOf(const Eigen::Vector2d& p, double size) {
-  return {static_cast<int>(std::floor(p.x() / size)), static_cast<int>(std::floor(p.y() / size))};
+  return {static_cast<int>(std::floor(p.x() / size)),
+          static_cast<int>(std::floor(p.y() / size))};
 }
 
 Eigen::Matrix2d Rotation(double yaw) { return Eigen::Rotation2Dd(yaw).toRotationMatrix(); }
@@ -86,7 +86,8 @@ PartPose Inverse(const PartPose& pose) {
 std::vector<double> HeadingHistogram(const std::vector<WallSpot>& spots) {
   std::vector<double> histogram(kHeadings, 0.0);
   for (const WallSpot& spot : spots) {
-    const double heading = std::atan2(spot.normal.y(), spot.normal.x()) / (2.0 * kPi) * kHeadings;
+    const double heading =
+        std::atan2(spot.normal.y(), spot.normal.x()) / (2.0 * M_PI) * kHeadings;
     const int bin = static_cast<int>(std::floor(heading));
     const double share = heading - bin;
     histogram[static_cast<size_t>((bin + kHeadings) % kHeadings)] += 1.0 - share;
@@ -116,7 +117,7 @@ std::vector<double> CandidateYaws(const PartView& a, const PartView& b) {
   std::sort(peaks.begin(), peaks.end());
   if (peaks.size() > kMaxYaws) peaks.resize(kMaxYaws);
   std::vector<double> yaws;
-  for (const auto& [score, turn] : peaks) yaws.push_back(turn * 2.0 * kPi / kHeadings);
+  for (const auto& [score, turn] : peaks) yaws.push_back(turn * 2.0 * M_PI / kHeadings);
   return yaws;
 }
 
@@ -157,11 +158,8 @@ std::vector<PartPose> CandidateShifts(const PartView& a,
 }
 
 // Gauss-Newton on the spots' distances from the walls of the other part.
-void Refine(const SpotGrid& grid,
-            const PartView& b,
-            double spacing_m,
-            double last_m,
-            PartPose* pose) {
+void Refine(
+    const SpotGrid& grid, const PartView& b, double spacing_m, double last_m, PartPose* pose) {
   constexpr int kSteps = 8;
   for (int step = 0; step < kSteps; ++step) {
     const double max_across = step < kSteps / 2 ? 1.5 * spacing_m : last_m;
@@ -223,7 +221,7 @@ Overlap OverlapAt(const SpotGrid& grid,
     ++count;
     normals += spot.normal * spot.normal.transpose();
     const double heading = std::atan2(spot.normal.y(), spot.normal.x());
-    ++surfaces[{static_cast<int>(std::lround(heading / (kPi / 12.0) + 24.0)) % 24,
+    ++surfaces[{static_cast<int>(std::lround(heading / (M_PI / 12.0) + 24.0)) % 24,
                 static_cast<int>(std::lround(spot.normal.dot(spot.position) / 0.5))}];
   }
   const double weaker =
@@ -243,7 +241,9 @@ bool AreOne(const PartPose& a, const PartPose& b, const Eigen::Vector2d& centre)
 
 }  // namespace
 
-PartMatch MatchParts(const PartView& a, const PartView& b, const PartMatchingOptions& options) {
+PartMatch MatchParts(const PartView& a,
+                     const PartView& b,
+                     const PartMatchingOptions& options) {
   if (a.spots.empty() || b.spots.empty()) return {std::nullopt, "a part shows no wall"};
   const SpotGrid of_a(a.spots, 2.0 * options.spacing_m);
   const SpotGrid of_b(b.spots, 2.0 * options.spacing_m);
@@ -282,12 +282,13 @@ PartMatch MatchParts(const PartView& a, const PartView& b, const PartMatchingOpt
   if (overlap.weaker_length_m < 0.25 * options.min_length_m) {
     return {std::nullopt, "the walls in both parts leave a direction open"};
   }
-  if (kept.size() == 2 &&
-      kept[1].first.length_m > options.max_second_share * best.length_m) {
-    return {std::nullopt, "another pose matches nearly as well: there are rooms that look alike"};
+  if (kept.size() == 2 && kept[1].first.length_m > options.max_second_share * best.length_m) {
+    return {std::nullopt,
+            "another pose matches nearly as well: there are rooms that look alike"};
   }
   if (overlap.num_surfaces < options.min_surfaces) {
-    return {std::nullopt, "the walls in both parts are too few to be those of one place alone"};
+    return {std::nullopt,
+            "the walls in both parts are too few to be those of one place alone"};
   }
   return {best, ""};
 }

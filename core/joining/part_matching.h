@@ -26,19 +26,19 @@ struct PartView {
 };
 
 struct PartMatchingOptions {
-  double spacing_m = 0.2;            // of the spots
-  double max_distance_m = 0.1;       // between spots of one wall, across it
-  double min_length_m = 8.0;         // of walls that match, in all
-  int min_surfaces = 5;              // that match: a rectangular room has four
-  double max_refuted_share = 0.05;   // of the beams that could be compared
-  double max_second_share = 0.75;    // of the best candidate's length that another may reach
+  double spacing_m = 0.2;           // of the spots
+  double max_distance_m = 0.1;      // between spots of one wall, across it
+  double min_length_m = 8.0;        // of walls that match, in all
+  int min_surfaces = 5;             // that match: a rectangular room has four
+  double max_refuted_share = 0.05;  // of the beams that could be compared
+  double max_second_share = 0.75;   // of the best candidate's length that another may reach
 };
 
 // The pose of part b in the model frame of part a: p_a = R(yaw) p_b + translation.
 struct PartPose {
   double yaw_rad = 0.0;
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  // m
-  double length_m = 0.0;       // of the walls that match
+  double length_m = 0.0;                                  // of the walls that match
   double refuted_share = 0.0;  // of the beams, those that pass through walls of the other part
 };
 
@@ -49,8 +49,8 @@ struct PartMatch {
 };
 
 // Finds the pose of part b in the frame of part a without an initial one. There is none where
-// the walls that match are few, leave a direction open or are those of one rectangular room, or
-// where another pose matches nearly as well: better two parts than a wrong map.
+// the walls that match are few, leave a direction open or are those of one rectangular room,
+// or where another pose matches nearly as well: better two parts than a wrong map.
 PartMatch MatchParts(const PartView& a, const PartView& b, const PartMatchingOptions& options);
 
 }  // namespace plumbline

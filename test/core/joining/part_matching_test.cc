@@ -10,10 +10,11 @@
 namespace plumbline {
 namespace {
 
-using ::testing::HasSubstr;
 using Eigen::Vector2d;
+using ::testing::HasSubstr;
 
-// The inner side of a room that is given by its corners, counterclockwise; beams from its middle.
+// The inner side of a room that is given by its corners, counterclockwise; beams from its
+// middle.
 PartView Room(const std::vector<Vector2d>& corners, const Vector2d& middle) {
   PartView view;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -33,9 +34,14 @@ PartView Room(const std::vector<Vector2d>& corners, const Vector2d& middle) {
 
 // An odd room of eight walls, from whose middle all are seen.
 PartView OddRoom(const Vector2d& at) {
-  return Room({at + Vector2d(0.0, 0.0), at + Vector2d(7.0, 0.0), at + Vector2d(7.0, 3.1),
-               at + Vector2d(5.6, 3.1), at + Vector2d(5.6, 5.2), at + Vector2d(1.3, 5.2),
-               at + Vector2d(1.3, 4.0), at + Vector2d(0.0, 4.0)},
+  return Room({at + Vector2d(0.0, 0.0),
+               at + Vector2d(7.0, 0.0),
+               at + Vector2d(7.0, 3.1),
+               at + Vector2d(5.6, 3.1),
+               at + Vector2d(5.6, 5.2),
+               at + Vector2d(1.3, 5.2),
+               at + Vector2d(1.3, 4.0),
+               at + Vector2d(0.0, 4.0)},
               at + Vector2d(3.0, 2.0));
 }
 
@@ -121,7 +127,8 @@ TEST(MatchPartsTest, BeamsThroughWallsRefuteAPose) {
   PartView b = a;
   // Part b saw through where part a has a wall.
   b.beams.clear();
-  for (double y = 0.5; y < 3.0; y += 0.2) b.beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
+  for (double y = 0.5; y < 3.0; y += 0.2)
+    b.beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
   a.beams.clear();
   EXPECT_FALSE(MatchParts(a, InFrame(b, 0.6, {3.0, 4.0}), PartMatchingOptions()).pose);
 }
