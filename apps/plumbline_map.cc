@@ -25,10 +25,17 @@ DEFINE_int32(
     "number of threads, which changes the time but not the result; 0: as many as there "
     "are cores");
 DEFINE_validator(threads, [](const char*, int32_t threads) { return threads >= 0; });
-DEFINE_bool(resume,
-            false,
-            "go on where a run with the same inputs and output was killed, once it had followed "
-            "the whole recording");
+DEFINE_bool(
+    resume,
+    false,
+    "go on where a run with the same inputs and output was killed, once it had followed "
+    "the whole recording");
+DEFINE_double(checkpoint_after_s,
+              2.0,
+              "for --resume, what following has found is kept where it took at least so many "
+              "seconds: less is sooner done again");
+DEFINE_validator(checkpoint_after_s,
+                 [](const char*, double seconds) { return seconds >= 0.0; });
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -93,6 +100,7 @@ int main(int argc, char** argv) {
                                   FLAGS_output,
                                   FLAGS_threads,
                                   FLAGS_resume,
+                                  FLAGS_checkpoint_after_s,
                                   plumbline::StopSignals()},
                                  [&](double share) { progress.Report(share); });
         verdict_code = Report(summary);

@@ -102,10 +102,14 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
                    int scan_index,
                    bool may_found) {
   const Key key = KeyOf(p_world);
-  auto it = cells_.find(key);
-  if (it == cells_.end() && !may_found) return;
-  if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
-  LocalCell& cell = it->second;
+  if (last_cell_ == nullptr || key != last_key_) {
+    auto it = cells_.find(key);
+    if (it == cells_.end() && !may_found) return;
+    if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
+    last_key_ = key;
+    last_cell_ = &it->second;
+  }
+  LocalCell& cell = *last_cell_;
   if (cell.num_points_ >= kEnoughPoints && cell.num_determined_ > 0) {
     cell.Touch(scan_index);
     return;
@@ -126,6 +130,7 @@ const LocalCell* LocalMap::Find(const Eigen::Vector3d& p_world) const {
 }
 
 void LocalMap::ForgetBefore(int scan_index) {
+  last_cell_ = nullptr;
   for (auto it = cells_.begin(); it != cells_.end();) {
     it = it->second.last_scan() < scan_index ? cells_.erase(it) : std::next(it);
   }

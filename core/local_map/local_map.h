@@ -73,7 +73,6 @@ class LocalMap {
   const LocalCell* Find(const Eigen::Vector3d& p_world) const;
   // Forgets the cells that were not seen since this scan.
   void ForgetBefore(int scan_index);
-  size_t num_cells() const { return cells_.size(); }
 
  private:
   using Key = uint64_t;
@@ -84,6 +83,9 @@ class LocalMap {
   bool planar_;
   int min_age_scans_;
   std::unordered_map<Key, LocalCell> cells_;
+  // The cell of the last point: most often it is that of the next one as well.
+  Key last_key_ = 0;
+  LocalCell* last_cell_ = nullptr;
 };
 
 }  // namespace plumbline

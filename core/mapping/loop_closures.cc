@@ -53,17 +53,34 @@ struct Visit {
   MeanDeviation deviation;
 };
 
-// The visits of each landmark, by id, in the order of time.
+// Which landmarks, by id, came back into view after an absence.
+std::vector<bool> HaveReturned(int max_gap_scans, const MapState& state) {
+  std::vector<bool> has_returned(state.landmarks.size(), false);
+  std::vector<int> last_scans(state.landmarks.size(), -1);
+  for (const Observation& observation : state.observations) {
+    if (observation.landmark_id < 0 || observation.num_points == 0) continue;
+    const auto id = static_cast<size_t>(observation.landmark_id);
+    if (last_scans[id] >= 0 && observation.scan_index - last_scans[id] > max_gap_scans) {
+      has_returned[id] = true;
+    }
+    last_scans[id] = observation.scan_index;
+  }
+  return has_returned;
+}
+
+// The visits of each landmark that came back into view, by id, in the order of time.
 std::vector<std::vector<Visit>> CollectVisits(const Rig& rig,
                                               int max_gap_scans,
                                               const MapState& state) {
   std::vector<LandmarkView> planes;
   for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
   std::vector<std::vector<Visit>> visits(state.landmarks.size());
+  const std::vector<bool> has_returned = HaveReturned(max_gap_scans, state);
   SharedPoses poses(rig, state.trajectory);
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0 || observation.num_points == 0) continue;
     const auto id = static_cast<size_t>(observation.landmark_id);
+    if (!has_returned[id]) continue;
     std::vector<Visit>& of_landmark = visits[id];
     const LineDeviation deviation =
         DeviationFromPlane(observation, poses.Of(observation), planes[id]);

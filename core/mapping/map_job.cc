@@ -312,13 +312,14 @@ CheckpointFiles Checkpoint(const MapJob& job,
   files.inputs = InputsOf(job.recording, job.rig, MapperOptionsToYaml(options));
   if (!job.resume) {
     files.write_to = output.CheckpointPath();
+    files.after_s = job.checkpoint_after_s;
   } else if (output.HasCheckpoint()) {
     files.read_from = output.CheckpointPath();
     LOG(INFO) << "going on with what a killed run has followed";
   } else {
     throw Error(job.output +
                 ": there is no killed run to resume, or it had not yet followed "
-                "the recording");
+                "the recording, or in so short a time that nothing was kept");
   }
   return files;
 }

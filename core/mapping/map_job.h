@@ -17,6 +17,8 @@ struct MapJob {
   // Goes on where a run with the same inputs and output was killed after it had followed the
   // recording; an error where there is none, or one with other inputs.
   bool resume = false;
+  // For that, what following has found is kept where it took at least so long.
+  double checkpoint_after_s = 2.0;
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
 };

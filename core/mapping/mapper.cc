@@ -326,7 +326,11 @@ std::vector<MapResult> MapRecording(const Rig& rig,
       checkpoint.read_from.empty()
           ? FollowRecording(rig, planar, options, progress, recording, stop, &stages)
           : ReadCheckpoint(checkpoint.inputs, checkpoint.read_from);
-  if (!checkpoint.write_to.empty()) KeepCheckpoint(checkpoint, &followed);
+  double following_s = 0.0;
+  for (const auto& [stage, seconds] : stages) following_s += seconds;
+  if (!checkpoint.write_to.empty() && following_s >= checkpoint.after_s) {
+    KeepCheckpoint(checkpoint, &followed);
+  }
   std::vector<MapResult> results =
       EstimateParts(rig, planar, options, progress, recording, &followed.parts);
   MapResult& main = results[LongestPart(results)];

@@ -30,7 +30,7 @@ class Mapper:
             [PROGRAM, f"--recording={recording}",
              f"--rig={rig}",
              f"--config={ROOT}/configs/mapper/robot_three_scanners.yaml",
-             "--threads=1", f"--output={output}", *more],
+             "--threads=1", "--checkpoint_after_s=0", f"--output={output}", *more],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         os.close(other_end)
@@ -185,6 +185,14 @@ class StopTest(unittest.TestCase):
         # Other words, the same settings.
         self.assertEqual(self.start(more=["--resume", f"--config={config}"]).exit_code(), 0)
         self.assertTrue(self.output.exists())
+
+    def test_following_that_takes_no_time_leaves_no_checkpoint(self):
+        mapper = self.start(more=["--checkpoint_after_s=1000"])
+        mapper.wait_for(lambda mapper: "batch round 1" in mapper.text)
+        mapper.process.kill()
+        self.assertEqual(mapper.exit_code(), -signal.SIGKILL)
+        self.assertEqual(list(self.directory.glob(".output.*.partial/checkpoint.bin")), [])
+        self.assert_refused(self.start(more=["--resume"]), "or in so short a time that nothing was kept")
 
     def test_without_a_killed_run_there_is_nothing_to_resume(self):
         self.assert_refused(self.start(more=["--resume"]), "there is no killed run to resume")
