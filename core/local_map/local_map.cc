@@ -102,14 +102,13 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
                    int scan_index,
                    bool may_found) {
   const Key key = KeyOf(p_world);
-  if (last_cell_ == nullptr || key != last_key_) {
+  if (last_.Get(key) == nullptr) {
     auto it = cells_.find(key);
     if (it == cells_.end() && !may_found) return;
     if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
-    last_key_ = key;
-    last_cell_ = &it->second;
+    last_.Set(key, &it->second);
   }
-  LocalCell& cell = *last_cell_;
+  LocalCell& cell = *last_.Get(key);
   if (cell.num_points_ >= kEnoughPoints && cell.num_determined_ > 0) {
     cell.Touch(scan_index);
     return;
@@ -130,7 +129,7 @@ const LocalCell* LocalMap::Find(const Eigen::Vector3d& p_world) const {
 }
 
 void LocalMap::ForgetBefore(int scan_index) {
-  last_cell_ = nullptr;
+  last_.Forget();
   for (auto it = cells_.begin(); it != cells_.end();) {
     it = it->second.last_scan() < scan_index ? cells_.erase(it) : std::next(it);
   }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "core/util/last_found.h"
+
 namespace plumbline {
 
 // A direction in which a cell says where its surface lies.
@@ -84,8 +86,7 @@ class LocalMap {
   int min_age_scans_;
   std::unordered_map<Key, LocalCell> cells_;
   // The cell of the last point: most often it is that of the next one as well.
-  Key last_key_ = 0;
-  LocalCell* last_cell_ = nullptr;
+  LastFound<Key, LocalCell> last_;
 };
 
 }  // namespace plumbline

@@ -43,12 +43,11 @@ size_t OccupancyGrid::InBlock(const Index& cell) {
 
 OccupancyGrid::Block* OccupancyGrid::BlockOf(const Index& cell) {
   const uint64_t key = KeyOf(cell);
-  if (last_block_ != nullptr && key == last_key_) return last_block_;
+  if (Block* block = last_.Get(key)) return block;
   const auto it = blocks_.find(key);
   if (it == blocks_.end()) return nullptr;
-  last_key_ = key;
-  last_block_ = &it->second;
-  return last_block_;
+  last_.Set(key, &it->second);
+  return &it->second;
 }
 
 const OccupancyGrid::Cell* OccupancyGrid::Find(const Index& cell) {
@@ -115,7 +114,7 @@ bool OccupancyGrid::IsEmpty(const Eigen::Vector3d& p_world, double margin_m) {
 }
 
 void OccupancyGrid::ForgetBefore(int scan_index) {
-  last_block_ = nullptr;
+  last_.Forget();
   for (auto it = blocks_.begin(); it != blocks_.end();) {
     it = it->second.last_scan < scan_index ? blocks_.erase(it) : std::next(it);
   }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "core/util/last_found.h"
+
 namespace plumbline {
 
 // OccupancyGrid counts, in cubes of space around the rig, the beams that ended there and those
@@ -51,8 +53,7 @@ class OccupancyGrid {
   double cell_m_;
   std::unordered_map<uint64_t, Block> blocks_;
   // The block that was asked for last: most often it is the next one as well.
-  uint64_t last_key_ = 0;
-  Block* last_block_ = nullptr;
+  LastFound<uint64_t, Block> last_;
 };
 
 }  // namespace plumbline

@@ -54,6 +54,8 @@ struct Landmark {
   bool AgreesWithin(double mean_deviation) const;
   // An empty extent with its axes on the plane as it is estimated now.
   PatchExtent EmptyExtent() const;
+  // How much of it has been seen, m: of a vertical plane its width.
+  double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
   int num_parameters() const { return PlaneModelSize(model); }
   Eigen::Vector3d Normal() const;
   double Distance() const;

@@ -15,6 +15,7 @@
 #include "core/association/plane_candidates.h"
 #include "core/association/plane_merging.h"
 #include "core/map/plane_patches.h"
+#include "core/mapping/hypothesis_follower.h"
 #include "core/mapping/scan_follower.h"
 #include "core/sensor/scan_reader.h"
 #include "core/tracking/tracker.h"
@@ -31,7 +32,7 @@ constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
 
 // A part of the recording that could be followed.
 struct Part {
-  std::unique_ptr<ScanFollower> follower;
+  std::unique_ptr<HypothesisFollower> follower;
   double start_s = 0.0;  // since the recording's start
   double end_s = 0.0;
   std::string ended_by;
@@ -85,8 +86,8 @@ class RecordingFollower {
   // Starts a part with this scan where it shows the model frame; false when there is no use in
   // looking any longer.
   bool Start(const Scan& scan, double now_s) {
-    auto follower =
-        std::make_unique<ScanFollower>(rig_, planar_, options_, recording_->scan_period_s());
+    auto follower = std::make_unique<HypothesisFollower>(
+        rig_, planar_, options_, recording_->scan_period_s());
     bool started = false;
     try {
       started = follower->Start(scan);
@@ -112,14 +113,14 @@ class RecordingFollower {
     try {
       current_.follower->Follow(scan);
     } catch (const LostTrack& lost) {
-      current_.follower->EndAtLastKnown();
+      current_.follower->follower().EndAtLastKnown();
       EndPart(lost.what());
     }
   }
 
   // Ends the current part, which is kept where it is long enough to be of use.
   void EndPart(const std::string& why) {
-    const std::vector<int64_t>& times_ns = current_.follower->scan_times_ns();
+    const std::vector<int64_t>& times_ns = current_.follower->follower().scan_times_ns();
     current_.end_s = SecondsBetween(recording_->start_ns(), times_ns.back());
     current_.ended_by = why;
     // A whole recording is mapped however short it is.
@@ -238,7 +239,7 @@ FollowedRecording FollowRecording(const Rig& rig,
   FollowedRecording followed;
   followed.num_skipped = recording_follower.num_skipped();
   for (Part& part : parts) {
-    ScanFollower& follower = *part.follower;
+    ScanFollower& follower = part.follower->follower();
     segmentation_s += follower.segmentation_watch().seconds();
     FollowedPart& moved = followed.parts.emplace_back(std::move(follower.state()));
     moved.scan_times_ns = follower.scan_times_ns();

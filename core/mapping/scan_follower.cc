@@ -21,6 +21,7 @@
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scanner_motion.h"
+#include "core/tracking/scan_on_planes.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 #include "core/visibility/resegmentation.h"
@@ -38,6 +39,28 @@ Matrix6d Relative(const Matrix6d& covariance) {
 }
 
 }  // namespace
+
+ScanFollower::ScanFollower(const ScanFollower& other)
+    : rig_(other.rig_),
+      planar_(other.planar_),
+      options_(other.options_),
+      scan_period_s_(other.scan_period_s_),
+      tentative_planes_(other.tentative_planes_),
+      motion_prior_(other.motion_prior_),
+      state_(std::make_unique<MapState>(*other.state_)),
+      window_(std::make_unique<Window>(*other.window_, &motion_prior_, state_.get())),
+      tracker_(std::make_unique<Tracker>(*other.tracker_, &motion_prior_, state_.get())),
+      scan_matcher_(other.scan_matcher_ == nullptr
+                        ? nullptr
+                        : std::make_unique<ScanMatcher>(*other.scan_matcher_)),
+      scan_times_ns_(other.scan_times_ns_),
+      previous_ranges_(other.previous_ranges_),
+      last_known_ns_(other.last_known_ns_),
+      last_known_scan_(other.last_known_scan_),
+      may_found_(other.may_found_),
+      last_solved_interval_(other.last_solved_interval_),
+      last_solved_scan_(other.last_solved_scan_),
+      segmentation_watch_(other.segmentation_watch_) {}
 
 ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
   ScannerMotion motion;
@@ -99,8 +122,8 @@ bool ScanFollower::Start(const Scan& scan) {
                         {frame->world_from_body, Eigen::Vector3d::Zero()});
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->trajectory.ExtendTo(scan.end_ns);
-  window_ = std::make_unique<Window>(rig_, planar_, options_, state_.get());
-  tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, state_.get());
+  window_ = std::make_unique<Window>(rig_, planar_, options_, &motion_prior_, state_.get());
+  tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, &motion_prior_, state_.get());
   if (options_.points.hold_pose) {
     scan_matcher_ =
         std::make_unique<ScanMatcher>(rig_, planar_, options_.points, scan_period_s_);
@@ -207,6 +230,24 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   last_solved_scan_ = static_cast<int>(scan_times_ns_.size()) - 1;
 }
 
+void ScanFollower::BridgeByMotion(int64_t now_ns) {
+  std::vector<bool> is_narrow;
+  for (const Landmark& landmark : state_->landmarks) {
+    is_narrow.push_back(landmark.model != PlaneModel::kHorizontal && !landmark.heading_fixed &&
+                        landmark.Width() < kLongWall);
+  }
+  window_->TakeBack(is_narrow);
+  motion_prior_.Bridge(window_->start(), state_->trajectory.num_control_points());
+  tracker_->set_bridges_by_motion(true);
+  may_found_ = false;
+  SolveWindow(now_ns);
+}
+
+void ScanFollower::EndBridging() {
+  tracker_->set_bridges_by_motion(false);
+  may_found_ = true;
+}
+
 void ScanFollower::CheckNotLost(int64_t now_ns) {
   const Matrix6d covariance = tracker_->pose_uncertainty().At(state_->trajectory, now_ns);
   const double rotation = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
@@ -303,7 +344,7 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
                   last,
                   {state_->landmarks, scan_index, options_.loop_closure},
                   scan_matcher_.get());
-  const bool may_found = !tracker_->IsUndecided(scan.end_ns);
+  const bool may_found = may_found_ && !tracker_->IsUndecided(scan.end_ns);
   if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory, may_found);
   CheckNotLost(scan.end_ns);
   // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.

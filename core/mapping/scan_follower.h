@@ -15,6 +15,7 @@
 #include "core/sensor/scan_reader.h"
 #include "core/sensor/scanner_motion.h"
 #include "core/tracking/tracker.h"
+#include "core/trajectory/motion_prior.h"
 #include "core/util/error.h"
 #include "core/util/stopwatch.h"
 #include "core/window/window.h"
@@ -35,13 +36,29 @@ class ScanFollower {
         planar_(planar),
         options_(options),
         scan_period_s_(scan_period_s),
-        tentative_planes_(planar, options) {}
+        tentative_planes_(planar, options),
+        motion_prior_(options.trajectory) {}
+
+  // Goes on from where another one stands, with a copy of its map.
+  ScanFollower(const ScanFollower& other);
+  ScanFollower& operator=(const ScanFollower&) = delete;
 
   bool started() const { return window_ != nullptr; }
+  const MapState& state() const { return *state_; }
   MapState& state() { return *state_; }
   const std::vector<int64_t>& scan_times_ns() const { return scan_times_ns_; }
   const std::vector<WindowEstimate>& estimates() const { return window_->estimates(); }
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
+  // What the points of the last scans have left behind; nullptr where points hold no pose.
+  const ScanMatcher* scan_matcher() const { return scan_matcher_.get(); }
+  // Whether walls leave the newest scan's position open in some horizontal direction.
+  bool is_open() const { return tracker_->is_open(); }
+
+  // Estimates what the window holds once more by long walls, floors and the motion alone, and
+  // goes on so wherever these walls leave the position open. Founds no surface from now on.
+  void BridgeByMotion(int64_t now_ns);
+  // Follows in the usual way again.
+  void EndBridging();
 
   // Starts the map with this scan; false when the scan does not show the model frame.
   bool Start(const Scan& scan);
@@ -80,6 +97,7 @@ class ScanFollower {
   const MapperOptions& options_;
   double scan_period_s_;
   TentativePlanes tentative_planes_;
+  MotionPrior motion_prior_;
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<Tracker> tracker_;
@@ -89,6 +107,7 @@ class ScanFollower {
   std::optional<SharedPoses> poses_;  // of the trajectory as the newest scan leaves it
   int64_t last_known_ns_ = 0;         // when the pose was last well determined
   size_t last_known_scan_ = 0;        // the scan that ended then
+  bool may_found_ = true;
   int last_solved_interval_ = -1;
   int last_solved_scan_ = 0;
   Stopwatch segmentation_watch_;

@@ -18,6 +18,9 @@ struct TrajectoryOptions {
   // is weak, and only matters where the scans leave a direction of motion open.
   double acceleration_stddev_m_s2 = 3.0;              // [0.001, 1000]
   double angular_acceleration_stddev_deg_s2 = 600.0;  // [0.01, 100000]
+  // The same of horizontal accelerations, at most, where the motion alone bridges a moment in
+  // which nothing trustworthy shows how far the rig goes. [0.001, 1000]
+  double bridging_acceleration_stddev_m_s2 = 0.5;
   // Standard deviations of the unknown velocity at the start.
   double initial_speed_stddev_m_s = 2.0;         // [0.001, 100]
   double initial_turn_rate_stddev_deg_s = 60.0;  // [0.01, 10000]

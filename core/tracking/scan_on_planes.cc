@@ -40,16 +40,14 @@ BeamMask BeamsOnNoPlane(const MapState& state,
 bool WallsLeaveOpen(const MapState& state,
                     int first_observation,
                     int last_observation,
-                    const MapperOptions& options) {
+                    double min_width_m,
+                    double flatness_m) {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  const double flatness_m = options.association.surface_flatness_m;
   for (int index = first_observation; index <= last_observation; ++index) {
     const Observation& observation = state.observations[static_cast<size_t>(index)];
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model == PlaneModel::kHorizontal) continue;
-    const PatchExtent& extent = landmark.extent;
-    if (extent.max_corner().x() - extent.min_corner().x() < options.planes.small_m) continue;
+    if (landmark.model == PlaneModel::kHorizontal || landmark.Width() < min_width_m) continue;
     const Eigen::Vector2d normal = landmark.Normal().head<2>();
     information +=
         normal * normal.transpose() /
@@ -58,6 +56,22 @@ bool WallsLeaveOpen(const MapState& state,
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
   solver.computeDirect(information, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
+}
+
+std::vector<int> OnNarrowPlanes(const MapState& state,
+                                int first_observation,
+                                int last_observation,
+                                double min_width_m) {
+  std::vector<int> on_narrow;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model != PlaneModel::kHorizontal && landmark.Width() < min_width_m) {
+      on_narrow.push_back(index);
+    }
+  }
+  return on_narrow;
 }
 
 }  // namespace plumbline

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <vector>
+
 #include "core/local_map/scan_matching.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 
 namespace plumbline {
+
+// A wall of this width is no door and nobody who walks.
+inline constexpr double kLongWall = 3.0;  // m
 
 // How far a scan lies on planes, by its observations first .. last.
 
@@ -20,11 +25,18 @@ BeamMask BeamsOnNoPlane(const MapState& state,
                         int last_observation,
                         const ScanMatcher& scan_matcher);
 
-// Whether its walls, planes wider than options.planes.small_m, leave the rig's position open
-// in some horizontal direction.
+// Whether its walls, vertical planes of at least this width, leave the rig's position open in
+// some horizontal direction. flatness_m: standard deviation of real surfaces from their plane.
 bool WallsLeaveOpen(const MapState& state,
                     int first_observation,
                     int last_observation,
-                    const MapperOptions& options);
+                    double min_width_m,
+                    double flatness_m);
+
+// Its observations on vertical planes of less than this width.
+std::vector<int> OnNarrowPlanes(const MapState& state,
+                                int first_observation,
+                                int last_observation,
+                                double min_width_m);
 
 }  // namespace plumbline

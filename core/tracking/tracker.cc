@@ -76,12 +76,37 @@ constexpr MotionRegime kMotionRegimes[] = {
 
 }  // namespace
 
-Tracker::Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+Tracker::Tracker(const Rig& rig,
+                 bool planar,
+                 const MapperOptions& options,
+                 MotionPrior* motion_prior,
+                 MapState* state)
     : rig_(rig),
       planar_(planar),
       options_(options),
+      motion_prior_(motion_prior),
       state_(state),
       solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
+
+Tracker::Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* state)
+    : rig_(other.rig_),
+      planar_(other.planar_),
+      options_(other.options_),
+      motion_prior_(motion_prior),
+      state_(state),
+      solver_(MakeWindowSolver(other.options_.window.solver, kSolverOptions)),
+      gaussian_(other.gaussian_),
+      prior_(other.prior_),
+      recent_(other.recent_),
+      pose_uncertainty_(other.pose_uncertainty_),
+      loose_until_ns_(other.loose_until_ns_),
+      bridges_by_motion_(other.bridges_by_motion_),
+      is_open_(other.is_open_),
+      last_held_ns_(other.last_held_ns_),
+      thin_evidence_(other.thin_evidence_),
+      needs_points_(other.needs_points_),
+      usual_share_on_no_plane_(other.usual_share_on_no_plane_),
+      usual_share_(other.usual_share_) {}
 
 std::vector<int> Tracker::FreeRows(Eigen::Index size) const {
   std::vector<int> rows;
@@ -116,10 +141,10 @@ EstimationProblem Tracker::MakeProblem() const {
   }
   // The Gaussian carries the priors between the control points that it has.
   const int known = at_start ? 0 : gaussian_.end();
-  const MotionNoise noise = MotionNoise::Of(options_.trajectory);
   const int end = state_->trajectory.num_control_points();
-  for (int i = std::max(first(), known - 2); i + 2 < end; ++i)
-    problem.AddMotionPrior(i, noise);
+  for (int i = std::max(first(), known - 2); i + 2 < end; ++i) {
+    problem.AddMotionPrior(i, motion_prior_->At(i));
+  }
   return problem;
 }
 
@@ -391,6 +416,24 @@ PoseGaussian Tracker::EstimateWithout(const std::vector<int>& left_out,
   return estimate;
 }
 
+bool Tracker::IsOpen(int first_observation, int last_observation) const {
+  return WallsLeaveOpen(*state_,
+                        first_observation,
+                        last_observation,
+                        bridges_by_motion_ ? kLongWall : options_.planes.small_m,
+                        options_.association.surface_flatness_m);
+}
+
+PoseGaussian Tracker::BridgeByMotion(int first_observation, int last_observation) {
+  const int end = state_->trajectory.num_control_points();
+  motion_prior_->Bridge(end - kSplineOrder + 1, end);
+  return EstimateWithout(
+      OnNarrowPlanes(*state_, first_observation, last_observation, kLongWall),
+      first_observation,
+      last_observation,
+      {});
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks,
@@ -401,7 +444,8 @@ void Tracker::Track(int first_observation,
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
   }
   std::optional<ScanMatch> by_points;
-  if (scan_matcher != nullptr && needs_points_ && scan_matcher->num_points() > 0)
+  const bool bridges = bridges_by_motion_ && is_open_;
+  if (scan_matcher != nullptr && needs_points_ && !bridges && scan_matcher->num_points() > 0)
     by_points = EstimateByPoints(*scan_matcher);
   const int64_t scan_end_ns =
       state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
@@ -438,8 +482,12 @@ void Tracker::Track(int first_observation,
   if (!withheld.empty()) {
     estimate = EstimateWithout(withheld, first_observation, last_observation, constraints);
   }
+  is_open_ = IsOpen(first_observation, last_observation);
+  if (bridges_by_motion_ && is_open_) {
+    constraints.clear();
+    estimate = BridgeByMotion(first_observation, last_observation);
+  }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
-  is_open_ = WallsLeaveOpen(*state_, first_observation, last_observation, options_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
   needs_points_ =
       is_open_ || std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;

@@ -15,6 +15,7 @@
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
 #include "core/tracking/thin_evidence.h"
+#include "core/trajectory/motion_prior.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/trajectory/pose_uncertainty.h"
 #include "core/trajectory/trajectory.h"
@@ -27,7 +28,13 @@ namespace plumbline {
 // again.
 class Tracker {
  public:
-  Tracker(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+  Tracker(const Rig& rig,
+          bool planar,
+          const MapperOptions& options,
+          MotionPrior* motion_prior,
+          MapState* state);
+  // Goes on from where another one stands, with copies of what it works on.
+  Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* state);
 
   // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.
@@ -52,6 +59,12 @@ class Tracker {
   // Whether the walls in the newest scan leave its position open in some horizontal direction,
   // and have not for long: what is left to hold it may be somebody who walks along.
   bool IsUndecided(int64_t now_ns) const;
+
+  // Where long walls leave the position open, leaves it to the predicted motion: points and
+  // smaller planes do not hold it.
+  void set_bridges_by_motion(bool bridges) { bridges_by_motion_ = bridges; }
+  // Whether the walls in the newest scan leave its position open in some horizontal direction.
+  bool is_open() const { return is_open_; }
 
   // The uncertainty of the newest poses, the planes given.
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
@@ -97,6 +110,10 @@ class Tracker {
                                 const ScanMatcher* scan_matcher,
                                 std::vector<PoseConstraint>* constraints,
                                 bool* unsteady);
+  // Whether walls leave the position open in the scan, by which this tracker goes.
+  bool IsOpen(int first_observation, int last_observation) const;
+  // Estimates the scan's poses by long walls, floors and the motion alone.
+  PoseGaussian BridgeByMotion(int first_observation, int last_observation);
   // Takes the planes from these observations of the scan and estimates anew.
   PoseGaussian EstimateWithout(const std::vector<int>& left_out,
                                int first_observation,
@@ -137,6 +154,7 @@ class Tracker {
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
+  MotionPrior* motion_prior_;
   MapState* state_;
   std::unique_ptr<WindowSolver> solver_;
   PoseGaussian gaussian_;    // from all scans so far, planes given; empty before the first
@@ -144,8 +162,9 @@ class Tracker {
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
-  bool is_open_ = false;        // walls leave the newest scan's position open
-  int64_t last_held_ns_ = 0;    // when they last did not
+  bool bridges_by_motion_ = false;
+  bool is_open_ = false;      // walls leave the newest scan's position open
+  int64_t last_held_ns_ = 0;  // when they last did not
   ThinEvidence thin_evidence_;
   bool needs_points_ = false;  // too few of the last scan's points are on planes
   double usual_share_on_no_plane_ = 0.0;

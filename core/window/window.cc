@@ -27,8 +27,7 @@ namespace {
 // The window only has to be good enough for the next associations and as the batch's start: an
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
-constexpr char kNotDetermined[] =
-    "the scans do not determine poses and planes";
+constexpr char kNotDetermined[] = "the scans do not determine poses and planes";
 
 // Inverse on the rows and directions that are estimated; zero on the others.
 Eigen::MatrixXd InverseOn(const NormalEquations& equations, const std::vector<int>& on) {
@@ -51,16 +50,36 @@ void SetCovariance(const Eigen::MatrixXd& covariance, Landmark* landmark) {
 
 }  // namespace
 
-Window::Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state)
+Window::Window(const Rig& rig,
+               bool planar,
+               const MapperOptions& options,
+               const MotionPrior* motion_prior,
+               MapState* state)
     : rig_(rig),
       planar_(planar),
       options_(options),
+      motion_prior_(motion_prior),
       state_(state),
       solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
+Window::Window(const Window& other, const MotionPrior* motion_prior, MapState* state)
+    : rig_(other.rig_),
+      planar_(other.planar_),
+      options_(other.options_),
+      motion_prior_(motion_prior),
+      state_(state),
+      solver_(MakeWindowSolver(other.options_.window.solver, kSolverOptions)),
+      start_(other.start_),
+      prior_(other.prior_),
+      inactive_(other.inactive_),
+      num_solves_(other.num_solves_),
+      last_in_view_(other.last_in_view_),
+      window_(other.window_),
+      first_constraint_(other.first_constraint_),
+      estimates_(other.estimates_) {}
+
 void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) const {
-  const MotionNoise noise = MotionNoise::Of(options_.trajectory);
-  for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, noise);
+  for (int i = first; i <= last; ++i) problem->AddMotionPrior(i, motion_prior_->At(i));
 }
 
 void Window::AddStart(EstimationProblem* problem) const {
@@ -83,6 +102,21 @@ void Window::Add(int observation_index) {
   const int first =
       state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
   if (first >= start_) window_.push_back(observation_index);
+}
+
+void Window::TakeBack(const std::vector<bool>& is_chosen) {
+  std::vector<int> kept;
+  for (const int index : window_) {
+    Observation& observation = state_->observations[static_cast<size_t>(index)];
+    if (is_chosen[static_cast<size_t>(observation.landmark_id)]) {
+      observation.landmark_id = -1;
+    } else {
+      kept.push_back(index);
+    }
+  }
+  window_ = std::move(kept);
+  state_->pose_constraints.resize(
+      std::min(first_constraint_, state_->pose_constraints.size()));
 }
 
 std::set<int> Window::LandmarksInWindow() const {

@@ -15,6 +15,7 @@
 #include "core/options/mapper_options.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
+#include "core/trajectory/motion_prior.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/window/inactive_landmarks.h"
 #include "core/window/marginal_prior.h"
@@ -43,11 +44,23 @@ struct WindowEstimate {
 // if no plane ever rested.
 class Window {
  public:
-  Window(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+  Window(const Rig& rig,
+         bool planar,
+         const MapperOptions& options,
+         const MotionPrior* motion_prior,
+         MapState* state);
+  // Goes on from where another one stands, with copies of what it works on.
+  Window(const Window& other, const MotionPrior* motion_prior, MapState* state);
 
   // Adds an observation that has been given a landmark: it takes part from now on, unless it
   // is older than the window.
   void Add(int observation_index);
+
+  // Takes these landmarks (is_chosen: by id) from the window's observations, and the pose
+  // constraints from the window: the next solution does without.
+  void TakeBack(const std::vector<bool>& is_chosen);
+  // The window's first control point.
+  int start() const { return start_; }
 
   // Estimates the window's control points and all planes, and leaves the planes' covariances,
   // the newest pose given. Returns what is then known of the newest control points, the planes
@@ -104,6 +117,7 @@ class Window {
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
+  const MotionPrior* motion_prior_;
   MapState* state_;
   std::unique_ptr<WindowSolver> solver_;
   int start_ = 0;  // first control point of the window

@@ -106,7 +106,7 @@ class WindowReplay {
     state_ = std::make_unique<MapState>(
         MapState{start, mapped.landmarks, mapped.observations, mapped.origin_time_ns, {}});
     window_ = std::make_unique<Window>(
-        walk_.rig(), walk_.result().planar, walk_.options(), state_.get());
+        walk_.rig(), walk_.result().planar, walk_.options(), &motion_prior_, state_.get());
     now_ns_ = mapped.origin_time_ns;
     next_observation_ = 0;
   }
@@ -122,6 +122,7 @@ class WindowReplay {
   }
 
   const MappedWalk& walk_;
+  MotionPrior motion_prior_{walk_.options().trajectory};
   std::unique_ptr<MapState> state_;
   std::unique_ptr<Window> window_;
   int64_t now_ns_ = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/tracking/scan_on_planes.h"
 #include "test/core/mapping/room_walk.h"
 #include "test/testing/test_files.h"
 
@@ -79,6 +80,62 @@ TEST_F(ScanFollowerTest, FollowsAStraightMotionAsPreciselyAsItSays) {
   // The last pose is known at least as well as the nearest few beams alone would tell it.
   const Matrix6d& covariance = follower_.estimates().back().pose_covariance;
   EXPECT_LT(std::sqrt(covariance.bottomRightCorner<3, 3>().trace()), RoomWalk::kRangeNoise);
+}
+
+// The tests of the trajectory's last pose, to within what solutions from other linearisations
+// differ by.
+TEST_F(ScanFollowerTest, ACopyGoesOnByItself) {
+  constexpr double kSame = 1e-5;  // m
+  Start(20);
+  ScanFollower copy(follower_);
+  RoomWalk walk = walk_;
+  for (int i = 0; i < 20; ++i) copy.Follow(walk.Take());
+  const int64_t copied_ns = copy.state().trajectory.end_ns() - 1;
+  ASSERT_LT(follower_.state().trajectory.end_ns(), copied_ns) << "the copy moved the original";
+  Follow(20);
+  const Eigen::Vector3d original =
+      follower_.state().trajectory.WorldFromBody(copied_ns).translation;
+  EXPECT_LT((copy.state().trajectory.WorldFromBody(copied_ns).translation - original).norm(),
+            kSame);
+  EXPECT_EQ(copy.state().observations.size(), follower_.state().observations.size());
+  EXPECT_EQ(copy.state().landmarks.size(), follower_.state().landmarks.size());
+}
+
+// All walls go along with the rig, as people do. None of them counts as long.
+TEST_F(ScanFollowerTest, TheMotionBridgesWhatGoesAlongWithTheRig) {
+  constexpr int kNumScans = 20;
+  Start(40);
+  const Eigen::Quaterniond model_from_room = ModelFromRoom(follower_.state(), walk_.room());
+  const auto error_of = [&](const ScanFollower& follower) {
+    const MapState& state = follower.state();
+    const int64_t now_ns = follower.scan_times_ns().back();
+    const Eigen::Vector3d way = walk_.WorldFromBody(now_ns).translation -
+                                walk_.WorldFromBody(state.origin_time_ns).translation;
+    return (state.trajectory.WorldFromBody(now_ns).translation - model_from_room * way).norm();
+  };
+  ScanFollower bridging(follower_);
+  for (Landmark& landmark : bridging.state().landmarks) {
+    if (landmark.model == PlaneModel::kVertical) landmark.extent = landmark.EmptyExtent();
+  }
+  bridging.BridgeByMotion(bridging.scan_times_ns().back());
+  const size_t num_landmarks = bridging.state().landmarks.size();
+  const Eigen::Vector3d step =
+      walk_.WorldFromBody(RoomWalk::kStartNs + 25'000'000).translation;
+  for (int i = 0; i < kNumScans; ++i) {
+    for (ScenePlane& plane : walk_.room()) plane.distance += plane.normal.dot(step);
+    const Scan scan = walk_.Take();
+    bridging.Follow(scan);
+    follower_.Follow(scan);
+  }
+  EXPECT_TRUE(bridging.is_open());
+  EXPECT_EQ(bridging.state().landmarks.size(), num_landmarks);
+  // White accelerations at the knots: what their integral lets expect, in two directions.
+  const double duration_s = kNumScans * RoomWalk::kPeriod;
+  const double sigma_m = options_.trajectory.bridging_acceleration_stddev_m_s2 *
+                         std::sqrt(2.0 / 3.0 * options_.trajectory.knot_interval_s) *
+                         std::pow(duration_s, 1.5);
+  EXPECT_LT(error_of(bridging), 3.0 * sigma_m);
+  EXPECT_GT(error_of(follower_), 0.9 * kNumScans * step.norm());
 }
 
 TEST_F(ScanFollowerTest, FindsThePlanesOfTheRoomAndNoOthers) {

@@ -63,8 +63,11 @@ class ThinEvidenceTest : public testing::Test {
   }
 
   bool WallsLeaveScanOpen() const {
-    return WallsLeaveOpen(
-        state_, first_, static_cast<int>(state_.observations.size()) - 1, options_);
+    return WallsLeaveOpen(state_,
+                          first_,
+                          static_cast<int>(state_.observations.size()) - 1,
+                          options_.planes.small_m,
+                          options_.association.surface_flatness_m);
   }
 
   MapperOptions options_;

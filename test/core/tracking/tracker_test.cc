@@ -24,7 +24,8 @@ class TrackerTest : public testing::Test {
 
   MapperOptions options_;
   KnownRoom room_{Eigen::Vector3d(0.4, -0.3, 0.0)};
-  Tracker tracker_{room_.rig(), false, options_, &room_.state()};
+  MotionPrior motion_prior_{options_.trajectory};
+  Tracker tracker_{room_.rig(), false, options_, &motion_prior_, &room_.state()};
   int first_ = 0;  // observation of the last scan
 };
 

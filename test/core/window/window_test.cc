@@ -38,8 +38,9 @@ class WindowTest : public testing::Test {
 
   MapperOptions options_;
   KnownRoom room_{Eigen::Vector3d(0.4, -0.3, 0.0)};
-  Tracker tracker_{room_.rig(), false, options_, &room_.state()};
-  Window window_{room_.rig(), false, options_, &room_.state()};
+  MotionPrior motion_prior_{options_.trajectory};
+  Tracker tracker_{room_.rig(), false, options_, &motion_prior_, &room_.state()};
+  Window window_{room_.rig(), false, options_, &motion_prior_, &room_.state()};
 };
 
 // The window holds a quarter of a second; what has left it still counts, by the marginal

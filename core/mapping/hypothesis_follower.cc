@@ -1,0 +1,115 @@
+#include "core/mapping/hypothesis_follower.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/util/error.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+// The hypotheses are compared once walls have held one of them for so long.
+constexpr double kHeldTime = 0.5;  // s
+// They go on side by side for no longer than this.
+constexpr double kMaxTime = 4.0;  // s
+// The predicted motion goes on where so much more of the known place agrees with it.
+constexpr double kMinGain = 0.01;
+
+}  // namespace
+
+void HypothesisFollower::Evidence::Add(const ScanFollower& follower,
+                                       const ScanMatcher& place,
+                                       int64_t duration_ns) {
+  const ScanMatch match = place.Match(follower.state().trajectory, 0, nullptr);
+  num_known += match.num_known;
+  num_near += match.num_near;
+  held_ns = follower.is_open() ? 0 : held_ns + duration_ns;
+}
+
+double HypothesisFollower::Evidence::NearShare() const {
+  return num_known == 0 ? 0.0 : static_cast<double>(num_near) / static_cast<double>(num_known);
+}
+
+HypothesisFollower::HypothesisFollower(const Rig& rig,
+                                       bool planar,
+                                       const MapperOptions& options,
+                                       double scan_period_s)
+    : follower_(std::make_unique<ScanFollower>(rig, planar, options, scan_period_s)) {}
+
+void HypothesisFollower::Follow(const Scan& scan) {
+  if (by_motion_ != nullptr) {
+    FollowBoth(scan);
+    if (by_motion_ != nullptr && IsDue(scan.end_ns)) Decide();
+  } else {
+    follower_->Follow(scan);
+    if (!follower_->is_open()) {
+      may_fork_ = true;
+    } else if (may_fork_ && follower_->scan_matcher() != nullptr) {
+      Fork(scan.end_ns);
+    }
+  }
+  last_scan_ns_ = scan.end_ns;
+}
+
+void HypothesisFollower::Fork(int64_t now_ns) {
+  may_fork_ = false;
+  auto by_motion = std::make_unique<ScanFollower>(*follower_);
+  try {
+    by_motion->BridgeByMotion(now_ns);
+  } catch (const Error&) {
+    return;  // long walls and the motion do not determine the poses
+  }
+  by_motion_ = std::move(by_motion);
+  place_ = std::make_unique<ScanMatcher>(*follower_->scan_matcher());
+  for_follower_ = {};
+  for_by_motion_ = {};
+  forked_ns_ = now_ns;
+}
+
+void HypothesisFollower::FollowBoth(const Scan& scan) {
+  try {
+    by_motion_->Follow(scan);
+  } catch (const LostTrack&) {
+    GoOnWith(std::move(follower_));
+    follower_->Follow(scan);
+    return;
+  }
+  try {
+    follower_->Follow(scan);
+  } catch (const LostTrack&) {
+    GoOnWith(std::move(by_motion_));
+    return;
+  }
+  place_->Take(scan);
+  for_follower_.Add(*follower_, *place_, scan.end_ns - last_scan_ns_);
+  for_by_motion_.Add(*by_motion_, *place_, scan.end_ns - last_scan_ns_);
+}
+
+bool HypothesisFollower::IsDue(int64_t now_ns) const {
+  return SecondsBetween(0, std::max(for_follower_.held_ns, for_by_motion_.held_ns)) >=
+             kHeldTime ||
+         SecondsBetween(forked_ns_, now_ns) >= kMaxTime;
+}
+
+void HypothesisFollower::Decide() {
+  const double gain = for_by_motion_.NearShare() - for_follower_.NearShare();
+  const bool by_motion = gain > kMinGain;
+  VLOG(1) << "two hypotheses from "
+          << SecondsBetween(follower_->state().origin_time_ns, forked_ns_) << " s on; goes on "
+          << (by_motion ? "by the motion" : "by what is in view") << ": of the known place "
+          << for_by_motion_.NearShare() << " against " << for_follower_.NearShare()
+          << " agree";
+  GoOnWith(std::move(by_motion ? by_motion_ : follower_));
+}
+
+void HypothesisFollower::GoOnWith(std::unique_ptr<ScanFollower> follower) {
+  follower_ = std::move(follower);
+  follower_->EndBridging();
+  by_motion_.reset();
+  place_.reset();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/local_map/scan_matching.h"
+#include "core/mapping/scan_follower.h"
+#include "core/options/mapper_options.h"
+#include "core/sensor/rig.h"
+#include "core/sensor/scan_reader.h"
+
+namespace plumbline {
+
+// Follows the rig through weak moments by two hypotheses side by side. Where walls leave its
+// position open in some direction, what little else is in view may show how far it goes, or
+// may be somebody who walks along: one hypothesis believes it, the other leaves the direction
+// to the predicted motion, each with its own covariance. When walls hold one of them again, it
+// goes on by which of them more of the points lie where the place was known before the fork.
+class HypothesisFollower {
+ public:
+  HypothesisFollower(const Rig& rig,
+                     bool planar,
+                     const MapperOptions& options,
+                     double scan_period_s);
+
+  // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
+  bool Start(const Scan& scan) { return follower_->Start(scan); }
+  void Follow(const Scan& scan);
+
+  // The hypothesis that goes on; while there are two, the one that believes what is in view.
+  ScanFollower& follower() { return *follower_; }
+
+ private:
+  // What speaks for a hypothesis since the fork.
+  struct Evidence {
+    int64_t num_known = 0;  // points where the place was known
+    int64_t num_near = 0;   // of these, those that lie where it was
+    int64_t held_ns = 0;    // for how long walls have held the position of late
+
+    void Add(const ScanFollower& follower, const ScanMatcher& place, int64_t duration_ns);
+    double NearShare() const;
+  };
+
+  void Fork(int64_t now_ns);
+  // Lets both hypotheses follow the scan. Where one of them has lost the rig, the other one
+  // goes on.
+  void FollowBoth(const Scan& scan);
+  bool IsDue(int64_t now_ns) const;
+  void Decide();
+  void GoOnWith(std::unique_ptr<ScanFollower> follower);
+
+  std::unique_ptr<ScanFollower> follower_;
+  std::unique_ptr<ScanFollower> by_motion_;  // nullptr: there is one hypothesis
+  std::unique_ptr<ScanMatcher> place_;       // the local map as it was at the fork
+  Evidence for_follower_;
+  Evidence for_by_motion_;
+  int64_t forked_ns_ = 0;
+  int64_t last_scan_ns_ = 0;
+  bool may_fork_ = true;  // walls have held the position since the last fork
+};
+
+}  // namespace plumbline
