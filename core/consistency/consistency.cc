@@ -49,6 +49,7 @@ struct Evidence {
   std::vector<RevisitOffset> revisits;
   std::vector<SecondOfMotion> motion;
   std::vector<bool> jumps;
+  std::vector<bool> height_jumps;
   std::vector<bool> glitches;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
@@ -134,6 +135,10 @@ Evidence Collect(const Rig& rig,
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state.trajectory, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages);
+  if (!map.planar) {
+    evidence.height_jumps =
+        FindHeightJumps(evidence.motion, HeightHangsOnTreads(state, start_ns));
+  }
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
@@ -162,6 +167,9 @@ class Judge {
                 "surfaces stand twice: seen here and, at other times, beside it");
     JudgeRevisits();
     AddIntervals(evidence_.jumps, "the pose jumps: no rig accelerates so");
+    AddIntervals(evidence_.height_jumps,
+                 "the height jumps where only treads show it: one may have been taken for "
+                 "another");
     AddIntervals(evidence_.glitches,
                  "for an instant segments lie off the planes, and the rig seems to jerk");
     JudgeStatedDeviations();

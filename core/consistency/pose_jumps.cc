@@ -20,6 +20,13 @@ constexpr double kMinPlaces = 40.0;
 constexpr double kMinAcceleration = 6.0;          // m/s^2
 constexpr double kMinAngularAcceleration = 20.0;  // rad/s^2
 
+// Floors and ceilings are wider than this both ways, treads are not.
+constexpr double kMaxTread = 1.0;  // m
+// The height jumps by so many times what the largest tenth of the seconds shows, and by so
+// much: a person on stairs reaches 3 m/s^2, a slip by a tread 4 to 8.
+constexpr double kTimesUsualHeight = 1.7;
+constexpr double kMinVerticalAcceleration = 4.0;  // m/s^2
+
 // A glitch: the share of points on planes falls to so much of its median over kNeighbours
 // intervals before and after, and the acceleration is so many times the usual.
 constexpr double kGlitchSupport = 0.85;
@@ -57,6 +64,8 @@ std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t
     if (has_previous) {
       now.acceleration_m_s2 =
           std::max(now.acceleration_m_s2, (linear - previous_linear).norm() / step_s);
+      now.vertical_acceleration_m_s2 = std::max(
+          now.vertical_acceleration_m_s2, std::abs(linear.z() - previous_linear.z()) / step_s);
       now.angular_acceleration_rad_s2 = std::max(now.angular_acceleration_rad_s2,
                                                  (angular - previous_angular).norm() / step_s);
     }
@@ -130,6 +139,54 @@ std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
                           std::max(kMinAcceleration, times_usual * usual) ||
                       motion[s].angular_acceleration_rad_s2 >
                           std::max(kMinAngularAcceleration, times_usual * usual_angular));
+  }
+  return is_jump;
+}
+
+std::vector<bool> HeightHangsOnTreads(const MapState& state, int64_t start_ns) {
+  std::vector<bool> is_seen;   // by interval: anything
+  std::vector<bool> is_known;  // by interval: a floor or ceiling
+  for (const Observation& observation : state.observations) {
+    if (observation.landmark_id < 0) continue;
+    const double since_s = SecondsBetween(start_ns, observation.middle_time_ns());
+    const auto at = static_cast<size_t>(std::max(0.0, since_s) / kSupportStep);
+    if (at >= is_seen.size()) {
+      is_seen.resize(at + 1, false);
+      is_known.resize(at + 1, false);
+    }
+    is_seen[at] = true;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model != PlaneModel::kHorizontal) continue;
+    const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
+    if (size.minCoeff() > kMaxTread) is_known[at] = true;
+  }
+  std::vector<bool> hangs;
+  for (size_t at = 0; at < is_seen.size(); ++at) {
+    const auto second = static_cast<size_t>(static_cast<double>(at) * kSupportStep);
+    if (second >= hangs.size()) hangs.resize(second + 1, false);
+    if (is_seen[at] && !is_known[at]) hangs[second] = true;
+  }
+  return hangs;
+}
+
+std::vector<bool> FindHeightJumps(const std::vector<SecondOfMotion>& motion,
+                                  const std::vector<bool>& hangs_on_treads) {
+  std::vector<double> accelerations;
+  for (const SecondOfMotion& second : motion) {
+    accelerations.push_back(second.vertical_acceleration_m_s2);
+  }
+  const double limit = std::max(kMinVerticalAcceleration,
+                                kTimesUsualHeight * Quantile(accelerations, kUsualShare));
+  std::vector<bool> is_jump(motion.size(), false);
+  for (size_t s = 0; s < motion.size(); ++s) {
+    // A slip that begins where treads are all may end in the next second, and the reverse.
+    const size_t end = std::min(hangs_on_treads.size(), s + 2);
+    const bool hangs =
+        std::any_of(hangs_on_treads.begin() +
+                        static_cast<std::ptrdiff_t>(std::min(end, s > 0 ? s - 1 : 0)),
+                    hangs_on_treads.begin() + static_cast<std::ptrdiff_t>(end),
+                    [](bool hangs_then) { return hangs_then; });
+    is_jump[s] = hangs && accelerations[s] > limit;
   }
   return is_jump;
 }

@@ -14,6 +14,7 @@ struct SecondOfMotion {
   double acceleration_m_s2 = 0.0;
   double angular_acceleration_rad_s2 = 0.0;
   double speed_m_s = 0.0;
+  double vertical_acceleration_m_s2 = 0.0;
 };
 
 // One element for each second of the recording that the trajectory covers.
@@ -35,5 +36,13 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
 // the pose slipped from one surface to the next one, a step of a stair.
 std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
                             const SharesOverTime& passages);
+
+// Seconds in which, for an interval of kSupportStep at least, no floor or ceiling shows the
+// height of the rig: narrow horizontal planes, as treads, or nothing.
+std::vector<bool> HeightHangsOnTreads(const MapState& state, int64_t start_ns);
+
+// Seconds in which the height jumps while it hangs on treads: one was taken for the next.
+std::vector<bool> FindHeightJumps(const std::vector<SecondOfMotion>& motion,
+                                  const std::vector<bool>& hangs_on_treads);
 
 }  // namespace plumbline

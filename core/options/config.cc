@@ -39,6 +39,10 @@ void Visit(Options& o, Visitor& v) {
     s.Number("knot_interval_s", o.trajectory.knot_interval_s, 0.01, 10.0);
     s.Number("min_scans_per_knot", o.trajectory.min_scans_per_knot, 0.5, 100.0);
     s.Number("acceleration_stddev_m_s2", o.trajectory.acceleration_stddev_m_s2, 1e-3, 1e3);
+    s.Number("vertical_acceleration_stddev_m_s2",
+             o.trajectory.vertical_acceleration_stddev_m_s2,
+             1e-3,
+             1e3);
     s.Number("bridging_acceleration_stddev_m_s2",
              o.trajectory.bridging_acceleration_stddev_m_s2,
              1e-3,

@@ -18,6 +18,8 @@ struct TrajectoryOptions {
   // is weak, and only matters where the scans leave a direction of motion open.
   double acceleration_stddev_m_s2 = 3.0;              // [0.001, 1000]
   double angular_acceleration_stddev_deg_s2 = 600.0;  // [0.01, 100000]
+  // The same of vertical accelerations, at most, while the rig is followed. [0.001, 1000]
+  double vertical_acceleration_stddev_m_s2 = 1.0;
   // The same of horizontal accelerations, at most, where the motion alone bridges a moment in
   // which nothing trustworthy shows how far the rig goes. [0.001, 1000]
   double bridging_acceleration_stddev_m_s2 = 0.5;

@@ -4,8 +4,10 @@
 
 namespace plumbline {
 
-MotionPrior::MotionPrior(const TrajectoryOptions& options)
-    : usual_(MotionNoise::Of(options)), bridging_(usual_) {
+MotionPrior::MotionPrior(const TrajectoryOptions& options) : usual_(MotionNoise::Of(options)) {
+  usual_.vertical_m_s2 =
+      std::min(usual_.vertical_m_s2, options.vertical_acceleration_stddev_m_s2);
+  bridging_ = usual_;
   bridging_.horizontal_m_s2 =
       std::min(bridging_.horizontal_m_s2, options.bridging_acceleration_stddev_m_s2);
 }

@@ -61,6 +61,43 @@ TEST(PoseJumpsTest, LessIsAJumpWhereBeamsPassThroughSurfaces) {
   EXPECT_EQ(FindJumps(motion, passages), std::vector<bool>(10, false));
 }
 
+TEST(PoseJumpsTest, TheHeightJumpsOnlyWhereItHangsOnTreads) {
+  Trajectory trajectory = WalkAlongX(1.0);
+  const int half = trajectory.num_control_points() / 2;
+  for (int i = half; i < trajectory.num_control_points(); ++i) {
+    trajectory.control_point(i).position[2] -= 0.18;
+  }
+  const std::vector<SecondOfMotion> motion = MotionOverTime(trajectory, 0);
+  std::vector<bool> hangs(motion.size(), false);
+  for (const bool is_jump : FindHeightJumps(motion, hangs)) EXPECT_FALSE(is_jump);
+  const auto second = static_cast<size_t>((half - 1) * 0.125);
+  hangs[second] = true;
+  const std::vector<bool> jumps = FindHeightJumps(motion, hangs);
+  EXPECT_TRUE(jumps[second]);
+  EXPECT_LE(std::count(jumps.begin(), jumps.end(), true), 2);
+}
+
+TEST(PoseJumpsTest, TheHeightHangsOnTreadsWhereNoFloorOrCeilingIsSeen) {
+  MapState state{WalkAlongX(1.0), {}, {}, 0, {}};
+  const auto add_plane = [&](double side_m) {
+    Landmark plane = MakeHorizontalLandmark(1.0, Eigen::Vector3d::Zero());
+    plane.id = static_cast<int>(state.landmarks.size());
+    plane.extent = plane.EmptyExtent();
+    plane.extent.AddSegment({0.0, 0.0, 0.0}, {1.5, side_m, 0.0});
+    state.landmarks.push_back(plane);
+  };
+  add_plane(2.0);   // a floor
+  add_plane(0.28);  // a tread
+  for (int i = 0; i < 16; ++i) {
+    Observation observation;
+    observation.landmark_id = i == 12 ? 1 : 0;
+    observation.start_ns = observation.end_ns = i * 125'000'000;
+    state.observations.push_back(observation);
+  }
+  const std::vector<bool> expected = {false, true};
+  EXPECT_EQ(HeightHangsOnTreads(state, 0), expected);
+}
+
 // Ten seconds of motion and of support, eight intervals a second; at 5 s something happens.
 class GlitchTest : public testing::Test {
  protected:

@@ -14,7 +14,7 @@ TEST(MotionPrior, IsNarrowWhereTheMotionBridges) {
   }
   for (const int bridged : {5, 6}) {
     EXPECT_EQ(prior.At(bridged).horizontal_m_s2, options.bridging_acceleration_stddev_m_s2);
-    EXPECT_EQ(prior.At(bridged).vertical_m_s2, options.acceleration_stddev_m_s2);
+    EXPECT_EQ(prior.At(bridged).vertical_m_s2, options.vertical_acceleration_stddev_m_s2);
     EXPECT_EQ(prior.At(bridged).angular_rad_s2, prior.At(4).angular_rad_s2);
   }
 }
