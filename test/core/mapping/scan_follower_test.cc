@@ -82,8 +82,7 @@ TEST_F(ScanFollowerTest, FollowsAStraightMotionAsPreciselyAsItSays) {
   EXPECT_LT(std::sqrt(covariance.bottomRightCorner<3, 3>().trace()), RoomWalk::kRangeNoise);
 }
 
-// The tests of the trajectory's last pose, to within what solutions from other linearisations
-// differ by.
+// The copy linearises its segments anew, so that both agree to less than the last digit.
 TEST_F(ScanFollowerTest, ACopyGoesOnByItself) {
   constexpr double kSame = 1e-5;  // m
   Start(20);
