@@ -49,7 +49,7 @@ struct Evidence {
   std::vector<RevisitOffset> revisits;
   std::vector<SecondOfMotion> motion;
   std::vector<bool> jumps;
-  std::vector<bool> height_jumps;
+  std::vector<bool> unsupported_jumps;
   std::vector<bool> glitches;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
@@ -73,25 +73,29 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
     const SecondOfMotion motion = At(evidence.motion, s);
     const PositionStrength strength = At(evidence.strengths, s);
     char text[300];
-    std::snprintf(text,
-                  sizeof(text),
-                  "second %zu: passed %.3f of %.0f, doubled %.3f of %.0f, revisit %d segs "
-                  "%.3f m %.2f deg near %.2f moved %.2f, acc %.2f ang %.2f, no plane %.2f, "
-                  "weakest %.4f m",
-                  s,
-                  passages.value(),
-                  passages.comparable,
-                  doubled.value(),
-                  doubled.comparable,
-                  revisit.num_segments,
-                  revisit.translation_m,
-                  revisit.rotation_rad * 180.0 / M_PI,
-                  revisit.near_share,
-                  revisit.moved_share,
-                  motion.acceleration_m_s2,
-                  motion.angular_acceleration_rad_s2,
-                  At(evidence.without_plane, s).value(),
-                  strength.stddev_m);
+    std::snprintf(
+        text,
+        sizeof(text),
+        "second %zu: passed %.3f of %.0f, doubled %.3f of %.0f, revisit %d segs "
+        "%.3f m %.2f deg near %.2f moved %.2f, accelerations %.2f %.2f %.2f %.2f, no "
+        "plane %.2f, "
+        "weakest %.4f m",
+        s,
+        passages.value(),
+        passages.comparable,
+        doubled.value(),
+        doubled.comparable,
+        revisit.num_segments,
+        revisit.translation_m,
+        revisit.rotation_rad * 180.0 / M_PI,
+        revisit.near_share,
+        revisit.moved_share,
+        motion.accelerations[SecondOfMotion::kHorizontal],
+        motion.accelerations[SecondOfMotion::kVertical],
+        motion.accelerations[SecondOfMotion::kYaw],
+        motion.accelerations[SecondOfMotion::kTilt],
+        At(evidence.without_plane, s).value(),
+        strength.stddev_m);
     VLOG(1) << text;
   }
   for (size_t i = 0; i < evidence.scanners.size(); ++i) {
@@ -135,10 +139,7 @@ Evidence Collect(const Rig& rig,
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state.trajectory, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages);
-  if (!map.planar) {
-    evidence.height_jumps =
-        FindHeightJumps(evidence.motion, HeightHangsOnTreads(state, start_ns));
-  }
+  evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
@@ -166,10 +167,11 @@ class Judge {
                 kMinDoubled,
                 "surfaces stand twice: seen here and, at other times, beside it");
     JudgeRevisits();
-    AddIntervals(evidence_.jumps, "the pose jumps: no rig accelerates so");
-    AddIntervals(evidence_.height_jumps,
-                 "the height jumps where only treads show it: one may have been taken for "
-                 "another");
+    AddIntervals(evidence_.jumps,
+                 "the pose jumps: the rig accelerates as it does nowhere else");
+    AddIntervals(evidence_.unsupported_jumps,
+                 "the pose jumps where no wall, floor or ceiling shows it: it may follow "
+                 "somebody who walks, or take one tread for another");
     AddIntervals(evidence_.glitches,
                  "for an instant segments lie off the planes, and the rig seems to jerk");
     JudgeStatedDeviations();

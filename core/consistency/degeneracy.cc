@@ -24,6 +24,14 @@ constexpr double kSteep = 0.7;           // |z| of a direction that counts as ve
 const double kSameDirection = std::cos(20.0 * M_PI / 180.0);
 constexpr double kMaxGap = 2.0;  // s, between parts of an interval
 
+// The length of the plane's normal in the scan plane. Along a plane that hardly cuts the scan
+// plane the segment's own line says little.
+double Cut(const ScanPlacement& placement, const LandmarkView& plane) {
+  constexpr double kMinCut = 0.1;
+  const Eigen::Vector2d in_plane = placement.leftCols<2>().transpose() * plane.normal;
+  return std::max(in_plane.norm(), kMinCut);
+}
+
 // Adds what a segment on its plane says of the body's pose: rotation (world frame, about the
 // body's place) and position.
 void AddSegment(const Observation& observation,
@@ -31,17 +39,15 @@ void AddSegment(const Observation& observation,
                 const LandmarkView& plane,
                 Matrix6d* information) {
   const ScanPlacement placement = poses.motion.At(observation.middle_time_ns());
-  const Eigen::Vector2d in_plane = placement.leftCols<2>().transpose() * plane.normal;
-  // Along a plane that hardly cuts the scan plane the segment's own line says little.
-  constexpr double kMinCut = 0.1;
-  const double cut = std::max(in_plane.norm(), kMinCut);
+  const double cut = Cut(placement, plane);
   const Eigen::Vector3d centre = placement * observation.centroid().homogeneous();
   const Eigen::Vector3d along = placement.leftCols<2>() * observation.tangent();
   const Eigen::Vector3d lever = centre - poses.world_from_body.translation;
   Eigen::Matrix<double, 6, 1> row;
   row << lever.cross(plane.normal), plane.normal;
   const double sigma_offset = cut * observation.sigma_offset_m;
-  if (sigma_offset > 0.0) *information += row * row.transpose() / (sigma_offset * sigma_offset);
+  if (sigma_offset > 0.0)
+    *information += row * row.transpose() / (sigma_offset * sigma_offset);
   row << along.cross(plane.normal), Eigen::Vector3d::Zero();
   const double sigma_direction = cut * observation.sigma_direction_rad;
   if (sigma_direction > 0.0) {
@@ -68,6 +74,13 @@ PositionStrength WeakestOf(const Matrix6d& information, bool planar) {
 
 }  // namespace
 
+double DistanceStddev(const Observation& observation,
+                      const ObservationPoses& poses,
+                      const LandmarkView& plane) {
+  return Cut(poses.motion.At(observation.middle_time_ns()), plane) *
+         observation.sigma_offset_m;
+}
+
 std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
                                                bool planar,
                                                const MapState& state,
@@ -78,7 +91,8 @@ std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
   std::vector<PositionStrength> strengths;
   for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
     Matrix6d information = Matrix6d::Zero();
-    information.diagonal() << Eigen::Vector3d::Constant(1.0 / (kPriorRotation * kPriorRotation)),
+    information.diagonal() << Eigen::Vector3d::Constant(1.0 /
+                                                        (kPriorRotation * kPriorRotation)),
         Eigen::Vector3d::Constant(1.0 / (kPriorPosition * kPriorPosition));
     int num_segments = 0;
     for (size_t i = first; i < last; ++i) {
@@ -119,9 +133,8 @@ std::vector<DegenerateInterval> DegenerateIntervals(
     // A second without any segment at the map's ends is no part of the map.
     if (strength.stddev_m < kDegenerate || strength.num_segments == 0) continue;
     const auto start_s = static_cast<double>(second);
-    const bool continues =
-        !intervals.empty() && start_s - intervals.back().end_s < kMaxGap &&
-        std::abs(direction.dot(strength.direction_world)) > kSameDirection;
+    const bool continues = !intervals.empty() && start_s - intervals.back().end_s < kMaxGap &&
+                           std::abs(direction.dot(strength.direction_world)) > kSameDirection;
     if (!continues) intervals.push_back({start_s, start_s, "", 0.0});
     DegenerateInterval& interval = intervals.back();
     interval.end_s = start_s + 1.0;

@@ -3,17 +3,24 @@
 #include <string>
 #include <vector>
 
+#include "core/map/landmark_view.h"
 #include "core/map/map_state.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
 
 namespace plumbline {
 
+// Standard deviation, in metres, with which a segment on a plane shows the body's distance
+// from the plane, rotation and plane being known. 0 where the segment states none.
+double DistanceStddev(const Observation& observation,
+                      const ObservationPoses& poses,
+                      const LandmarkView& plane);
+
 // How well one second's segments determine the rig's position with the planes taken as known
 // and no motion assumed, rotation being estimated as well.
 struct PositionStrength {
   int num_segments = 0;
-  double stddev_m = 0.0;  // along the weakest direction
+  double stddev_m = 0.0;                                      // along the weakest direction
   Eigen::Vector3d direction_world = Eigen::Vector3d::Zero();  // unit vector, either sense
 };
 

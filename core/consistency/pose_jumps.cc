@@ -2,36 +2,51 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/consistency/degeneracy.h"
+#include "core/map/landmark_view.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
 
-// A jump accelerates so many times as far as the largest tenth of the recording's seconds.
-constexpr double kTimesUsual = 6.0;
+using Kinds = std::array<double, SecondOfMotion::kNumKinds>;
+
+// What is usual is what all but the hardest tenth of the seconds show, for each kind by
+// itself.
 constexpr double kUsualShare = 0.9;
+// A jump accelerates so many times as far, and at least so far: 10 cm within a knot interval
+// of an eighth of a second are 6 m/s^2, what a person carrying a rig reaches at a jolt.
+constexpr double kTimesUsual = 3.0;
+constexpr Kinds kMinJump = {6.0, 6.0, 20.0, 6.0};
+// A rig that hardly ever rises or tilts jumps with less.
+constexpr double kFarTimesUsual = 6.0;
+constexpr Kinds kMinFarJump = {6.0, 1.0, 20.0, 1.0};
+// At its ends the scans of one side alone determine the spline.
+constexpr int64_t kNumEndKnots = 2;
 // So many times where this share of at least so many places is contradicted as well.
 constexpr double kTimesUsualWithPassages = 2.0;
 constexpr double kPassages = 0.05;
 constexpr double kMinPlaces = 40.0;
-// And at least so far: 10 cm within a knot interval of an eighth of a second are 6 m/s^2, what
-// a person carrying a rig reaches at a jolt.
-constexpr double kMinAcceleration = 6.0;          // m/s^2
-constexpr double kMinAngularAcceleration = 20.0;  // rad/s^2
 
-// Floors and ceilings are wider than this both ways, treads are not.
-constexpr double kMaxTread = 1.0;  // m
-// The height jumps by so many times what the largest tenth of the seconds shows, and by so
-// much: a person on stairs reaches 3 m/s^2, a slip by a tread 4 to 8.
-constexpr double kTimesUsualHeight = 1.7;
-constexpr double kMinVerticalAcceleration = 4.0;  // m/s^2
+// Walls are wider than this, floors and ceilings both ways. Treads and whoever walks are not.
+constexpr double kMaxNarrow = 1.0;  // m
+// A direction is not shown where wide surfaces give it so many times worse than they usually
+// give one.
+constexpr double kTimesUsualStddev = 4.0;
+constexpr double kMinStddev = 0.003;  // m
+// What hardly any rig does while nothing shows it; a person on stairs reaches 3 m/s^2 in
+// height, a slip by a tread 4 to 8, one along a corridor 3 to 13.
+constexpr double kMinHorizontal = 2.5;  // m/s^2
+constexpr double kMinVertical = 4.0;    // m/s^2
 
 // A glitch: the share of points on planes falls to so much of its median over kNeighbours
 // intervals before and after, and the acceleration is so many times the usual.
 constexpr double kGlitchSupport = 0.85;
-constexpr int kNeighbours = 8;
 constexpr double kGlitchTimesUsual = 1.5;
+constexpr Kinds kMinGlitch = {3.5, 1.0, 15.0, 0.5};
+constexpr int kNeighbours = 8;
 constexpr double kMinPoints = 100.0;  // in an interval
 
 // The value below which a share of them lies.
@@ -43,35 +58,113 @@ double Quantile(std::vector<double> values, double share) {
   return values[at];
 }
 
+Kinds Usual(const std::vector<SecondOfMotion>& motion) {
+  Kinds usual;
+  for (size_t k = 0; k < usual.size(); ++k) {
+    std::vector<double> accelerations;
+    for (const SecondOfMotion& second : motion) {
+      accelerations.push_back(second.accelerations[k]);
+    }
+    usual[k] = Quantile(std::move(accelerations), kUsualShare);
+  }
+  return usual;
+}
+
+// Whether an acceleration exceeds so many times the usual one of its kind, and its minimum.
+bool Exceeds(const SecondOfMotion& second,
+             const Kinds& usual,
+             double times_usual,
+             const Kinds& minimum) {
+  for (size_t k = 0; k < usual.size(); ++k) {
+    if (second.accelerations[k] > std::max(minimum[k], times_usual * usual[k])) return true;
+  }
+  return false;
+}
+
+bool IsWide(const Landmark& landmark) {
+  const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
+  return (landmark.model == PlaneModel::kHorizontal ? size.minCoeff() : size.x()) > kMaxNarrow;
+}
+
+// How the trajectory accelerates at a knot, and how well wide surfaces alone, turns being
+// known, show in the scans of the interval before it where the rig is: information, 1/m^2.
+struct SupportedAcceleration {
+  int64_t time_ns = 0;
+  Eigen::Vector3d world_m_s2 = Eigen::Vector3d::Zero();
+  double information = 0.0;        // in the direction of the acceleration
+  double usual_information = 0.0;  // the mean of three directions
+};
+
+// Of all knots before which scans were taken.
+std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
+                                                          const MapState& state) {
+  std::vector<LandmarkView> planes;
+  for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
+  SharedPoses poses(rig, state.trajectory);
+  const Trajectory& trajectory = state.trajectory;
+  const int64_t step_ns = trajectory.knot_interval_ns();
+  const auto velocity_at = [&trajectory](int64_t at_ns) {
+    Eigen::Vector3d angular;
+    Eigen::Vector3d linear;
+    trajectory.Velocity(at_ns, &angular, &linear);
+    return linear;
+  };
+  std::vector<SupportedAcceleration> accelerations;
+  size_t next = 0;  // the observations are in the order of time
+  for (int64_t at_ns = trajectory.start_ns() + step_ns; at_ns < trajectory.end_ns();
+       at_ns += step_ns) {
+    SupportedAcceleration a;
+    a.time_ns = at_ns;
+    a.world_m_s2 =
+        (velocity_at(at_ns) - velocity_at(at_ns - step_ns)) / trajectory.knot_interval_s();
+    const Eigen::Vector3d direction = a.world_m_s2.normalized();
+    const size_t first = next;
+    for (; next < state.observations.size(); ++next) {
+      const Observation& observation = state.observations[next];
+      if (observation.middle_time_ns() >= at_ns) break;
+      if (observation.landmark_id < 0) continue;
+      const auto id = static_cast<size_t>(observation.landmark_id);
+      if (!IsWide(state.landmarks[id])) continue;
+      const double stddev_m = DistanceStddev(observation, poses.Of(observation), planes[id]);
+      if (stddev_m <= 0.0) continue;
+      const double information = 1.0 / (stddev_m * stddev_m);
+      const double along = planes[id].normal.dot(direction);
+      a.information += along * along * information;
+      a.usual_information += information / 3.0;
+    }
+    if (next > first) accelerations.push_back(a);
+  }
+  return accelerations;
+}
+
 }  // namespace
 
 std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t start_ns) {
   std::vector<SecondOfMotion> seconds;
-  Eigen::Vector3d previous_angular = Eigen::Vector3d::Zero();
-  Eigen::Vector3d previous_linear = Eigen::Vector3d::Zero();
-  bool has_previous = false;
   const int64_t step_ns = trajectory.knot_interval_ns();
   const double step_s = trajectory.knot_interval_s();
-  for (int64_t at_ns = trajectory.start_ns(); at_ns < trajectory.end_ns(); at_ns += step_ns) {
-    Eigen::Vector3d angular;
-    Eigen::Vector3d linear;
+  Eigen::Vector3d angular;
+  Eigen::Vector3d linear;
+  const int64_t first_ns = trajectory.start_ns() + kNumEndKnots * step_ns;
+  trajectory.Velocity(std::min(first_ns, trajectory.end_ns() - 1), &angular, &linear);
+  for (int64_t at_ns = first_ns + step_ns;
+       at_ns < trajectory.end_ns() - kNumEndKnots * step_ns;
+       at_ns += step_ns) {
+    const Eigen::Vector3d previous_angular = angular;
+    const Eigen::Vector3d previous_linear = linear;
     trajectory.Velocity(at_ns, &angular, &linear);
+    const Eigen::Vector3d turning = (angular - previous_angular) / step_s;
+    const Eigen::Vector3d moving = (linear - previous_linear) / step_s;
+    const Kinds now = {moving.head<2>().norm(),
+                       std::abs(moving.z()),
+                       std::abs(turning.z()),
+                       turning.head<2>().norm()};
     const double since_s = SecondsBetween(start_ns, at_ns);
     const auto second = static_cast<size_t>(std::max(0.0, std::floor(since_s)));
     if (second >= seconds.size()) seconds.resize(second + 1);
-    SecondOfMotion& now = seconds[second];
-    now.speed_m_s = std::max(now.speed_m_s, linear.norm());
-    if (has_previous) {
-      now.acceleration_m_s2 =
-          std::max(now.acceleration_m_s2, (linear - previous_linear).norm() / step_s);
-      now.vertical_acceleration_m_s2 = std::max(
-          now.vertical_acceleration_m_s2, std::abs(linear.z() - previous_linear.z()) / step_s);
-      now.angular_acceleration_rad_s2 = std::max(now.angular_acceleration_rad_s2,
-                                                 (angular - previous_angular).norm() / step_s);
+    for (size_t k = 0; k < now.size(); ++k) {
+      seconds[second].accelerations[k] = std::max(seconds[second].accelerations[k], now[k]);
     }
-    previous_angular = angular;
-    previous_linear = linear;
-    has_previous = true;
   }
   return seconds;
 }
@@ -90,14 +183,7 @@ SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns) {
 
 std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
                                const SharesOverTime& support) {
-  std::vector<double> accelerations;
-  std::vector<double> angular;
-  for (const SecondOfMotion& second : motion) {
-    accelerations.push_back(second.acceleration_m_s2);
-    angular.push_back(second.angular_acceleration_rad_s2);
-  }
-  const double limit = kGlitchTimesUsual * Quantile(accelerations, kUsualShare);
-  const double angular_limit = kGlitchTimesUsual * Quantile(angular, kUsualShare);
+  const Kinds usual = Usual(motion);
   std::vector<bool> is_glitch(motion.size(), false);
   const auto size = static_cast<int>(support.size());
   for (int i = 0; i < size; ++i) {
@@ -105,15 +191,13 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
     if (second >= motion.size() || support[static_cast<size_t>(i)].comparable < kMinPoints) {
       continue;
     }
-    const bool is_hard = motion[second].acceleration_m_s2 > limit ||
-                         motion[second].angular_acceleration_rad_s2 > angular_limit;
-    if (!is_hard) continue;
+    if (!Exceeds(motion[second], usual, kGlitchTimesUsual, kMinGlitch)) continue;
     std::vector<double> near;
     for (int j = std::max(0, i - kNeighbours); j < std::min(size, i + kNeighbours + 1); ++j) {
       near.push_back(1.0 - support[static_cast<size_t>(j)].value());
     }
-    const double usual = Quantile(near, 0.5);
-    if (1.0 - support[static_cast<size_t>(i)].value() < kGlitchSupport * usual) {
+    const double usual_support = Quantile(near, 0.5);
+    if (1.0 - support[static_cast<size_t>(i)].value() < kGlitchSupport * usual_support) {
       is_glitch[second] = true;
     }
   }
@@ -122,71 +206,35 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
 
 std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
                             const SharesOverTime& passages) {
-  std::vector<double> accelerations;
-  std::vector<double> angular;
-  for (const SecondOfMotion& second : motion) {
-    accelerations.push_back(second.acceleration_m_s2);
-    angular.push_back(second.angular_acceleration_rad_s2);
-  }
-  const double usual = Quantile(accelerations, kUsualShare);
-  const double usual_angular = Quantile(angular, kUsualShare);
+  const Kinds usual = Usual(motion);
   std::vector<bool> is_jump;
   for (size_t s = 0; s < motion.size(); ++s) {
     const bool passes = s < passages.size() && passages[s].comparable >= kMinPlaces &&
                         passages[s].value() > kPassages;
     const double times_usual = passes ? kTimesUsualWithPassages : kTimesUsual;
-    is_jump.push_back(motion[s].acceleration_m_s2 >
-                          std::max(kMinAcceleration, times_usual * usual) ||
-                      motion[s].angular_acceleration_rad_s2 >
-                          std::max(kMinAngularAcceleration, times_usual * usual_angular));
+    is_jump.push_back(Exceeds(motion[s], usual, times_usual, kMinJump) ||
+                      Exceeds(motion[s], usual, kFarTimesUsual, kMinFarJump));
   }
   return is_jump;
 }
 
-std::vector<bool> HeightHangsOnTreads(const MapState& state, int64_t start_ns) {
-  std::vector<bool> is_seen;   // by interval: anything
-  std::vector<bool> is_known;  // by interval: a floor or ceiling
-  for (const Observation& observation : state.observations) {
-    if (observation.landmark_id < 0) continue;
-    const double since_s = SecondsBetween(start_ns, observation.middle_time_ns());
-    const auto at = static_cast<size_t>(std::max(0.0, since_s) / kSupportStep);
-    if (at >= is_seen.size()) {
-      is_seen.resize(at + 1, false);
-      is_known.resize(at + 1, false);
-    }
-    is_seen[at] = true;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model != PlaneModel::kHorizontal) continue;
-    const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
-    if (size.minCoeff() > kMaxTread) is_known[at] = true;
-  }
-  std::vector<bool> hangs;
-  for (size_t at = 0; at < is_seen.size(); ++at) {
-    const auto second = static_cast<size_t>(static_cast<double>(at) * kSupportStep);
-    if (second >= hangs.size()) hangs.resize(second + 1, false);
-    if (is_seen[at] && !is_known[at]) hangs[second] = true;
-  }
-  return hangs;
-}
-
-std::vector<bool> FindHeightJumps(const std::vector<SecondOfMotion>& motion,
-                                  const std::vector<bool>& hangs_on_treads) {
-  std::vector<double> accelerations;
-  for (const SecondOfMotion& second : motion) {
-    accelerations.push_back(second.vertical_acceleration_m_s2);
-  }
-  const double limit = std::max(kMinVerticalAcceleration,
-                                kTimesUsualHeight * Quantile(accelerations, kUsualShare));
-  std::vector<bool> is_jump(motion.size(), false);
-  for (size_t s = 0; s < motion.size(); ++s) {
-    // A slip that begins where treads are all may end in the next second, and the reverse.
-    const size_t end = std::min(hangs_on_treads.size(), s + 2);
-    const bool hangs =
-        std::any_of(hangs_on_treads.begin() +
-                        static_cast<std::ptrdiff_t>(std::min(end, s > 0 ? s - 1 : 0)),
-                    hangs_on_treads.begin() + static_cast<std::ptrdiff_t>(end),
-                    [](bool hangs_then) { return hangs_then; });
-    is_jump[s] = hangs && accelerations[s] > limit;
+std::vector<bool> FindUnsupportedJumps(const Rig& rig,
+                                       const MapState& state,
+                                       int64_t start_ns) {
+  const std::vector<SupportedAcceleration> accelerations = SupportedAccelerations(rig, state);
+  std::vector<double> usual;
+  for (const SupportedAcceleration& a : accelerations) usual.push_back(a.usual_information);
+  const double min_information =
+      std::min(Quantile(usual, 0.5) / (kTimesUsualStddev * kTimesUsualStddev),
+               1.0 / (kMinStddev * kMinStddev));
+  std::vector<bool> is_jump;
+  for (const SupportedAcceleration& a : accelerations) {
+    const auto second =
+        static_cast<size_t>(std::max(0.0, SecondsBetween(start_ns, a.time_ns)));
+    if (second >= is_jump.size()) is_jump.resize(second + 1, false);
+    const double times = std::hypot(a.world_m_s2.head<2>().norm() / kMinHorizontal,
+                                    a.world_m_s2.z() / kMinVertical);
+    if (a.information < min_information && times > 1.0) is_jump[second] = true;
   }
   return is_jump;
 }

@@ -1,20 +1,24 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/consistency/evidence.h"
 #include "core/map/map_state.h"
+#include "core/sensor/rig.h"
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
 
-// The largest accelerations of a trajectory in one second, those of its spline at the knots.
+// The largest accelerations of a trajectory in one second, those of its spline at the knots. A
+// rig may turn and walk as it likes; what it is carried by tells how it tilts and rises.
 struct SecondOfMotion {
-  double acceleration_m_s2 = 0.0;
-  double angular_acceleration_rad_s2 = 0.0;
-  double speed_m_s = 0.0;
-  double vertical_acceleration_m_s2 = 0.0;
+  static constexpr size_t kNumKinds = 4;
+  enum Kind : size_t { kHorizontal, kVertical, kYaw, kTilt };
+
+  std::array<double, kNumKinds> accelerations = {};  // m/s^2, m/s^2, rad/s^2, rad/s^2
 };
 
 // One element for each second of the recording that the trajectory covers.
@@ -30,19 +34,18 @@ SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns);
 std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
                                const SharesOverTime& support);
 
-// Seconds in which the rig would have accelerated as no other second shows it, and as hardly
-// any rig does: a pose that jumped.
+// Seconds in which the rig would have accelerated as hardly any other second shows it, by any
+// kind of motion: a pose that jumped, or a jolt, as at a door sill.
 // Where beams pass through what were surfaces at other times in the same second, less does:
 // the pose slipped from one surface to the next one, a step of a stair.
 std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
                             const SharesOverTime& passages);
 
-// Seconds in which, for an interval of kSupportStep at least, no floor or ceiling shows the
-// height of the rig: narrow horizontal planes, as treads, or nothing.
-std::vector<bool> HeightHangsOnTreads(const MapState& state, int64_t start_ns);
-
-// Seconds in which the height jumps while it hangs on treads: one was taken for the next.
-std::vector<bool> FindHeightJumps(const std::vector<SecondOfMotion>& motion,
-                                  const std::vector<bool>& hangs_on_treads);
+// Seconds in which the rig would have accelerated in a direction that no wide surface shows: a
+// pose that slipped along a corridor with somebody who walks there, or from one tread to the
+// next one.
+std::vector<bool> FindUnsupportedJumps(const Rig& rig,
+                                       const MapState& state,
+                                       int64_t start_ns);
 
 }  // namespace plumbline
