@@ -137,7 +137,7 @@ Evidence Collect(const Rig& rig,
   evidence.passages = FindContradictedPassages(sightings);
   evidence.doubled = FindDoubledSurfaces(state, sightings);
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
-  evidence.motion = MotionOverTime(state.trajectory, start_ns);
+  evidence.motion = MotionOverTime(state, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages);
   evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));

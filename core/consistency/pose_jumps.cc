@@ -23,7 +23,7 @@ constexpr Kinds kMinJump = {6.0, 6.0, 20.0, 6.0};
 // A rig that hardly ever rises or tilts jumps with less.
 constexpr double kFarTimesUsual = 6.0;
 constexpr Kinds kMinFarJump = {6.0, 1.0, 20.0, 1.0};
-// At its ends the scans of one side alone determine the spline.
+// At the ends of what is mapped the scans of one side alone determine the spline.
 constexpr int64_t kNumEndKnots = 2;
 // So many times where this share of at least so many places is contradicted as well.
 constexpr double kTimesUsualWithPassages = 2.0;
@@ -81,6 +81,21 @@ bool Exceeds(const SecondOfMotion& second,
   return false;
 }
 
+// The mean angular and linear accelerations over the interval before a knot, rad/s^2 and
+// m/s^2, world frame.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> AccelerationsAt(const Trajectory& trajectory,
+                                                            int64_t knot_ns) {
+  Eigen::Vector3d angular_before;
+  Eigen::Vector3d linear_before;
+  Eigen::Vector3d angular;
+  Eigen::Vector3d linear;
+  trajectory.Velocity(
+      knot_ns - trajectory.knot_interval_ns(), &angular_before, &linear_before);
+  trajectory.Velocity(knot_ns, &angular, &linear);
+  return {(angular - angular_before) / trajectory.knot_interval_s(),
+          (linear - linear_before) / trajectory.knot_interval_s()};
+}
+
 bool IsWide(const Landmark& landmark) {
   const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
   return (landmark.model == PlaneModel::kHorizontal ? size.minCoeff() : size.x()) > kMaxNarrow;
@@ -103,20 +118,13 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
   SharedPoses poses(rig, state.trajectory);
   const Trajectory& trajectory = state.trajectory;
   const int64_t step_ns = trajectory.knot_interval_ns();
-  const auto velocity_at = [&trajectory](int64_t at_ns) {
-    Eigen::Vector3d angular;
-    Eigen::Vector3d linear;
-    trajectory.Velocity(at_ns, &angular, &linear);
-    return linear;
-  };
   std::vector<SupportedAcceleration> accelerations;
   size_t next = 0;  // the observations are in the order of time
   for (int64_t at_ns = trajectory.start_ns() + step_ns; at_ns < trajectory.end_ns();
        at_ns += step_ns) {
     SupportedAcceleration a;
     a.time_ns = at_ns;
-    a.world_m_s2 =
-        (velocity_at(at_ns) - velocity_at(at_ns - step_ns)) / trajectory.knot_interval_s();
+    a.world_m_s2 = AccelerationsAt(trajectory, at_ns).second;
     const Eigen::Vector3d direction = a.world_m_s2.normalized();
     const size_t first = next;
     for (; next < state.observations.size(); ++next) {
@@ -132,36 +140,31 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       a.information += along * along * information;
       a.usual_information += information / 3.0;
     }
-    if (next > first) accelerations.push_back(a);
+    if (next > first && state.IsMapped(at_ns)) accelerations.push_back(a);
   }
   return accelerations;
 }
 
 }  // namespace
 
-std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t start_ns) {
+std::vector<SecondOfMotion> MotionOverTime(const MapState& state, int64_t start_ns) {
+  const Trajectory& trajectory = state.trajectory;
   std::vector<SecondOfMotion> seconds;
   const int64_t step_ns = trajectory.knot_interval_ns();
-  const double step_s = trajectory.knot_interval_s();
-  Eigen::Vector3d angular;
-  Eigen::Vector3d linear;
-  const int64_t first_ns = trajectory.start_ns() + kNumEndKnots * step_ns;
-  trajectory.Velocity(std::min(first_ns, trajectory.end_ns() - 1), &angular, &linear);
-  for (int64_t at_ns = first_ns + step_ns;
-       at_ns < trajectory.end_ns() - kNumEndKnots * step_ns;
+  for (int64_t at_ns = trajectory.start_ns() + step_ns; at_ns < trajectory.end_ns();
        at_ns += step_ns) {
-    const Eigen::Vector3d previous_angular = angular;
-    const Eigen::Vector3d previous_linear = linear;
-    trajectory.Velocity(at_ns, &angular, &linear);
-    const Eigen::Vector3d turning = (angular - previous_angular) / step_s;
-    const Eigen::Vector3d moving = (linear - previous_linear) / step_s;
+    const double since_s = SecondsBetween(start_ns, at_ns);
+    const auto second = static_cast<size_t>(std::max(0.0, std::floor(since_s)));
+    if (second >= seconds.size()) seconds.resize(second + 1);
+    if (!state.IsMapped(at_ns - kNumEndKnots * step_ns - step_ns) ||
+        !state.IsMapped(at_ns + kNumEndKnots * step_ns)) {
+      continue;
+    }
+    const auto [turning, moving] = AccelerationsAt(trajectory, at_ns);
     const Kinds now = {moving.head<2>().norm(),
                        std::abs(moving.z()),
                        std::abs(turning.z()),
                        turning.head<2>().norm()};
-    const double since_s = SecondsBetween(start_ns, at_ns);
-    const auto second = static_cast<size_t>(std::max(0.0, std::floor(since_s)));
-    if (second >= seconds.size()) seconds.resize(second + 1);
     for (size_t k = 0; k < now.size(); ++k) {
       seconds[second].accelerations[k] = std::max(seconds[second].accelerations[k], now[k]);
     }

@@ -8,7 +8,6 @@
 #include "core/consistency/evidence.h"
 #include "core/map/map_state.h"
 #include "core/sensor/rig.h"
-#include "core/trajectory/trajectory.h"
 
 namespace plumbline {
 
@@ -21,8 +20,9 @@ struct SecondOfMotion {
   std::array<double, kNumKinds> accelerations = {};  // m/s^2, m/s^2, rad/s^2, rad/s^2
 };
 
-// One element for each second of the recording that the trajectory covers.
-std::vector<SecondOfMotion> MotionOverTime(const Trajectory& trajectory, int64_t start_ns);
+// One element for each second of the recording that the trajectory covers. Where nothing is
+// mapped, and just before and after, there are no accelerations.
+std::vector<SecondOfMotion> MotionOverTime(const MapState& state, int64_t start_ns);
 
 // Points of segments without a plane, of all points of segments, by intervals of kSupportStep.
 inline constexpr double kSupportStep = 0.125;  // s

@@ -1,9 +1,12 @@
 #include "core/joining/part_matching.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace plumbline {
@@ -46,12 +49,22 @@ class SpotGrid {
     return best;
   }
 
-  bool IsNear(const Eigen::Vector2d& p, double distance) const {
-    bool near = false;
-    ForNear(p, [&](const WallSpot& other) {
-      near = near || (other.position - p).squaredNorm() < distance * distance;
-    });
-    return near;
+  // Calls visit(spot) for the walls that a way leads through: it begins and ends well off
+  // them, on different sides. Beams along a wall come near it all the way.
+  template <typename Visit>
+  void ForWallsOn(const FreeBeam& way, double spacing_m, const Visit& visit) const {
+    const double distance = 0.6 * spacing_m;
+    const Eigen::Vector2d along = way.to - way.from;
+    const double length_m = along.norm();
+    for (double at = 0.0; at < length_m; at += 0.5 * spacing_m) {
+      const Eigen::Vector2d p = way.from + along * (at / length_m);
+      ForNear(p, [&](const WallSpot& wall) {
+        if ((wall.position - p).squaredNorm() > distance * distance) return;
+        const double from = wall.normal.dot(way.from - wall.position);
+        const double to = wall.normal.dot(way.to - wall.position);
+        if (from * to < 0.0 && std::min(std::abs(from), std::abs(to)) > distance) visit(wall);
+      });
+    }
   }
 
  private:
@@ -187,19 +200,50 @@ std::pair<int, int> CountRefuted(const SpotGrid& grid,
                                  const std::vector<FreeBeam>& beams,
                                  const PartPose& pose,
                                  double spacing_m) {
+  constexpr size_t kStride = 5;  // a fifth of the beams tells as well
   int refuted = 0;
+  int all = 0;
   const Eigen::Matrix2d rotation = Rotation(pose.yaw_rad);
-  for (const FreeBeam& beam : beams) {
-    const Eigen::Vector2d from = rotation * beam.from + pose.translation;
-    const Eigen::Vector2d way = rotation * (beam.to - beam.from);
-    const double free_m = way.norm() - 2.0 * spacing_m;  // its end lies on a wall
-    for (double at = 0.0; at < free_m; at += 0.5 * spacing_m) {
-      if (!grid.IsNear(from + way.normalized() * at, 0.6 * spacing_m)) continue;
-      ++refuted;
-      break;
-    }
+  for (size_t i = 0; i < beams.size(); i += kStride) {
+    const FreeBeam moved = {rotation * beams[i].from + pose.translation,
+                            rotation * beams[i].to + pose.translation};
+    bool through = false;
+    grid.ForWallsOn(moved, spacing_m, [&through](const WallSpot&) { through = true; });
+    if (through) ++refuted;
+    ++all;
   }
-  return {refuted, static_cast<int>(beams.size())};
+  return {refuted, all};
+}
+
+// The spots that hardly one of the beams passes through. A segment may lead on across a door.
+std::vector<WallSpot> SolidSpots(const std::vector<WallSpot>& spots,
+                                 const std::vector<FreeBeam>& beams,
+                                 double spacing_m) {
+  constexpr int kFew = 2;  // one beam may be wrong
+  const SpotGrid grid(spots, 2.0 * spacing_m);
+  std::map<const WallSpot*, int> num_through;
+  for (const FreeBeam& beam : beams) {
+    std::set<const WallSpot*> through;
+    grid.ForWallsOn(beam, spacing_m, [&](const WallSpot& wall) { through.insert(&wall); });
+    for (const WallSpot* wall : through) ++num_through[wall];
+  }
+  std::vector<WallSpot> solid;
+  for (const WallSpot& spot : spots) {
+    const auto found = num_through.find(&spot);
+    if (found == num_through.end() || found->second < kFew) solid.push_back(spot);
+  }
+  return solid;
+}
+
+// The share of a part's beams that pass through its own walls, after every other beam has
+// taken away those that are none: what is to be expected of beams that belong to the place.
+double OwnRefutedShare(const PartView& view, double spacing_m) {
+  std::vector<FreeBeam> halves[2];
+  for (size_t i = 0; i < view.beams.size(); ++i) halves[i % 2].push_back(view.beams[i]);
+  const std::vector<WallSpot> solid = SolidSpots(view.spots, halves[0], spacing_m);
+  const auto [refuted, all] =
+      CountRefuted(SpotGrid(solid, 2.0 * spacing_m), halves[1], PartPose(), spacing_m);
+  return static_cast<double>(refuted) / std::max(1, all);
 }
 
 struct Overlap {
@@ -241,9 +285,18 @@ bool AreOne(const PartPose& a, const PartPose& b, const Eigen::Vector2d& centre)
 
 }  // namespace
 
-PartMatch MatchParts(const PartView& a,
-                     const PartView& b,
-                     const PartMatchingOptions& options) {
+PartMatch MatchParts(const PartView& view_a,
+                     const PartView& view_b,
+                     const PartMatchingOptions& options,
+                     const std::function<bool(const PartPose&)>& is_possible) {
+  const PartView a = {SolidSpots(view_a.spots, view_a.beams, options.spacing_m), view_a.beams};
+  const PartView b = {SolidSpots(view_b.spots, view_b.beams, options.spacing_m), view_b.beams};
+  // Among furniture, part of which is seen from here and part from there, beams pass through
+  // walls of their own part as well, and through twice as many of one seen from other places.
+  const double own_a = OwnRefutedShare(view_a, options.spacing_m);
+  const double own_b = OwnRefutedShare(view_b, options.spacing_m);
+  const double max_refuted_share = options.max_refuted_share + 2.0 * std::max(own_a, own_b);
+  VLOG(1) << "of their own beams " << own_a << " and " << own_b << " pass through walls";
   if (a.spots.empty() || b.spots.empty()) return {std::nullopt, "a part shows no wall"};
   const SpotGrid of_a(a.spots, 2.0 * options.spacing_m);
   const SpotGrid of_b(b.spots, 2.0 * options.spacing_m);
@@ -255,6 +308,7 @@ PartMatch MatchParts(const PartView& a,
   for (const double yaw : CandidateYaws(a, b)) {
     for (PartPose pose : CandidateShifts(a, b, yaw, 1.5 * options.spacing_m)) {
       Refine(of_a, b, options.spacing_m, options.max_distance_m, &pose);
+      if (is_possible && !is_possible(pose)) continue;
       const Overlap overlap = OverlapAt(of_a, b, pose, options);
       pose.length_m = overlap.length_m;
       candidates.emplace_back(pose, overlap);
@@ -263,6 +317,8 @@ PartMatch MatchParts(const PartView& a,
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& x, const auto& y) {
     return x.first.length_m > y.first.length_m;
   });
+  if (candidates.empty())
+    return {std::nullopt, "no walls match where the rig can have come to"};
   std::vector<std::pair<PartPose, Overlap>> kept;  // at most two poses that nothing refutes
   for (auto& [pose, overlap] : candidates) {
     if (!kept.empty() && AreOne(kept.front().first, pose, centre)) continue;
@@ -270,7 +326,12 @@ PartMatch MatchParts(const PartView& a,
     const auto through_b = CountRefuted(of_b, a.beams, Inverse(pose), options.spacing_m);
     pose.refuted_share = static_cast<double>(through_a.first + through_b.first) /
                          std::max(1, through_a.second + through_b.second);
-    if (pose.refuted_share > options.max_refuted_share) continue;
+    VLOG(1) << "candidate: yaw " << pose.yaw_rad * 180.0 / M_PI << " deg, "
+            << pose.translation.transpose() << " m, matches " << overlap.length_m << " m ("
+            << overlap.weaker_length_m << " m the other way) of " << overlap.num_surfaces
+            << " surfaces, " << through_a.first << " of " << through_a.second << " and "
+            << through_b.first << " of " << through_b.second << " beams refute it";
+    if (pose.refuted_share > max_refuted_share) continue;
     kept.emplace_back(pose, overlap);
     if (kept.size() == 2) break;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ struct PartMatchingOptions {
   double max_distance_m = 0.1;      // between spots of one wall, across it
   double min_length_m = 8.0;        // of walls that match, in all
   int min_surfaces = 5;             // that match: a rectangular room has four
-  double max_refuted_share = 0.05;  // of the beams that could be compared
+  double max_refuted_share = 0.05;  // of the beams, and twice what their own part refutes
   double max_second_share = 0.75;   // of the best candidate's length that another may reach
 };
 
@@ -51,6 +52,10 @@ struct PartMatch {
 // Finds the pose of part b in the frame of part a without an initial one. There is none where
 // the walls that match are few, leave a direction open or are those of one rectangular room,
 // or where another pose matches nearly as well: better two parts than a wrong map.
-PartMatch MatchParts(const PartView& a, const PartView& b, const PartMatchingOptions& options);
+// is_possible, if given: what else is known of the pose; others do not count.
+PartMatch MatchParts(const PartView& a,
+                     const PartView& b,
+                     const PartMatchingOptions& options,
+                     const std::function<bool(const PartPose&)>& is_possible = {});
 
 }  // namespace plumbline

@@ -181,6 +181,13 @@ void BinaryArchive::operator()(PoseConstraint& constraint) {
   (*this)(offset);
 }
 
+void BinaryArchive::operator()(MapGap& gap) {
+  auto& [start_ns, end_ns, reason] = gap;
+  (*this)(start_ns);
+  (*this)(end_ns);
+  (*this)(reason);
+}
+
 void BinaryArchive::operator()(MapState& state) {
   auto& [trajectory,
          landmarks,
@@ -188,7 +195,8 @@ void BinaryArchive::operator()(MapState& state) {
          origin_time_ns,
          sub_minimum_segments,
          moving_beams,
-         pose_constraints] = state;
+         pose_constraints,
+         gaps] = state;
   trajectory.VisitMembers(*this);
   (*this)(landmarks);
   (*this)(observations);
@@ -196,6 +204,7 @@ void BinaryArchive::operator()(MapState& state) {
   (*this)(sub_minimum_segments);
   (*this)(moving_beams);
   (*this)(pose_constraints);
+  (*this)(gaps);
 }
 
 }  // namespace plumbline

@@ -17,9 +17,9 @@
 
 namespace plumbline {
 
-// A file that values are written to, or read from in the same order. A value visited is written
-// or replaced, bit by bit: the file is for the same program on the same kind of machine. It ends
-// with a checksum, so that what is read is what was written, or nothing.
+// A file that values are written to, or read from in the same order. A value visited is
+// written or replaced, bit by bit: the file is for the same program on the same kind of
+// machine. It ends with a checksum, so that what is read is what was written, or nothing.
 class BinaryArchive {
  public:
   enum class Mode { kWrite, kRead };
@@ -79,6 +79,7 @@ class BinaryArchive {
   void operator()(Landmark& landmark);
   void operator()(MovingBeams& beams);
   void operator()(PoseConstraint& constraint);
+  void operator()(MapGap& gap);
   void operator()(MapState& state);
 
  private:

@@ -16,6 +16,13 @@ void Empty(Landmark* landmark) {
 
 }  // namespace
 
+bool MapState::IsMapped(int64_t time_ns) const {
+  if (time_ns < trajectory.start_ns() || time_ns >= trajectory.end_ns()) return false;
+  return std::none_of(gaps.begin(), gaps.end(), [time_ns](const MapGap& gap) {
+    return time_ns >= gap.start_ns && time_ns < gap.end_ns;
+  });
+}
+
 void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state) {

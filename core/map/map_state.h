@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "core/map/landmark.h"
@@ -13,6 +14,14 @@
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
+
+// A stretch of time within the trajectory in which nothing was mapped: what the trajectory
+// says there is a guess.
+struct MapGap {
+  int64_t start_ns = 0;
+  int64_t end_ns = 0;  // exclusive
+  std::string reason;  // in words
+};
 
 // Everything the mapper estimates, in one place; tracker, window and batch work on it.
 struct MapState {
@@ -28,6 +37,10 @@ struct MapState {
   std::deque<MovingBeams> moving_beams = {};
   // What the points on no plane say of the poses, by time.
   std::deque<PoseConstraint> pose_constraints = {};
+  std::vector<MapGap> gaps = {};  // by time
+
+  // Whether the trajectory covers the instant, and it lies in no gap.
+  bool IsMapped(int64_t time_ns) const;
 };
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/local_map/scan_matching.h"
 #include "core/mapping/scan_follower.h"
@@ -24,7 +25,9 @@ class HypothesisFollower {
                      double scan_period_s);
 
   // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
-  bool Start(const Scan& scan) { return follower_->Start(scan); }
+  bool Start(const Scan& scan, std::optional<int64_t> knot_ns = {}) {
+    return follower_->Start(scan, knot_ns);
+  }
   void Follow(const Scan& scan);
 
   // The hypothesis that goes on; while there are two, the one that believes what is in view.

@@ -130,6 +130,11 @@ Summary Summarise(const RecordingReader& recording,
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
   summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
   summary.reference_plane_id = 0;
+  for (const MapGap& gap : result.state.gaps) {
+    summary.gaps.push_back({SecondsBetween(recording.start_ns(), gap.start_ns),
+                            SecondsBetween(recording.start_ns(), gap.end_ns),
+                            gap.reason});
+  }
   for (const auto* warnings : {&recording.warnings(), &result.warnings, &points.warnings}) {
     summary.warnings.insert(summary.warnings.end(), warnings->begin(), warnings->end());
   }

@@ -16,6 +16,7 @@
 #include "core/association/plane_merging.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/hypothesis_follower.h"
+#include "core/mapping/part_joining.h"
 #include "core/mapping/scan_follower.h"
 #include "core/sensor/scan_reader.h"
 #include "core/tracking/tracker.h"
@@ -89,8 +90,12 @@ class RecordingFollower {
     auto follower = std::make_unique<HypothesisFollower>(
         rig_, planar_, options_, recording_->scan_period_s());
     bool started = false;
+    std::optional<int64_t> knot_ns;
+    if (!parts_.empty()) {
+      knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();
+    }
     try {
-      started = follower->Start(scan);
+      started = follower->Start(scan, knot_ns);
     } catch (const Error& error) {
       lost_ = error.what();  // the scan shows the frame, but does not determine the pose
     }
@@ -208,6 +213,13 @@ MapResult EstimatePart(const Rig& rig,
       throw Error(FailureInWords(error.what(), result.state));
     }
   }
+  for (const MapGap& gap : result.state.gaps) {
+    result.warnings.push_back(
+        "nothing is mapped from " +
+        FormatSeconds(SecondsBetween(recording->start_ns(), gap.start_ns)) + " to " +
+        FormatSeconds(SecondsBetween(recording->start_ns(), gap.end_ns)) + " (" + gap.reason +
+        "); what follows has its place by the surfaces that both show");
+  }
   if (!result.ended_by.empty()) {
     result.warnings.push_back("the map ends " + FormatSeconds(result.end_s) +
                               " into the recording: " + result.ended_by);
@@ -299,6 +311,32 @@ std::vector<MapResult> EstimateParts(const Rig& rig,
   return results;
 }
 
+// The maps of the recording's parts, joined where they match. Where the scans contradict what
+// was joined, the parts stay apart.
+std::vector<MapResult> EstimateJoined(const Rig& rig,
+                                      bool planar,
+                                      const MapperOptions& options,
+                                      const ProgressCallback& progress,
+                                      RecordingReader* recording,
+                                      FollowedRecording* followed) {
+  const bool may_join = followed->parts.size() > 1 && !options.window.keep_estimates;
+  if (may_join) {
+    FollowedRecording joined = *followed;
+    JoinParts(rig, planar, &joined);
+    if (joined.parts.size() < followed->parts.size()) {
+      const size_t num_parts = joined.parts.size();
+      try {
+        std::vector<MapResult> results =
+            EstimateParts(rig, planar, options, progress, recording, &joined.parts);
+        if (results.size() == num_parts) return results;
+      } catch (const Error& error) {
+        LOG(WARNING) << "the parts are not joined: " << error.what();
+      }
+    }
+  }
+  return EstimateParts(rig, planar, options, progress, recording, &followed->parts);
+}
+
 }  // namespace
 
 size_t LongestPart(const std::vector<MapResult>& parts) {
@@ -333,7 +371,7 @@ std::vector<MapResult> MapRecording(const Rig& rig,
     KeepCheckpoint(checkpoint, &followed);
   }
   std::vector<MapResult> results =
-      EstimateParts(rig, planar, options, progress, recording, &followed.parts);
+      EstimateJoined(rig, planar, options, progress, recording, &followed);
   MapResult& main = results[LongestPart(results)];
   if (followed.num_skipped > 0) {
     main.warnings.push_back("the first " + std::to_string(followed.num_skipped) +

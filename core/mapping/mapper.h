@@ -51,6 +51,7 @@ struct CheckpointFiles {
 //
 // Where the rig is lost, or no scan comes for longer than the motion can be followed across,
 // the map ends, and another part with a model frame of its own starts where the scans allow.
+// Parts whose surfaces match are joined to one map (core/mapping/part_joining.h).
 // Returns the parts in the order of time, at least one. stop, if given, is asked at every
 // scan: once it says true, the recording is not followed any farther. Throws Error when there
 // is no part.

@@ -134,7 +134,6 @@ class LinePlacer {
 
   LineCount PlaceBeams(const ScanLine& scan_line, PointBuffer* points) {
     const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-    const int64_t map_start_ns = state_.trajectory.start_ns();
     const int64_t map_end_ns = state_.trajectory.end_ns();
     int64_t span_end_ns = std::numeric_limits<int64_t>::min();
     std::optional<ScanMotion> motion;
@@ -148,7 +147,7 @@ class LinePlacer {
       if (!scanner.IsValidRange(range)) continue;
       ++count.num_points;
       const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-      if (time_ns < map_start_ns || time_ns >= map_end_ns) continue;
+      if (!state_.IsMapped(time_ns)) continue;
       if (time_ns > span_end_ns) {
         const int last = scan_line.num_beams() - 1;
         span_end_ns = std::min({BeamInstant(scan_line, last, rig_),

@@ -106,7 +106,7 @@ std::vector<Observation> ScanFollower::Observe(const Scan& scan) {
   return observations;
 }
 
-bool ScanFollower::Start(const Scan& scan) {
+bool ScanFollower::Start(const Scan& scan, std::optional<int64_t> knot_ns) {
   std::vector<Observation> observations = Observe(scan);
   const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
   if (!frame) return false;
@@ -117,9 +117,11 @@ bool ScanFollower::Start(const Scan& scan) {
   for (const Scanner& scanner : rig_.scanners) {
     earliest_s = std::min(earliest_s, 2.0 * scanner.time_offset_s);
   }
-  Trajectory trajectory(scan.start_ns + NanosecondsFromSeconds(earliest_s),
-                        NanosecondsFromSeconds(interval_s),
-                        {frame->world_from_body, Eigen::Vector3d::Zero()});
+  const int64_t interval_ns = NanosecondsFromSeconds(interval_s);
+  int64_t start_ns = scan.start_ns + NanosecondsFromSeconds(earliest_s);
+  if (knot_ns) start_ns -= (start_ns - *knot_ns) % interval_ns;
+  Trajectory trajectory(
+      start_ns, interval_ns, {frame->world_from_body, Eigen::Vector3d::Zero()});
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, &motion_prior_, state_.get());

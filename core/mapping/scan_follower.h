@@ -60,8 +60,10 @@ class ScanFollower {
   // Follows in the usual way again.
   void EndBridging();
 
-  // Starts the map with this scan; false when the scan does not show the model frame.
-  bool Start(const Scan& scan);
+  // Starts the map with this scan; false when the scan does not show the model frame. knot_ns,
+  // if given: an earlier instant that its knots shall fall together with, so that parts of one
+  // recording can be joined.
+  bool Start(const Scan& scan, std::optional<int64_t> knot_ns = {});
   // Follows the rig through the next scan. Throws LostTrack when the pose is lost: nothing may
   // follow but EndAtLastKnown().
   void Follow(const Scan& scan);

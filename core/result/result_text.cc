@@ -241,6 +241,10 @@ std::string FormatSummary(const Summary& summary) {
   json["motion_found"] = object(summary.motion_found);
   json["reference_plane_id"] = summary.reference_plane_id;
   json["consistency"] = ConsistencyJson(summary.consistency);
+  for (const UnmappedInterval& gap : summary.gaps) {
+    json["gaps"].push_back(
+        {{"start_s", gap.start_s}, {"end_s", gap.end_s}, {"reason", gap.reason}});
+  }
   if (!summary.parts.empty()) json["parts"] = nlohmann::ordered_json::array();
   for (const PartSummary& part : summary.parts) {
     json["parts"].push_back({{"folder", part.folder},

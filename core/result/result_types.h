@@ -75,6 +75,13 @@ struct DegenerateInterval {
   double stddev_m = 0.0;  // along it, from one second's measurements alone
 };
 
+// A stretch of the recording, within a map, in which nothing was mapped, and why, in words.
+struct UnmappedInterval {
+  double start_s = 0.0;  // since the recording's start
+  double end_s = 0.0;
+  std::string reason;
+};
+
 // Consistency is the judgement on a finished map (core/consistency/consistency.h).
 struct Consistency {
   Verdict verdict = Verdict::kConsistent;
@@ -148,7 +155,8 @@ struct Summary {
   std::vector<std::pair<std::string, double>> motion_found;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   Consistency consistency;
-  std::vector<PartSummary> parts;  // in the order of time; empty where there is one only
+  std::vector<UnmappedInterval> gaps;  // between parts that were joined, in the order of time
+  std::vector<PartSummary> parts;      // in the order of time; empty where there is one only
   std::vector<std::string> warnings;
 };
 

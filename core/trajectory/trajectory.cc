@@ -122,6 +122,36 @@ void Trajectory::ExtendTo(int64_t time_ns) {
   }
 }
 
+void Trajectory::Move(const Rigid3d& to_from) {
+  for (ControlPoint& control_point : control_points_) {
+    const Rigid3d from_body(Eigen::Quaterniond(control_point.rotation.data()),
+                            Eigen::Vector3d(control_point.position.data()));
+    const Rigid3d to_body = to_from * from_body;
+    control_point = ControlPointAt(to_body.rotation, to_body.translation);
+  }
+}
+
+void Trajectory::Append(const Trajectory& later) {
+  CHECK_EQ(later.knot_interval_ns_, knot_interval_ns_);
+  CHECK_GT(later.start_ns_, start_ns_);
+  CHECK_EQ((later.start_ns_ - start_ns_) % knot_interval_ns_, 0);
+  const auto first = static_cast<size_t>((later.start_ns_ - start_ns_) / knot_interval_ns_);
+  if (control_points_.size() > first) control_points_.resize(first);
+  const size_t last = control_points_.size() - 1;
+  const Eigen::Quaterniond from_rotation(control_points_[last].rotation.data());
+  const Eigen::Quaterniond to_rotation(later.control_points_[0].rotation.data());
+  const Eigen::Vector3d from_position(control_points_[last].position.data());
+  const Eigen::Vector3d to_position(later.control_points_[0].position.data());
+  for (size_t i = last + 1; i < first; ++i) {
+    const double share = static_cast<double>(i - last) / static_cast<double>(first - last);
+    control_points_.push_back(
+        ControlPointAt(from_rotation.slerp(share, to_rotation),
+                       from_position + share * (to_position - from_position)));
+  }
+  control_points_.insert(
+      control_points_.end(), later.control_points_.begin(), later.control_points_.end());
+}
+
 void Trajectory::ShrinkTo(int64_t time_ns) {
   control_points_.resize(static_cast<size_t>(Locate(time_ns).first + kSplineOrder));
 }

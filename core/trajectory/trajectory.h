@@ -57,6 +57,13 @@ class Trajectory {
   // Removes the control points that no pose up to this instant, inclusive, depends on.
   void ShrinkTo(int64_t time_ns);
 
+  // Takes the trajectory to another world frame.
+  void Move(const Rigid3d& to_from);
+  // Goes on with a later trajectory of the same world frame and knots: between the two the
+  // control points lie evenly from the last one of this to the first one of the other. Where
+  // both have some, the later one's stay.
+  void Append(const Trajectory& later);
+
   // Calls visit(member) for each: to keep them in a file and take them back.
   template <typename Visit>
   void VisitMembers(Visit& visit) {

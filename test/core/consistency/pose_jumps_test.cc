@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "test/core/consistency/hand_made_map.h"
 
 namespace plumbline {
 namespace {
+
+MapState AsMap(Trajectory trajectory) { return {std::move(trajectory), {}, {}, 0, {}}; }
 
 Trajectory WalkAlongX(double speed_m_s) {
   Trajectory trajectory(0, 125'000'000, Rigid3d());
@@ -20,7 +23,7 @@ Trajectory WalkAlongX(double speed_m_s) {
 }
 
 TEST(PoseJumpsTest, AWalkHasNone) {
-  const std::vector<SecondOfMotion> motion = MotionOverTime(WalkAlongX(1.0), 0);
+  const std::vector<SecondOfMotion> motion = MotionOverTime(AsMap(WalkAlongX(1.0)), 0);
   ASSERT_GE(motion.size(), 20u);
   for (const double acceleration : motion[5].accelerations) {
     EXPECT_NEAR(acceleration, 0.0, 1e-9);
@@ -34,7 +37,7 @@ TEST(PoseJumpsTest, FindsAShiftOfHalfAMetre) {
   for (int i = half; i < trajectory.num_control_points(); ++i) {
     trajectory.control_point(i).position[1] += 0.5;
   }
-  const std::vector<bool> jumps = FindJumps(MotionOverTime(trajectory, 0), {});
+  const std::vector<bool> jumps = FindJumps(MotionOverTime(AsMap(trajectory), 0), {});
   const int num_jumps = static_cast<int>(std::count(jumps.begin(), jumps.end(), true));
   EXPECT_GE(num_jumps, 1);
   EXPECT_LE(num_jumps, 2);
@@ -47,7 +50,7 @@ TEST(PoseJumpsTest, ARigThatShakesAllTheTimeDoesNotJump) {
   for (int i = 0; i < trajectory.num_control_points(); ++i) {
     trajectory.control_point(i).position[1] += i % 2 == 0 ? 0.1 : -0.1;
   }
-  for (const bool is_jump : FindJumps(MotionOverTime(trajectory, 0), {}))
+  for (const bool is_jump : FindJumps(MotionOverTime(AsMap(trajectory), 0), {}))
     EXPECT_FALSE(is_jump);
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -126,11 +127,58 @@ TEST(MatchPartsTest, BeamsThroughWallsRefuteAPose) {
   PartView a = OddRoom({0.0, 0.0});
   PartView b = a;
   // Part b saw through where part a has a wall.
+  b.spots.erase(std::remove_if(b.spots.begin(),
+                               b.spots.end(),
+                               [](const WallSpot& spot) { return spot.position.x() > 6.9; }),
+                b.spots.end());
   b.beams.clear();
   for (double y = 0.5; y < 3.0; y += 0.2)
     b.beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
   a.beams.clear();
   EXPECT_FALSE(MatchParts(a, InFrame(b, 0.6, {3.0, 4.0}), PartMatchingOptions()).pose);
+}
+
+// Of the beams along a wall none passes through it.
+TEST(MatchPartsTest, BeamsAlongAWallRefuteNothing) {
+  PartView a = OddRoom({0.0, 0.0});
+  for (double x = 0.5; x < 6.5; x += 0.05) {
+    a.beams.push_back({Vector2d(0.4, 0.05), Vector2d(x, 0.01)});
+    a.beams.push_back({Vector2d(0.4, 0.5), Vector2d(x, 0.0)});
+  }
+  EXPECT_TRUE(MatchParts(a, InFrame(a, 0.6, {3.0, 4.0}), PartMatchingOptions()).pose);
+}
+
+// A segment that leads on across a door makes a wall of it, through which other beams of the
+// same part pass.
+TEST(MatchPartsTest, WallsThatTheirOwnBeamsPassThroughAreNone) {
+  PartView a = OddRoom({0.0, 0.0});
+  PartView b = a;
+  b.spots.erase(std::remove_if(b.spots.begin(),
+                               b.spots.end(),
+                               [](const WallSpot& spot) {
+                                 return spot.position.x() > 6.9 && spot.position.y() > 1.0 &&
+                                        spot.position.y() < 2.0;
+                               }),
+                b.spots.end());
+  for (double y = 1.1; y < 1.9; y += 0.01) {
+    for (PartView* view : {&a, &b}) {
+      view->beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
+    }
+  }
+  EXPECT_TRUE(MatchParts(a, InFrame(b, 0.6, {3.0, 4.0}), PartMatchingOptions()).pose);
+}
+
+TEST(MatchPartsTest, OnlyPossiblePosesCount) {
+  const PartView a = OddRoom({0.0, 0.0});
+  const PartView b = InFrame(a, 0.6, {3.0, 4.0});
+  const auto match = [&](double max_shift_m) {
+    return MatchParts(a, b, PartMatchingOptions(), [max_shift_m](const PartPose& pose) {
+      return pose.translation.norm() < max_shift_m;
+    });
+  };
+  EXPECT_TRUE(match(10.0).pose);
+  EXPECT_FALSE(match(1.0).pose);
+  EXPECT_FALSE(match(1.0).reason.empty());
 }
 
 TEST(MatchPartsTest, APartWithoutWallsIsRefused) {

@@ -119,5 +119,48 @@ TEST(TrajectoryTest, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
+TEST(TrajectoryTest, MovesToAnotherWorld) {
+  Trajectory trajectory = MakeSteady({0.1, 0.05, -0.02}, {0.05, 0.1, -0.2});
+  const int64_t time_ns = kStart + kInterval / 3;
+  const Rigid3d before = trajectory.WorldFromBody(time_ns);
+  const Rigid3d to_from(RotationFromRollPitchYaw(0.0, 0.0, 1.2), {3.0, -4.0, 0.7});
+  trajectory.Move(to_from);
+  const Rigid3d difference = trajectory.WorldFromBody(time_ns) * (to_from * before).Inverse();
+  EXPECT_LT(difference.translation.norm(), 1e-12);
+  EXPECT_LT(difference.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-7);
+}
+
+// Two trajectories of one steady motion and with the same knots, ten intervals apart.
+TEST(TrajectoryTest, GoesOnWithALaterOneAcrossAGap) {
+  const Eigen::Vector3d step(0.1, 0.05, -0.02);
+  Trajectory trajectory = MakeSteady(step, {0.0, 0.0, 1e-9});
+  Trajectory whole = trajectory;
+  whole.ExtendTo(kStart + 13 * kInterval);
+  Trajectory later(kStart + 10 * kInterval, kInterval, StartPose());
+  for (int i = 0; i < 4; ++i) later.control_point(i) = whole.control_point(10 + i);
+  trajectory.Append(later);
+  EXPECT_EQ(trajectory.end_ns(), later.end_ns());
+  ASSERT_EQ(trajectory.num_control_points(), 14);
+  for (int i = 0; i < 14; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(trajectory.control_point(i).position[static_cast<size_t>(k)],
+                  whole.control_point(i).position[static_cast<size_t>(k)],
+                  1e-9);
+    }
+  }
+}
+
+// Where both have control points, the later one's stay.
+TEST(TrajectoryTest, GoesOnWithALaterOneThatOverlaps) {
+  Trajectory trajectory(kStart, kInterval, StartPose());
+  trajectory.ExtendTo(kStart + 5 * kInterval);
+  const Rigid3d elsewhere(Eigen::Quaterniond::Identity(), {7.0, 8.0, 9.0});
+  const Trajectory later(kStart + 6 * kInterval, kInterval, elsewhere);
+  trajectory.Append(later);
+  EXPECT_EQ(trajectory.end_ns(), later.end_ns());
+  EXPECT_NEAR(trajectory.control_point(5).position[0], StartPose().translation.x(), 1e-12);
+  EXPECT_NEAR(trajectory.control_point(6).position[0], 7.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace plumbline

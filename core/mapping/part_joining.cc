@@ -1,0 +1,247 @@
+#include "core/mapping/part_joining.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/association/plane_merging.h"
+#include "core/geometry/rigid3.h"
+#include "core/map/observation_poses.h"
+#include "core/mapping/part_poses.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+// The motion before a gap foretells for so long where the rig comes to, to so much. Surfaces
+// that match do not tell a place from another one that looks like it.
+constexpr double kMaxForeseen = 3.5;   // s
+constexpr double kMaxDeviation = 2.0;  // m
+// Heights within this are one; so much of what both parts saw has to agree on it.
+constexpr double kSameHeight = 0.05;      // m
+constexpr double kMinAgreement = 0.7;     // share of the segments on floors and ceilings
+constexpr int kMinSegmentsOnFloors = 20;  // that both parts saw
+// Surfaces of two parts are one where they lie so near to each other, as poses that were
+// matched from above are known.
+constexpr double kMaxDistance = 0.15;   // m
+constexpr double kMinCosine = 0.996;    // of the normals, 5 degrees
+constexpr double kMaxGapBetween = 0.5;  // m, along them
+
+Rigid3d ToFrame(const PartPose& pose, double height_m) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ())),
+          {pose.translation.x(), pose.translation.y(), height_m}};
+}
+
+// Takes a landmark to another frame; its extent gets axes there, and is empty.
+void Move(const Rigid3d& to_from, Landmark* landmark) {
+  const Eigen::Vector3d anchor = to_from * landmark->extent.anchor();
+  if (landmark->model == PlaneModel::kHorizontal) {
+    landmark->parameters[0] += landmark->sign * to_from.translation.z();
+    landmark->extent = PatchExtent(anchor, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+    return;
+  }
+  const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal);
+  landmark->parameters[0] = std::atan2(normal.y(), normal.x());
+  landmark->parameters[1] += normal.dot(to_from.translation);
+  landmark->extent = PatchExtent(anchor, along, Eigen::Vector3d::UnitZ());
+  // The distance from the new origin changes with the angle.
+  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
+  jacobian(1, 0) = along.dot(to_from.translation);
+  landmark->covariance = jacobian * landmark->covariance * jacobian.transpose();
+}
+
+void Move(const Rig& rig, const Rigid3d& to_from, MapState* state) {
+  state->trajectory.Move(to_from);
+  for (Landmark& landmark : state->landmarks) Move(to_from, &landmark);
+  // The batch takes surfaces alone.
+  state->pose_constraints.clear();
+  RebuildLandmarks(rig, state);
+}
+
+// How much higher the part's floors and ceilings are in its own frame than where the other
+// state saw the same ones, seen from above at the pose given: the height to be added.
+std::optional<double> HeightOf(const Rig& rig,
+                               const Rigid3d& to_from,
+                               const MapState& part,
+                               const MapState& other) {
+  std::vector<double> differences;
+  SharedPoses poses(rig, part.trajectory);
+  for (const Observation& observation : part.observations) {
+    if (observation.landmark_id < 0) continue;
+    const Landmark& floor = part.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (floor.model != PlaneModel::kHorizontal) continue;
+    const Eigen::Vector3d p =
+        to_from * (poses.Of(observation).motion.At(observation.middle_time_ns()) *
+                   observation.centroid().homogeneous());
+    for (const Landmark& landmark : other.landmarks) {
+      if (landmark.model != PlaneModel::kHorizontal || landmark.sign != floor.sign) continue;
+      if (landmark.num_segments == 0) continue;
+      const double height_m = landmark.sign * landmark.Distance();
+      if (!landmark.extent.IsSeenAt({p.x(), p.y(), height_m}, 0.0)) continue;
+      differences.push_back(height_m - floor.sign * floor.Distance());
+    }
+  }
+  if (differences.size() < kMinSegmentsOnFloors) return std::nullopt;
+  const auto middle =
+      differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  const double height_m = *middle;
+  const auto num_agreeing =
+      std::count_if(differences.begin(), differences.end(), [height_m](double difference_m) {
+        return std::abs(difference_m - height_m) < kSameHeight;
+      });
+  if (static_cast<double>(num_agreeing) <
+      kMinAgreement * static_cast<double>(differences.size())) {
+    return std::nullopt;
+  }
+  return height_m;
+}
+
+// Makes one of surfaces that a part and what came before it both saw; num_before: the
+// landmarks of before.
+int MergeCommonSurfaces(size_t num_before, MapState* state) {
+  int num_merged = 0;
+  for (size_t b = num_before; b < state->landmarks.size(); ++b) {
+    const Landmark& surface = state->landmarks[b];
+    if (surface.num_segments == 0) continue;
+    const Eigen::Vector3d normal = surface.Normal();
+    const Eigen::Vector3d centre = surface.extent.Centre();
+    const Eigen::Vector3d on_plane = centre - surface.SignedDistance(centre) * normal;
+    int nearest = -1;
+    double least_m = kMaxDistance;
+    for (size_t a = 0; a < num_before; ++a) {
+      const Landmark& before = state->landmarks[a];
+      if (before.num_segments == 0 || before.model != surface.model) continue;
+      if (before.Normal().dot(normal) < kMinCosine) continue;
+      const double distance_m = std::abs(before.SignedDistance(on_plane));
+      if (distance_m >= least_m) continue;
+      if (!before.extent.IsNear(surface.extent, kMaxGapBetween)) continue;
+      nearest = static_cast<int>(a);
+      least_m = distance_m;
+    }
+    if (nearest < 0) continue;
+    MergeInto(nearest, static_cast<int>(b), state);
+    ++num_merged;
+  }
+  return num_merged;
+}
+
+// Appends the later part, in the same frame, to the earlier one.
+void Append(const Rig& rig, FollowedPart later, FollowedPart* earlier) {
+  MapState& state = earlier->state;
+  const auto num_scans = static_cast<int>(earlier->scan_times_ns.size());
+  const auto num_landmarks = static_cast<int>(state.landmarks.size());
+  const int64_t gap_start_ns = state.observations.back().end_time_ns() + 1;
+  const int64_t gap_end_ns = later.scan_times_ns.front();
+  state.gaps.push_back({std::min(gap_start_ns, gap_end_ns), gap_end_ns, earlier->ended_by});
+  state.trajectory.Append(later.state.trajectory);
+  for (Landmark& landmark : later.state.landmarks) {
+    landmark.id += num_landmarks;
+    landmark.heading_fixed = false;
+    landmark.first_scan += num_scans;
+    landmark.last_scan += num_scans;
+    state.landmarks.push_back(std::move(landmark));
+  }
+  for (auto observations : {&MapState::observations, &MapState::sub_minimum_segments}) {
+    for (Observation& observation : later.state.*observations) {
+      observation.scan_index += num_scans;
+      if (observation.landmark_id >= 0) observation.landmark_id += num_landmarks;
+      if (observation.taken_to >= 0) observation.taken_to += num_landmarks;
+      (state.*observations).push_back(std::move(observation));
+    }
+  }
+  std::move(later.state.moving_beams.begin(),
+            later.state.moving_beams.end(),
+            std::back_inserter(state.moving_beams));
+  earlier->scan_times_ns.insert(
+      earlier->scan_times_ns.end(), later.scan_times_ns.begin(), later.scan_times_ns.end());
+  const int num_merged = MergeCommonSurfaces(static_cast<size_t>(num_landmarks), &state);
+  RebuildLandmarks(rig, &state);
+  LOG(INFO) << "joined the part from " << FormatSeconds(later.start_s) << " to "
+            << FormatSeconds(later.end_s) << ": " << num_merged << " surfaces in common";
+  earlier->end_s = later.end_s;
+  earlier->ended_by = later.ended_by;
+}
+
+// Where the motion at the end of a part leads to in a time.
+Eigen::Vector3d Foreseen(const FollowedPart& part, double time_s) {
+  const int64_t end_ns = part.scan_times_ns.back();
+  Eigen::Vector3d angular;
+  Eigen::Vector3d linear;
+  part.state.trajectory.Velocity(end_ns, &angular, &linear);
+  return part.state.trajectory.WorldFromBody(end_ns).translation + time_s * linear;
+}
+
+// Where the later part lies in the frame of the earlier one, or in words why that is not
+// known.
+std::optional<Rigid3d> PoseOf(const Rig& rig,
+                              bool planar,
+                              const FollowedPart& earlier,
+                              const FollowedPart& later,
+                              std::string* reason) {
+  const int64_t start_ns = later.scan_times_ns.front();
+  const double time_s = SecondsBetween(earlier.scan_times_ns.back(), start_ns);
+  if (time_s > kMaxForeseen) {
+    *reason = "it is not known how the rig came there in " + FormatSeconds(time_s);
+    return std::nullopt;
+  }
+  const Eigen::Vector3d foreseen = Foreseen(earlier, time_s);
+  const Eigen::Vector3d start = later.state.trajectory.WorldFromBody(start_ns).translation;
+  const PartMatchingOptions options;
+  const PartMatch match =
+      MatchParts(ViewFromAbove(rig, earlier.state, options.spacing_m),
+                 ViewFromAbove(rig, later.state, options.spacing_m),
+                 options,
+                 [&](const PartPose& pose) {
+                   const Eigen::Vector3d found = ToFrame(pose, 0.0) * start;
+                   return (found - foreseen).head<2>().norm() < kMaxDeviation;
+                 });
+  if (!match.pose) {
+    *reason = match.reason;
+    return std::nullopt;
+  }
+  const Rigid3d from_above = ToFrame(*match.pose, 0.0);
+  if (planar) return from_above;
+  const auto height_m = HeightOf(rig, from_above, later.state, earlier.state);
+  if (!height_m) {
+    *reason = "floors and ceilings leave its height open";
+    return std::nullopt;
+  }
+  const Rigid3d pose = ToFrame(*match.pose, *height_m);
+  if (std::abs((pose * start - foreseen).z()) > kMaxDeviation) {
+    *reason = "its floors and ceilings match those of another storey";
+    return std::nullopt;
+  }
+  return pose;
+}
+
+}  // namespace
+
+void JoinParts(const Rig& rig, bool planar, FollowedRecording* followed) {
+  std::vector<FollowedPart> joined;
+  for (FollowedPart& part : followed->parts) {
+    std::string reason;
+    const std::optional<Rigid3d> pose =
+        joined.empty() ? std::nullopt : PoseOf(rig, planar, joined.back(), part, &reason);
+    if (pose) {
+      Move(rig, *pose, &part.state);
+      Append(rig, std::move(part), &joined.back());
+      continue;
+    }
+    if (!reason.empty()) {
+      LOG(INFO) << "the part from " << FormatSeconds(part.start_s)
+                << " is not joined to the one before: " << reason;
+    }
+    joined.push_back(std::move(part));
+  }
+  followed->parts = std::move(joined);
+}
+
+}  // namespace plumbline
