@@ -96,6 +96,13 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> AccelerationsAt(const Trajectory& tr
           (linear - linear_before) / trajectory.knot_interval_s()};
 }
 
+// Whether the interval before a knot lies well within what is mapped.
+bool IsJudged(const MapState& state, int64_t knot_ns) {
+  const int64_t step_ns = state.trajectory.knot_interval_ns();
+  return state.IsMapped(knot_ns - (1 + kNumEndKnots) * step_ns) &&
+         state.IsMapped(knot_ns + kNumEndKnots * step_ns);
+}
+
 bool IsWide(const Landmark& landmark) {
   const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
   return (landmark.model == PlaneModel::kHorizontal ? size.minCoeff() : size.x()) > kMaxNarrow;
@@ -140,7 +147,7 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       a.information += along * along * information;
       a.usual_information += information / 3.0;
     }
-    if (next > first && state.IsMapped(at_ns)) accelerations.push_back(a);
+    if (next > first && IsJudged(state, at_ns)) accelerations.push_back(a);
   }
   return accelerations;
 }
@@ -156,10 +163,7 @@ std::vector<SecondOfMotion> MotionOverTime(const MapState& state, int64_t start_
     const double since_s = SecondsBetween(start_ns, at_ns);
     const auto second = static_cast<size_t>(std::max(0.0, std::floor(since_s)));
     if (second >= seconds.size()) seconds.resize(second + 1);
-    if (!state.IsMapped(at_ns - kNumEndKnots * step_ns - step_ns) ||
-        !state.IsMapped(at_ns + kNumEndKnots * step_ns)) {
-      continue;
-    }
+    if (!IsJudged(state, at_ns)) continue;
     const auto [turning, moving] = AccelerationsAt(trajectory, at_ns);
     const Kinds now = {moving.head<2>().norm(),
                        std::abs(moving.z()),

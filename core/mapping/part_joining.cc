@@ -12,6 +12,7 @@
 
 #include "core/association/plane_merging.h"
 #include "core/geometry/rigid3.h"
+#include "core/joining/part_matching.h"
 #include "core/map/observation_poses.h"
 #include "core/mapping/part_poses.h"
 #include "core/util/time.h"
@@ -65,8 +66,9 @@ void Move(const Rig& rig, const Rigid3d& to_from, MapState* state) {
   RebuildLandmarks(rig, state);
 }
 
-// How much higher the part's floors and ceilings are in its own frame than where the other
-// state saw the same ones, seen from above at the pose given: the height to be added.
+// The height to be added to a part's own, so that its floors and ceilings lie where the other
+// state saw them; seen from above, the part has the pose given. Nothing where they do not
+// agree.
 std::optional<double> HeightOf(const Rig& rig,
                                const Rigid3d& to_from,
                                const MapState& part,

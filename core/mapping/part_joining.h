@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/joining/part_matching.h"
 #include "core/mapping/checkpoint.h"
 #include "core/sensor/rig.h"
 
