@@ -46,6 +46,15 @@ PartView OddRoom(const Vector2d& at) {
               at + Vector2d(3.0, 2.0));
 }
 
+// Takes a stretch of the odd room's wall at x = 7 away.
+void RemoveEastWall(double from_y, double to_y, PartView* view) {
+  const auto is_there = [&](const WallSpot& spot) {
+    return spot.position.x() > 6.9 && spot.position.y() > from_y && spot.position.y() < to_y;
+  };
+  view->spots.erase(std::remove_if(view->spots.begin(), view->spots.end(), is_there),
+                    view->spots.end());
+}
+
 PartView Rectangle(const Vector2d& at, double x, double y) {
   return Room({at, at + Vector2d(x, 0.0), at + Vector2d(x, y), at + Vector2d(0.0, y)},
               at + Vector2d(x, y) / 2.0);
@@ -127,10 +136,7 @@ TEST(MatchPartsTest, BeamsThroughWallsRefuteAPose) {
   PartView a = OddRoom({0.0, 0.0});
   PartView b = a;
   // Part b saw through where part a has a wall.
-  b.spots.erase(std::remove_if(b.spots.begin(),
-                               b.spots.end(),
-                               [](const WallSpot& spot) { return spot.position.x() > 6.9; }),
-                b.spots.end());
+  RemoveEastWall(0.0, 3.1, &b);
   b.beams.clear();
   for (double y = 0.5; y < 3.0; y += 0.2)
     b.beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
@@ -153,13 +159,7 @@ TEST(MatchPartsTest, BeamsAlongAWallRefuteNothing) {
 TEST(MatchPartsTest, WallsThatTheirOwnBeamsPassThroughAreNone) {
   PartView a = OddRoom({0.0, 0.0});
   PartView b = a;
-  b.spots.erase(std::remove_if(b.spots.begin(),
-                               b.spots.end(),
-                               [](const WallSpot& spot) {
-                                 return spot.position.x() > 6.9 && spot.position.y() > 1.0 &&
-                                        spot.position.y() < 2.0;
-                               }),
-                b.spots.end());
+  RemoveEastWall(1.0, 2.0, &b);
   for (double y = 1.1; y < 1.9; y += 0.01) {
     for (PartView* view : {&a, &b}) {
       view->beams.push_back({Vector2d(3.0, y), Vector2d(9.0, y)});
