@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/geometry/plan_grid.h"
 #include "core/map/landmark_view.h"
@@ -13,19 +14,21 @@
 namespace plumbline {
 namespace {
 
-constexpr int kVisitGap = 10;        // s between two visits of a place
-constexpr double kReach = 0.6;       // m, of a slip that is looked for
-constexpr double kOnPlane = 0.03;    // m, as near as walls that are flat lie
+constexpr int kVisitGap = 10;          // s between two visits of a place
+constexpr double kReach = 0.6;         // m, of a slip that is looked for
+constexpr double kOnPlane = 0.03;      // m, as near as walls that are flat lie
 constexpr double kRobustScale = 0.05;  // m, of Cauchy's loss
 const double kMaxSlope = std::sin(4.0 * M_PI / 180.0);  // between segment and plane
-constexpr double kMinLength = 0.3;   // m, of a segment that tells a wall from clutter
+constexpr double kMinLength = 0.3;  // m, of a segment that tells a wall from clutter
 constexpr int kIterations = 8;
 // Standard deviations of the prior about no motion: weak, it holds what is open.
 constexpr double kPriorShift = 0.5;  // m
 constexpr double kPriorTurn = 0.05;  // rad
 constexpr int kMinSegments = 20;
-// A place that a later visit sees so far off has moved: in a right map it is a few millimetres.
-constexpr double kMaxShift = 0.04;                // m
+constexpr int kMinTaken = 3;  // segments that a plane is demanded by
+// A place that a later visit sees so far off has moved: in a right map it is a few
+// millimetres.
+constexpr double kMaxShift = 0.04;               // m
 constexpr double kMaxTurn = 0.7 * M_PI / 180.0;  // rad
 
 // A segment's middle and the earlier plane it is compared with.
@@ -33,6 +36,7 @@ struct Pair {
   Eigen::Vector3d p_world;  // from the scanner's position of the second's first segment
   Eigen::Vector3d normal;
   double distance_m;  // signed
+  int landmark_id;
 };
 
 // Whether an earlier visit saw the plane near the point.
@@ -71,8 +75,7 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
       const Eigen::Vector4d row = RowOf(pair);
       const double left = pair.distance_m + row.dot(motion);
       const double scaled = left / kRobustScale;
-      const double weight =
-          1.0 / ((1.0 + scaled * scaled) * kRobustScale * kRobustScale);
+      const double weight = 1.0 / ((1.0 + scaled * scaled) * kRobustScale * kRobustScale);
       normal_matrix += weight * row * row.transpose();
       right -= weight * pair.distance_m * row;
     }
@@ -80,11 +83,19 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
   }
   int num_near = 0;
   int num_moved = 0;
+  std::map<int, int> num_taken;  // segments taken onto a plane, by its id
   for (const Pair& pair : pairs) {
     const double moved = pair.distance_m + RowOf(pair).dot(motion);
     num_near += std::abs(pair.distance_m) < kOnPlane ? 1 : 0;
     num_moved += std::abs(moved) < kOnPlane ? 1 : 0;
+    if (std::abs(pair.distance_m) >= kOnPlane && std::abs(moved) < kOnPlane) {
+      ++num_taken[pair.landmark_id];
+    }
   }
+  offset.num_surfaces = static_cast<int>(
+      std::count_if(num_taken.begin(), num_taken.end(), [](const auto& taken) {
+        return taken.second >= kMinTaken;
+      }));
   offset.translation_m = motion.head<3>().norm();
   offset.rotation_rad = std::abs(motion(3));
   offset.near_share = static_cast<double>(num_near) / offset.num_segments;
@@ -140,7 +151,10 @@ class VisitComparer {
       nearest = &plane;
     });
     if (nearest == nullptr) return;
-    pairs->push_back({middle - origin, nearest->normal, nearest->SignedDistance(middle)});
+    pairs->push_back({middle - origin,
+                      nearest->normal,
+                      nearest->SignedDistance(middle),
+                      nearest->landmark->id});
   }
 
   const MapState& state_;
@@ -156,7 +170,8 @@ bool RevisitOffset::is_shift() const {
   constexpr double kMinGain = 0.1;
   constexpr double kMaxNear = 0.75;  // in a right map it is 0.85 or more
   const bool is_large = translation_m > kMaxShift || rotation_rad > kMaxTurn;
-  return is_large && near_share < kMaxNear && moved_share > near_share + kMinGain;
+  return is_large && near_share < kMaxNear && moved_share > near_share + kMinGain &&
+         (num_surfaces > 1 || rotation_rad < kMaxTurn);
 }
 
 std::vector<RevisitOffset> CompareVisits(const Rig& rig,

@@ -11,14 +11,16 @@ namespace plumbline {
 // How far a second's segments, with or without a plane, lie off the planes that earlier visits
 // saw at the same places.
 struct RevisitOffset {
-  int num_segments = 0;      // that could be compared
+  int num_segments = 0;        // that could be compared
   double translation_m = 0.0;  // of the rigid motion that would take them onto those planes
   double rotation_rad = 0.0;   // about the vertical
   double near_share = 0.0;     // of the segments, on those planes as they stand
   double moved_share = 0.0;    // of the segments, on those planes after the motion
+  int num_surfaces = 0;        // planes that it takes segments onto which lay off them
 
   // Whether the motion is a shift of the rig: it takes many more of the segments onto the
-  // planes. Where only few are off, they lie on something else.
+  // planes. Where only few are off, they lie on something else; where those of one plane alone
+  // are, and turned, a door has moved.
   bool is_shift() const;
 };
 

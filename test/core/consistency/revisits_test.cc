@@ -23,10 +23,8 @@ class RevisitsTest : public testing::Test {
   void SeeCorner(int second, double shift_x, bool on_planes) {
     for (int i = 0; i < 4; ++i) {
       const double from = -1.8 + 0.9 * i;
-      map_.SeeAlong(second,
-                    on_planes ? wall_ : -1,
-                    {5.0 + shift_x, from},
-                    {5.0 + shift_x, from + 0.8});
+      map_.SeeAlong(
+          second, on_planes ? wall_ : -1, {5.0 + shift_x, from}, {5.0 + shift_x, from + 0.8});
     }
     for (int i = 0; i < 4; ++i) {
       const double from = 1.2 + 0.9 * i;
@@ -57,6 +55,19 @@ TEST_F(RevisitsTest, FindsTheShiftOfWhatLiesOnNoPlane) {
   EXPECT_LT(offset.near_share, 0.6);
   EXPECT_GT(offset.moved_share, 0.9);
   EXPECT_TRUE(offset.is_shift());
+}
+
+// A door that has been closed and stands ajar now: all that is off lies off one plane, turned.
+TEST_F(RevisitsTest, ADoorThatHasMovedIsNoShift) {
+  for (const double y : {-1.6, -1.2, -0.8, -0.4, 0.0, 0.4, 0.8}) {
+    const double x = 5.15 + 0.05 * y;
+    map_.SeeAlong(30, -1, {x, y}, {x + 0.0175, y + 0.35});
+  }
+  const RevisitOffset offset = Compare()[30];
+  EXPECT_GT(offset.rotation_rad, 0.02);
+  EXPECT_GT(offset.moved_share, offset.near_share + 0.1);
+  EXPECT_LE(offset.num_surfaces, 1);
+  EXPECT_FALSE(offset.is_shift());
 }
 
 TEST_F(RevisitsTest, SoonAfterwardsIsNoOtherVisit) {
