@@ -15,9 +15,9 @@ namespace plumbline {
 struct LineDeviation {
   Eigen::Vector2d value = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  Eigen::Matrix<double, 2, 6> by_pose;  // world-frame rotation, position at the middle node
-  Eigen::Matrix2d by_plane;             // landmark parameters
-  double chi2 = 0.0;                    // of all the whitened residuals, deviation included
+  Eigen::Matrix<double, 2, 6> by_pose;   // world-frame rotation, position at the middle node
+  Eigen::Matrix<double, 2, 3> by_plane;  // landmark parameters
+  double chi2 = 0.0;                     // of all the whitened residuals, deviation included
 };
 
 // Estimates the deviation of an observation's line from a plane.

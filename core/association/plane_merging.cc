@@ -32,8 +32,8 @@ bool AreOnePlane(const Landmark& a,
   const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
   const Eigen::Vector2d difference(a.SignedDistance(point),
                                    a.Normal().dot(direction) - b.Normal().dot(direction));
-  const Eigen::Matrix2d by_a = a.DeviationJacobian(point, direction);
-  const Eigen::Matrix2d by_b = b.DeviationJacobian(point, direction);
+  const Eigen::Matrix<double, 2, 3> by_a = a.DeviationJacobian(point, direction);
+  const Eigen::Matrix<double, 2, 3> by_b = b.DeviationJacobian(point, direction);
   const Eigen::Matrix2d covariance =
       by_a * a.covariance * by_a.transpose() + by_b * b.covariance * by_b.transpose();
   if (covariance(0, 0) > range_noise_m * range_noise_m) return false;

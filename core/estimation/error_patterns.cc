@@ -9,7 +9,9 @@
 #include <cmath>
 
 #include "core/estimation/segment_groups.h"
+#include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
+#include "core/map/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {
@@ -35,6 +37,12 @@ Eigen::Vector3d InFrame(const SegmentFrame& frame, double by_x, double by_y, dou
 
 }  // namespace
 
+ErrorPatterns::Surface::Surface(const Landmark& landmark)
+    : by_parameters(LandmarkView(landmark).plane_by_parameters),
+      axes(landmark.model == PlaneModel::kHorizontal
+               ? PlaneTangents(Eigen::Vector3d::UnitZ())  // of floors and ceilings the same
+               : PlaneTangents(landmark.Normal())) {}
+
 ErrorPatterns::ErrorPatterns(const Rig& rig,
                              const Trajectory& trajectory,
                              const std::deque<Landmark>& landmarks,
@@ -48,6 +56,7 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
       num_band_(layout.NumControlPointColumns()),
       num_scanner_patterns_(kPerScanner * static_cast<int>(rig.scanners.size())),
       landmark_columns_(landmarks.size(), -1) {
+  for (const Landmark& landmark : landmarks) surfaces_.emplace_back(landmark);
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
     if (!IsLandmark(layout.blocks[i])) continue;
     landmark_columns_[static_cast<size_t>(layout.blocks[i].index)] = layout.offsets[i];
@@ -155,7 +164,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   }
   basis.product = root.transpose() * root;
   basis.score = root.transpose() * residual;
-  const bool heading_free = landmark.model == PlaneModel::kVertical && !landmark.heading_fixed;
+  const Eigen::Matrix<double, 4, 3>& by_parameters =
+      surfaces_[static_cast<size_t>(landmark.id)].by_parameters;
   for (int k = 0; k < num_nodes; ++k) {
     // d(residuals) / d(g of the node), transposed, times each of the three patterns.
     const Eigen::Matrix3d by_node =
@@ -165,15 +175,10 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
       const double distance = by_node(2, j);
       AddPoseLoad(
           nodes, k, lever.cross(normal), distance * normal, first, basis.pose_load.col(j));
-      if (landmark.model == PlaneModel::kHorizontal) {
-        basis.plane_load(0, j) -= distance;
-        continue;
-      }
-      basis.plane_load(1, j) -= distance;
-      if (!heading_free) continue;
-      const Eigen::Vector3d turned(-normal.y(), normal.x(), 0.0);
-      basis.plane_load(0, j) += turned.dot(
-          lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation);
+      const Eigen::Vector3d arm =
+          lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
+      basis.plane_load.col(j) += by_parameters.topRows<3>().transpose() * arm -
+                                 distance * by_parameters.row(3).transpose();
     }
   }
   return basis;
@@ -209,12 +214,9 @@ void ErrorPatterns::Share(const Landmark& landmark,
                           const Eigen::Vector3d& p_world,
                           double offset,
                           double slope) {
-  const Eigen::Vector3d normal = landmark.Normal();
-  const bool is_vertical = landmark.model == PlaneModel::kVertical;
-  const double u =
-      (is_vertical ? normal.x() * p_world.y() - normal.y() * p_world.x() : p_world.x()) /
-      kCellM;
-  const double v = (is_vertical ? p_world.z() : p_world.y()) / kCellM;
+  const Surface& surface = surfaces_[static_cast<size_t>(landmark.id)];
+  const double u = surface.axes.col(0).dot(p_world) / kCellM;
+  const double v = surface.axes.col(1).dot(p_world) / kCellM;
   const int first_u = static_cast<int>(std::floor(u));
   const int first_v = static_cast<int>(std::floor(v));
   const double by_u = u - first_u;
@@ -270,8 +272,7 @@ Eigen::Vector3d ErrorPatterns::WalkAlong(const Observation& observation,
 }
 
 bool ErrorPatterns::Has(const Observation& observation) const {
-  const auto id = static_cast<size_t>(observation.landmark_id);
-  return landmark_columns_[id] >= 0 && landmarks_[id].model != PlaneModel::kGeneral;
+  return landmark_columns_[static_cast<size_t>(observation.landmark_id)] >= 0;
 }
 
 void ErrorPatterns::SetScannerCoefficients(const Observation& observation,

@@ -88,7 +88,7 @@ class ErrorPatterns {
   struct Basis {
     int first_column = 0;  // of the control points
     PoseLoad pose_load;    // J^T U, their rows x 3
-    Eigen::Matrix<double, 2, 3> plane_load;
+    Eigen::Matrix3d plane_load;
     Eigen::Matrix3d product;  // U^T U
     Eigen::Vector3d score;    // U^T r
   };
@@ -100,6 +100,12 @@ class ErrorPatterns {
     double slope = 0.0;
   };
   using Coefficients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+  // A landmark's plane by its parameters, and the axes of its grid.
+  struct Surface {
+    explicit Surface(const Landmark& landmark);
+    Eigen::Matrix<double, 4, 3> by_parameters;  // normal and distance
+    Eigen::Matrix<double, 3, 2> axes;
+  };
 
   bool Has(const Observation& observation) const;
   int num_probes() const {
@@ -136,6 +142,7 @@ class ErrorPatterns {
   const bool planar_;
   const int num_band_;
   const int num_scanner_patterns_;
+  std::vector<Surface> surfaces_;      // by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated
   Eigen::MatrixXd landmark_rows_;      // of the inverse normal matrix, transposed; or none
   std::vector<Nodes> nodes_;           // of the last scan lines

@@ -163,7 +163,7 @@ void EstimationProblem::AddPoints(const Observation& observation) {
     blocks.push_back(extrinsic_rotations_[scanner].data());
     blocks.push_back(extrinsic_translations_[scanner].data());
     blocks.push_back(Data(LandmarkBlock(landmark.id)));
-    Add(CreatePointFactor(measurement, landmark.model, landmark.sign), blocks);
+    Add(CreatePointFactor(measurement, landmark.model, landmark.chart), blocks);
   }
 }
 
@@ -218,7 +218,7 @@ FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
   const int num_control_points = nodes.back().first + kSplineOrder;
   FactorTerm term;
   term.factor = CreateSegmentFactor(
-      measurement, nodes, num_control_points, landmark.model, landmark.sign, weights);
+      measurement, nodes, num_control_points, landmark.model, landmark.chart, weights);
   for (int i = first; i < first + num_control_points; ++i) {
     term.blocks.push_back(Data(RotationBlock(i)));
   }

@@ -27,7 +27,7 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
   std::vector<Eigen::Vector3d> normals;
   for (const int id : ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
-    planes.push_back({landmark.model, landmark.sign});
+    planes.push_back({landmark.model, landmark.chart});
     normals.push_back(landmark.Normal());
   }
   SharedPoses poses(rig, trajectory);

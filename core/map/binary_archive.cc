@@ -142,7 +142,7 @@ void BinaryArchive::operator()(Observation& observation) {
 void BinaryArchive::operator()(Landmark& landmark) {
   auto& [id,
          model,
-         sign,
+         chart,
          parameters,
          heading_fixed,
          extent,
@@ -156,6 +156,9 @@ void BinaryArchive::operator()(Landmark& landmark) {
          sum_deviations,
          num_judged] = landmark;
   (*this)(model);
+  (*this)(chart.sign);
+  (*this)(chart.axes);
+  (*this)(chart.anchor);
   (*this)(parameters);
   (*this)(heading_fixed);
   extent.VisitMembers(*this);
@@ -163,7 +166,7 @@ void BinaryArchive::operator()(Landmark& landmark) {
   for (int* value : {&id, &first_scan, &last_scan, &num_segments, &num_judged})
     (*this)(*value);
   for (int64_t* value : {&first_time_ns, &last_time_ns, &num_points}) (*this)(*value);
-  for (double* value : {&sign, &sum_deviations}) (*this)(*value);
+  (*this)(sum_deviations);
 }
 
 void BinaryArchive::operator()(MovingBeams& beams) {

@@ -1,11 +1,13 @@
 #include "core/map/landmark.h"
 
-#include <glog/logging.h>
+#include <ceres/jet.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
+#include "core/geometry/plane_tangents.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
 
@@ -21,43 +23,89 @@ bool Landmark::AgreesWithin(double mean_deviation) const {
 }
 
 Eigen::Vector3d Landmark::Normal() const {
-  switch (model) {
-    case PlaneModel::kHorizontal:
-      return Eigen::Vector3d(0.0, 0.0, sign);
-    case PlaneModel::kVertical:
-      return Eigen::Vector3d(std::cos(parameters[0]), std::sin(parameters[0]), 0.0);
-    case PlaneModel::kGeneral:
-      return Eigen::Vector3d(parameters[0], parameters[1], parameters[2]);
-  }
-  LOG(FATAL) << "unknown plane model";
-  return Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal;
+  double distance;
+  VisitPlaneModel(model, chart, [&](const auto& plane) {
+    plane.Evaluate(parameters.data(), normal.data(), &distance);
+  });
+  return normal;
+}
+
+double Landmark::Distance() const {
+  Eigen::Vector3d normal;
+  double distance;
+  VisitPlaneModel(model, chart, [&](const auto& plane) {
+    plane.Evaluate(parameters.data(), normal.data(), &distance);
+  });
+  return distance;
 }
 
 PatchExtent Landmark::EmptyExtent() const {
   const Eigen::Vector3d normal = Normal();
   const Eigen::Vector3d anchor = extent.anchor() - SignedDistance(extent.anchor()) * normal;
-  const bool vertical = model == PlaneModel::kVertical;
-  return PatchExtent(
-      anchor,
-      vertical ? Eigen::Vector3d(Eigen::Vector3d::UnitZ().cross(normal)) : extent.u_axis(),
-      extent.v_axis());
+  if (model == PlaneModel::kHorizontal) {
+    return PatchExtent(anchor, extent.u_axis(), extent.v_axis());
+  }
+  const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
+  return PatchExtent(anchor, tangents.col(0), tangents.col(1));
 }
 
-double Landmark::Distance() const {
-  return parameters[static_cast<size_t>(PlaneModelSize(model) - 1)];
-}
-
-Eigen::Matrix2d Landmark::DeviationJacobian(const Eigen::Vector3d& p_world,
-                                            const Eigen::Vector3d& direction_world) const {
+Eigen::Matrix<double, 2, 3> Landmark::DeviationJacobian(
+    const Eigen::Vector3d& p_world, const Eigen::Vector3d& direction_world) const {
   return LandmarkView(*this).DeviationJacobian(p_world, direction_world);
+}
+
+void Landmark::SetPlane(const Eigen::Vector3d& normal, double distance) {
+  switch (model) {
+    case PlaneModel::kHorizontal:
+      parameters[0] = distance;
+      return;
+    case PlaneModel::kVertical:
+      parameters[0] = std::atan2(normal.y(), normal.x());
+      parameters[1] = distance;
+      return;
+    case PlaneModel::kGeneral:
+      break;
+  }
+  const Eigen::Vector3d in_chart = chart.axes.transpose() * normal;
+  parameters[0] = in_chart.x() / in_chart.z();
+  parameters[1] = in_chart.y() / in_chart.z();
+  parameters[2] = distance - normal.dot(chart.anchor);
+}
+
+Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters() const {
+  Eigen::Matrix<double, 4, 3> by_parameters = Eigen::Matrix<double, 4, 3>::Zero();
+  VisitPlaneModel(model, chart, [&](const auto& plane) {
+    constexpr int kSize = std::decay_t<decltype(plane)>::kSize;
+    using T = ceres::Jet<double, kSize>;
+    T jets[kSize];
+    for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[static_cast<size_t>(i)], i);
+    T of_plane[4];
+    plane.Evaluate(jets, of_plane, of_plane + 3);
+    for (int i = 0; i < 4; ++i) {
+      by_parameters.template block<1, kSize>(i, 0) = of_plane[i].v.transpose();
+    }
+  });
+  return by_parameters;
 }
 
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {
   Landmark landmark;
   landmark.model = PlaneModel::kHorizontal;
-  landmark.sign = sign;
+  landmark.chart.sign = sign;
   landmark.parameters[0] = sign * p_world.z();
   landmark.extent = PatchExtent(p_world, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+  return landmark;
+}
+
+Landmark MakeGeneralLandmark(const Eigen::Vector3d& normal_world,
+                             const Eigen::Vector3d& p_world) {
+  Landmark landmark;
+  landmark.model = PlaneModel::kGeneral;
+  landmark.chart.axes << PlaneTangents(normal_world), normal_world;
+  landmark.chart.anchor = p_world;
+  landmark.extent =
+      PatchExtent(p_world, landmark.chart.axes.col(0), landmark.chart.axes.col(1));
   return landmark;
 }
 

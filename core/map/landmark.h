@@ -23,13 +23,13 @@ inline constexpr double kExpectedDeviation = 2.0;
 struct Landmark {
   int id = 0;
   PlaneModel model = PlaneModel::kVertical;
-  double sign = 1.0;                      // horizontal planes: normal = sign * e_z
-  std::array<double, 4> parameters = {};  // see factors/manifold/plane_model.h
+  PlaneChart chart;
+  std::array<double, 3> parameters = {};  // see factors/manifold/plane_model.h
   bool heading_fixed = false;             // the gauge's wall: its angle is not estimated
   PatchExtent extent;
   // The covariance of the parameters, given the rig's current pose, as association tests need
-  // it.
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  // it; rows beyond num_parameters() are zero.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int first_scan = 0;
   int last_scan = 0;
   int64_t first_time_ns = 0;
@@ -64,12 +64,20 @@ struct Landmark {
   }
   // The derivative of n.p - d (at a point, per metre along a direction) by the parameters;
   // columns beyond num_parameters() are zero.
-  Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
-                                    const Eigen::Vector3d& direction_world) const;
+  Eigen::Matrix<double, 2, 3> DeviationJacobian(const Eigen::Vector3d& p_world,
+                                                const Eigen::Vector3d& direction_world) const;
+  // Sets the parameters to those of a plane of its model, n.x = d.
+  void SetPlane(const Eigen::Vector3d& normal, double distance);
+  // The derivatives of the normal (rows 0 to 2) and the distance by the parameters; columns
+  // beyond num_parameters() are zero.
+  Eigen::Matrix<double, 4, 3> PlaneByParameters() const;
 };
 
 // A horizontal landmark through a point; sign +1 seen from above.
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world);
+// A general landmark through a point, which is the anchor of its chart.
+Landmark MakeGeneralLandmark(const Eigen::Vector3d& normal_world,
+                             const Eigen::Vector3d& p_world);
 // A vertical landmark through a point with the given horizontal normal.
 Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world,
                               const Eigen::Vector3d& p_world);

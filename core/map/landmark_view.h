@@ -21,7 +21,9 @@ struct LandmarkView {
   Eigen::Vector3d half_v;
   bool is_vertical;
   bool heading_fixed;
-  Eigen::Matrix2d covariance;
+  // The derivatives of normal and distance by the parameters; what the gauge holds is zero.
+  Eigen::Matrix<double, 4, 3> plane_by_parameters;
+  Eigen::Matrix3d covariance;
 
   explicit LandmarkView(const Landmark& of);
   double SignedDistance(const Eigen::Vector3d& p_world) const {
@@ -29,14 +31,13 @@ struct LandmarkView {
   }
   // Variance of the signed distance of a point (m^2), the point taken as given.
   double DistanceVariance(const Eigen::Vector3d& p_world) const {
-    if (!is_vertical) return covariance(0, 0);
-    const double along =
-        heading_fixed ? 0.0 : normal.x() * p_world.y() - normal.y() * p_world.x();
-    return along * (along * covariance(0, 0) - 2.0 * covariance(0, 1)) + covariance(1, 1);
+    const Eigen::RowVector3d by_parameters =
+        p_world.transpose() * plane_by_parameters.topRows<3>() - plane_by_parameters.row(3);
+    return by_parameters.dot(by_parameters * covariance);
   }
   // The derivative of the deviation by the parameters: see Landmark::DeviationJacobian.
-  Eigen::Matrix2d DeviationJacobian(const Eigen::Vector3d& p_world,
-                                    const Eigen::Vector3d& direction_world) const;
+  Eigen::Matrix<double, 2, 3> DeviationJacobian(const Eigen::Vector3d& p_world,
+                                                const Eigen::Vector3d& direction_world) const;
 };
 
 }  // namespace plumbline

@@ -1,13 +1,23 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <deque>
 #include <vector>
 
+#include "core/map/landmark.h"
 #include "core/map/map_state.h"
+#include "core/result/plane_covariance.h"
 #include "core/result/result_types.h"
 
 namespace plumbline {
 
 // Converts the landmarks that have observations to plane patches, with the ids of the state.
 std::vector<PlanePatch> PlanePatches(const MapState& state);
+
+// Converts a joint covariance of the patches' landmarks, of their parameters in the patches'
+// order, to that of the parameters that PlaneCovariance states.
+PlaneCovariance StatedCovariance(const std::deque<Landmark>& landmarks,
+                                 std::vector<PlanePatch> patches,
+                                 const Eigen::MatrixXd& covariance);
 
 }  // namespace plumbline

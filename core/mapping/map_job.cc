@@ -189,7 +189,8 @@ Summary WriteResult(const Rig& rig,
                     ResultWriter* writer,
                     Stopwatch* judging_watch) {
   const std::vector<PlanePatch> planes = PlanePatches(result.state);
-  const PlaneCovariance covariance(planes, result.batch.covariance.landmarks());
+  const PlaneCovariance covariance =
+      StatedCovariance(result.state.landmarks, planes, result.batch.covariance.landmarks());
   writer->WriteTrajectory(Poses(result));
   writer->WritePlanes(planes);
   writer->WriteTrajectoryCovariance(PoseCovariances(result));

@@ -166,7 +166,8 @@ PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const Map
       if (landmark.num_segments > 0) rows.push_back(row);
     }
   }
-  return {std::move(patches), last.landmark_covariance(rows, rows)};
+  return StatedCovariance(
+      state.landmarks, std::move(patches), last.landmark_covariance(rows, rows));
 }
 
 // What was seen where a map could not be estimated, and what to try.

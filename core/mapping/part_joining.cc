@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/association/plane_merging.h"
+#include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
 #include "core/joining/part_matching.h"
 #include "core/map/observation_poses.h"
@@ -43,8 +44,16 @@ Rigid3d ToFrame(const PartPose& pose, double height_m) {
 void Move(const Rigid3d& to_from, Landmark* landmark) {
   const Eigen::Vector3d anchor = to_from * landmark->extent.anchor();
   if (landmark->model == PlaneModel::kHorizontal) {
-    landmark->parameters[0] += landmark->sign * to_from.translation.z();
+    landmark->parameters[0] += landmark->chart.sign * to_from.translation.z();
     landmark->extent = PatchExtent(anchor, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
+    return;
+  }
+  if (landmark->model == PlaneModel::kGeneral) {
+    // Its parameters are about the chart, which moves along.
+    landmark->chart.axes = to_from.rotation * landmark->chart.axes;
+    landmark->chart.anchor = to_from * landmark->chart.anchor;
+    const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(landmark->Normal());
+    landmark->extent = PatchExtent(anchor, tangents.col(0), tangents.col(1));
     return;
   }
   const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
@@ -53,7 +62,7 @@ void Move(const Rigid3d& to_from, Landmark* landmark) {
   landmark->parameters[1] += normal.dot(to_from.translation);
   landmark->extent = PatchExtent(anchor, along, Eigen::Vector3d::UnitZ());
   // The distance from the new origin changes with the angle.
-  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
   jacobian(1, 0) = along.dot(to_from.translation);
   landmark->covariance = jacobian * landmark->covariance * jacobian.transpose();
 }
@@ -83,11 +92,12 @@ std::optional<double> HeightOf(const Rig& rig,
         to_from * (poses.Of(observation).motion.At(observation.middle_time_ns()) *
                    observation.centroid().homogeneous());
     for (const Landmark& landmark : other.landmarks) {
-      if (landmark.model != PlaneModel::kHorizontal || landmark.sign != floor.sign) continue;
+      if (landmark.model != PlaneModel::kHorizontal || landmark.chart.sign != floor.chart.sign)
+        continue;
       if (landmark.num_segments == 0) continue;
-      const double height_m = landmark.sign * landmark.Distance();
+      const double height_m = landmark.chart.sign * landmark.Distance();
       if (!landmark.extent.IsSeenAt({p.x(), p.y(), height_m}, 0.0)) continue;
-      differences.push_back(height_m - floor.sign * floor.Distance());
+      differences.push_back(height_m - floor.chart.sign * floor.Distance());
     }
   }
   if (differences.size() < kMinSegmentsOnFloors) return std::nullopt;

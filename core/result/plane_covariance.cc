@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/geometry/plane_tangents.h"
 #include "core/util/error.h"
 
 namespace plumbline {
@@ -34,7 +36,7 @@ std::vector<std::string> ParameterNames(const PlanePatch& plane) {
     case PlaneType::kGeneral:
       break;
   }
-  throw Error("plane " + std::to_string(plane.id) + ": no covariance for general planes");
+  return {"turn_u", "turn_v", "d_centre"};
 }
 
 PlaneCovariance::PlaneCovariance(std::vector<PlanePatch> planes, Eigen::MatrixXd covariance)
@@ -58,19 +60,36 @@ Eigen::RowVectorXd PlaneCovariance::DistanceRow(size_t plane,
   Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(covariance_.cols());
   const PlanePatch& patch = planes_[plane];
   const int offset = offsets_[plane];
-  if (patch.type == PlaneType::kHorizontal) {
-    row[offset] = -1.0;
-  } else {
-    row[offset] = patch.normal.x() * point.y() - patch.normal.y() * point.x();
-    row[offset + 1] = -1.0;
+  const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(patch.normal);
+  switch (patch.type) {
+    case PlaneType::kHorizontal:
+      row[offset] = -1.0;
+      break;
+    case PlaneType::kVertical:
+      row[offset] = tangents.col(0).dot(point);
+      row[offset + 1] = -1.0;
+      break;
+    case PlaneType::kGeneral:
+      row.segment<2>(offset) = (point - patch.centre).transpose() * tangents;
+      row[offset + 2] = -1.0;
+      break;
   }
   return row;
 }
 
+Eigen::MatrixXd PlaneCovariance::NormalRows(size_t plane) const {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, covariance_.cols());
+  const PlanePatch& patch = planes_[plane];
+  const int num_turns = static_cast<int>(ParameterNames(patch).size()) - 1;
+  rows.middleCols(offsets_[plane], num_turns) =
+      PlaneTangents(patch.normal).leftCols(num_turns);
+  return rows;
+}
+
 Eigen::RowVectorXd PlaneCovariance::AngleRow(size_t plane) const {
-  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(covariance_.cols());
-  if (planes_[plane].type == PlaneType::kVertical) row[offsets_[plane]] = 1.0;
-  return row;
+  const Eigen::MatrixXd turns =
+      PlaneTangents(planes_[plane].normal).transpose() * NormalRows(plane);
+  return Stddev(turns.row(0)) < Stddev(turns.row(1)) ? turns.row(1) : turns.row(0);
 }
 
 double PlaneCovariance::Stddev(const Eigen::RowVectorXd& row) const {
@@ -80,9 +99,21 @@ double PlaneCovariance::Stddev(const Eigen::RowVectorXd& row) const {
 double PlaneCovariance::AngleStddev(int plane_a, int plane_b) const {
   const size_t a = Find(plane_a);
   const size_t b = Find(plane_b);
-  // A wall and a floor are at right angles, whatever the wall's direction.
-  if (planes_[a].type != planes_[b].type) return 0.0;
-  return Stddev(AngleRow(a) - AngleRow(b));
+  const Eigen::Vector3d& normal_a = planes_[a].normal;
+  const Eigen::Vector3d& normal_b = planes_[b].normal;
+  const double cosine = normal_a.dot(normal_b);
+  const double sine = normal_a.cross(normal_b).norm();
+  constexpr double kParallel = 1e-3;  // sine below which the angle may open in any direction
+  if (sine > kParallel) {
+    return Stddev(normal_b.transpose() * NormalRows(a) +
+                  normal_a.transpose() * NormalRows(b)) /
+           sine;
+  }
+  const Eigen::MatrixXd turns = PlaneTangents(normal_a).transpose() *
+                                (NormalRows(a) - std::copysign(1.0, cosine) * NormalRows(b));
+  const Eigen::Matrix2d covariance = turns * covariance_ * turns.transpose();
+  return std::sqrt(std::max(
+      0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1]));
 }
 
 double PlaneCovariance::DistanceStddev(const Eigen::Vector3d& point, int plane) const {

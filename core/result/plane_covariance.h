@@ -8,13 +8,14 @@
 
 namespace plumbline {
 
-// Returns the names of a plane's parameters in plane_covariance.csv: "angle", "d". Throws
-// Error for general planes, which have no covariance yet.
+// Returns the names of a plane's parameters in plane_covariance.csv: see PlaneCovariance.
 std::vector<std::string> ParameterNames(const PlanePatch& plane);
 
 // PlaneCovariance is the joint covariance of a result's planes, and gives the standard
-// deviations of what people measure in a map. Parameters of a plane n.x = d: horizontal [ d ],
-// vertical [ angle, d ] with n = (cos angle, sin angle, 0), in rad and m of the model frame.
+// deviations of what people measure in a map. Parameters of a plane n.x = d, in rad and m of
+// the model frame: horizontal [ d ], vertical [ angle, d ] with n = (cos angle, sin angle, 0),
+// general [ turn_u, turn_v, d_centre ], how far the normal turns towards its tangents
+// (core/geometry/plane_tangents.h) and the plane moves along it at the patch's centre.
 class PlaneCovariance {
  public:
   PlaneCovariance() = default;
@@ -24,9 +25,10 @@ class PlaneCovariance {
   const std::vector<PlanePatch>& planes() const { return planes_; }
   const Eigen::MatrixXd& covariance() const { return covariance_; }
 
-  // The methods below throw Error for an id that no plane has, and for general planes.
+  // The methods below throw Error for an id that no plane has.
 
-  // Standard deviation of the angle between two planes' normals, rad.
+  // Standard deviation of the angle between two planes' normals, rad; of parallel ones, that
+  // of the direction in which it is known worst.
   double AngleStddev(int plane_a, int plane_b) const;
   // Standard deviation of the distance between a plane and a fixed point of the model frame,
   // m.
@@ -50,8 +52,10 @@ class PlaneCovariance {
 
  private:
   size_t Find(int plane) const;
-  // Derivatives by all parameters: of a plane's signed distance from a point, of its angle.
+  // Derivatives by all parameters: of a plane's signed distance from a point, of its normal
+  // (three rows), of its turn in the direction in which it is known worst.
   Eigen::RowVectorXd DistanceRow(size_t plane, const Eigen::Vector3d& point) const;
+  Eigen::MatrixXd NormalRows(size_t plane) const;
   Eigen::RowVectorXd AngleRow(size_t plane) const;
   double Stddev(const Eigen::RowVectorXd& row) const;
 

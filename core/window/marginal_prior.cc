@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -63,15 +64,26 @@ void ForEachVertical(const std::deque<Landmark>& landmarks,
   }
 }
 
-// Rows row and row + 1 are measured in other coordinates; by_new: the derivative of those that
-// they have been measured in.
-void ChangeCoordinates(const Eigen::Matrix2d& by_new, int row, NormalEquations* equations) {
-  auto columns = equations->hessian.middleCols<2>(row);
+// The rows from this one on are measured in other coordinates; by_new: the derivative of those
+// that they have been measured in.
+void ChangeCoordinates(const Eigen::MatrixXd& by_new, int row, NormalEquations* equations) {
+  const Eigen::Index size = by_new.rows();
+  auto columns = equations->hessian.middleCols(row, size);
   columns = (columns * by_new).eval();
-  auto rows = equations->hessian.middleRows<2>(row);
+  auto rows = equations->hessian.middleRows(row, size);
   rows = (by_new.transpose() * rows).eval();
-  auto gradient = equations->gradient.segment<2>(row);
+  auto gradient = equations->gradient.segment(row, size);
   gradient = (by_new.transpose() * gradient).eval();
+}
+
+// The derivative of the marginal prior's coordinates of one landmark by those of another that
+// is the same plane.
+Eigen::MatrixXd ByOther(const Landmark& landmark, const Landmark& other) {
+  const auto plane_by_anchored = [](const Landmark& of) -> Eigen::MatrixXd {
+    return of.PlaneByParameters().leftCols(of.num_parameters()) * ParametersByAnchored(of);
+  };
+  // Both columns span what the plane may do, so that nothing is left over.
+  return plane_by_anchored(landmark).householderQr().solve(plane_by_anchored(other));
 }
 
 }  // namespace
@@ -108,16 +120,18 @@ Reanchoring MergePlanes(const Landmark& into, const Landmark& from, MarginalPrio
   change.shift = Eigen::VectorXd::Zero(size);
   if (into_at < past.blocks.size()) {
     SetFromAnchored(prior->at[into_at], &as_into);
-    as_from.parameters = as_into.parameters;
+    as_from.SetPlane(as_into.Normal(), as_into.Distance());
     change.shift = AnchoredParameters(as_from) - prior->at[from_at];
-    if (size == 2) change.shift[0] = std::remainder(change.shift[0], 2.0 * M_PI);
+    if (into.model == PlaneModel::kVertical) {
+      change.shift[0] = std::remainder(change.shift[0], 2.0 * M_PI);
+    }
     past.gradient += past.hessian.middleCols(row, size) * change.shift;
   } else {
     SetFromAnchored(prior->at[from_at], &as_from);
-    as_into.parameters = as_from.parameters;
+    as_into.SetPlane(as_from.Normal(), as_from.Distance());
   }
-  change.by_into = ParametersByAnchored(as_from).inverse() * ParametersByAnchored(as_into);
-  if (size == 2) ChangeCoordinates(change.by_into, row, &past);
+  change.by_into = ByOther(as_from, as_into);
+  ChangeCoordinates(change.by_into, row, &past);
 
   std::vector<BlockId> names = past.blocks;
   names[from_at] = LandmarkBlock(into.id);

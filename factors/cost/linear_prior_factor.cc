@@ -25,7 +25,6 @@ int SizeOf(const LinearPrior::Block& block) {
       return 2;
     case LinearPrior::Kind::kRotation:
     case LinearPrior::Kind::kYawRotation:
-    case LinearPrior::Kind::kGeneralPlane:
       break;
   }
   return 4;
@@ -39,8 +38,6 @@ Eigen::VectorXd Difference(const LinearPrior::Block& block, const double* x) {
       return Log(ConstQuaternion(x) * ConstQuaternion(x0).conjugate());
     case LinearPrior::Kind::kYawRotation:
       return Eigen::VectorXd::Constant(1, YawDifference(x, x0));
-    case LinearPrior::Kind::kGeneralPlane:
-      return GeneralPlaneDifference(x, x0, nullptr);
     case LinearPrior::Kind::kVerticalPlane:
       return AnchoredFromPlane(Eigen::Vector2d(x[0], x[1]), block.anchor) - block.x0;
     case LinearPrior::Kind::kEuclidean:
@@ -58,11 +55,6 @@ Eigen::MatrixXd DifferenceJacobian(const LinearPrior::Block& block, const double
              RotationMinusJacobian(x);
     case LinearPrior::Kind::kYawRotation:
       return RotationMinusJacobian(x).row(2);
-    case LinearPrior::Kind::kGeneralPlane: {
-      Eigen::Matrix<double, 3, 4> jacobian;
-      GeneralPlaneDifference(x, x0, &jacobian);
-      return jacobian;
-    }
     case LinearPrior::Kind::kVerticalPlane:
       return PlaneByAnchored(x[0], -block.anchor);
     case LinearPrior::Kind::kEuclidean:

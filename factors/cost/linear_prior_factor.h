@@ -18,7 +18,6 @@ struct LinearPrior {
     kEuclidean,      // size n, tangent n
     kRotation,       // quaternion (x, y, z, w), left tangent of 3
     kYawRotation,    // the same, turned about the world's z axis only: tangent of 1
-    kGeneralPlane,   // (nx, ny, nz, d), tangent of 3 of CreateGeneralPlaneManifold()
     kVerticalPlane,  // (a, d), tangent of 2: that of (a, e) about its anchor
   };
   struct Block {
@@ -35,7 +34,6 @@ struct LinearPrior {
         case Kind::kYawRotation:
           return 1;
         case Kind::kRotation:
-        case Kind::kGeneralPlane:
           break;
       }
       return 3;

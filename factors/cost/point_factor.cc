@@ -51,9 +51,9 @@ struct PointFunctor {
 
 std::unique_ptr<ceres::CostFunction> CreatePointFactor(const PointMeasurement& measurement,
                                                        PlaneModel model,
-                                                       double sign) {
+                                                       const PlaneChart& chart) {
   return VisitPlaneModel(
-      model, sign, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
+      model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         using Functor = PointFunctor<std::decay_t<decltype(plane)>>;
         constexpr int kPlaneSize = std::decay_t<decltype(plane)>::kSize;
         return std::make_unique<

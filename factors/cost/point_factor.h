@@ -22,9 +22,9 @@ struct PointMeasurement {
 //   r = whitening ( n . (R(u) (R_bs s + t_bs) + p(u)) - d ) + offset,   s = (x, y, 0)
 // To first order r is the range residual when whitening = 1 / (sigma_range |n . beam|).
 // Blocks: [ q0 q1 q2 q3 | p0 p1 p2 p3 | body_from_scanner q, t | plane ]
-// sign is the horizontal plane's; other models ignore it.
+// chart: what of the plane's parametrisation is constant.
 std::unique_ptr<ceres::CostFunction> CreatePointFactor(const PointMeasurement& measurement,
                                                        PlaneModel model,
-                                                       double sign);
+                                                       const PlaneChart& chart);
 
 }  // namespace plumbline

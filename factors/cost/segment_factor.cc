@@ -262,10 +262,10 @@ std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
     const std::array<SplineNode, 3>& nodes,
     int num_control_points,
     PlaneModel model,
-    double sign,
+    const PlaneChart& chart,
     const SegmentWeights& weights) {
   return VisitPlaneModel(
-      model, sign, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
+      model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         return std::make_unique<SegmentCost<std::decay_t<decltype(plane)>>>(
             measurement, nodes, num_control_points, plane, weights);
       });

@@ -24,14 +24,14 @@ namespace plumbline {
 // Blocks: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | body_from_scanner q, t | plane ]
 // g is differentiated automatically with respect to the pose at each node, the extrinsics and
 // the plane; the chain rule through the spline follows in closed form. Jacobians of
-// quaternions are those of unit quaternions: zero along q itself. sign is the horizontal
-// plane's.
+// quaternions are those of unit quaternions: zero along q itself. chart: what of the plane's
+// parametrisation is constant.
 std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
     const SegmentMeasurement& measurement,
     const std::array<SplineNode, 3>& nodes,
     int num_control_points,
     PlaneModel model,
-    double sign,
+    const PlaneChart& chart,
     const SegmentWeights& weights);
 
 // g for the poses at the nodes.

@@ -1,6 +1,5 @@
 #include "factors/manifold/manifolds.h"
 
-#include <ceres/jet.h>
 #include <ceres/manifold.h>
 
 #include <Eigen/Geometry>
@@ -66,30 +65,6 @@ class YawManifold final : public ceres::Manifold {
   }
 };
 
-// Logarithm on the sphere at reference, in the coordinates of its TangentBasis; then d.
-template <typename T>
-Eigen::Matrix<T, 3, 1> PlaneDifference(const T* plane, const double* reference) {
-  using std::atan2;
-  using std::sqrt;
-  const Eigen::Map<const Eigen::Vector3d> normal(reference);
-  const Eigen::Matrix<double, 3, 2> basis = TangentBasis(normal);
-  T along[2];
-  for (int i = 0; i < 2; ++i) {
-    along[i] = basis(0, i) * plane[0] + basis(1, i) * plane[1] + basis(2, i) * plane[2];
-  }
-  const T cosine = normal[0] * plane[0] + normal[1] * plane[1] + normal[2] * plane[2];
-  const T sine2 = along[0] * along[0] + along[1] * along[1];
-  T factor;  // angle / sin(angle)
-  if (sine2 < 1e-6 && cosine > 0.0) {
-    const T tangent2 = sine2 / (cosine * cosine);
-    factor = (1.0 - tangent2 * (1.0 / 3.0 - tangent2 * (1.0 / 5.0))) / cosine;
-  } else {
-    const T sine = sqrt(sine2);
-    factor = atan2(sine, cosine) / sine;
-  }
-  return {factor * along[0], factor * along[1], plane[3] - reference[3]};
-}
-
 class VerticalPlaneManifold final : public ceres::Manifold {
  public:
   explicit VerticalPlaneManifold(const Eigen::Vector2d& centre) : centre_(centre) {}
@@ -130,42 +105,6 @@ class VerticalPlaneManifold final : public ceres::Manifold {
   Eigen::Vector2d centre_;
 };
 
-class GeneralPlaneManifold final : public ceres::Manifold {
- public:
-  int AmbientSize() const override { return 4; }
-  int TangentSize() const override { return 3; }
-
-  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    const Eigen::Map<const Eigen::Vector3d> normal(x);
-    const Eigen::Vector3d turn = TangentBasis(normal) * Eigen::Vector2d(delta[0], delta[1]);
-    // Rotating the normal towards turn by |turn| is rotating it about normal x turn.
-    const Eigen::Vector3d axis = normal.cross(turn);
-    const Eigen::Vector3d turned = Exp(axis) * Eigen::Vector3d(normal);
-    x_plus_delta[3] = x[3] + delta[2];
-    Eigen::Map<Eigen::Vector3d>{x_plus_delta} = turned.normalized();
-    return true;
-  }
-  bool PlusJacobian(const double* x, double* jacobian) const override {
-    RowMajorMap<4, 3> result(jacobian);
-    result.setZero();
-    result.topLeftCorner<3, 2>() = TangentBasis(Eigen::Map<const Eigen::Vector3d>(x));
-    result(3, 2) = 1.0;
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    Eigen::Map<Eigen::Vector3d>{y_minus_x} = PlaneDifference(y, x);
-    return true;
-  }
-  bool MinusJacobian(const double* x, double* jacobian) const override {
-    RowMajorMap<3, 4> result(jacobian);
-    result.setZero();
-    result.topLeftCorner<2, 3>() =
-        TangentBasis(Eigen::Map<const Eigen::Vector3d>(x)).transpose();
-    result(2, 3) = 1.0;
-    return true;
-  }
-};
-
 }  // namespace
 
 std::unique_ptr<ceres::Manifold> CreateRotationManifold() {
@@ -174,10 +113,6 @@ std::unique_ptr<ceres::Manifold> CreateRotationManifold() {
 
 std::unique_ptr<ceres::Manifold> CreateYawManifold() {
   return std::make_unique<YawManifold>();
-}
-
-std::unique_ptr<ceres::Manifold> CreateGeneralPlaneManifold() {
-  return std::make_unique<GeneralPlaneManifold>();
 }
 
 std::unique_ptr<ceres::Manifold> CreateVerticalPlaneManifold(const Eigen::Vector2d& centre) {
@@ -203,32 +138,10 @@ Eigen::Matrix<double, 3, 4> RotationMinusJacobian(const double* q) {
   return jacobian;
 }
 
-Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& normal) {
-  // The axis most perpendicular to the normal gives a well-defined first direction.
-  int axis = 0;
-  normal.cwiseAbs().minCoeff(&axis);
-  Eigen::Matrix<double, 3, 2> basis;
-  basis.col(0) = Eigen::Vector3d::Unit(axis).cross(normal).normalized();
-  basis.col(1) = normal.cross(basis.col(0));
-  return basis;
-}
-
 double YawDifference(const double* q, const double* q0) {
   Eigen::Quaterniond difference = ConstQuaternion(q) * ConstQuaternion(q0).conjugate();
   if (difference.w() < 0.0) difference.coeffs() *= -1.0;
   return 2.0 * std::atan2(difference.z(), difference.w());
-}
-
-Eigen::Vector3d GeneralPlaneDifference(const double* plane,
-                                       const double* reference,
-                                       Eigen::Matrix<double, 3, 4>* jacobian) {
-  using Jet = ceres::Jet<double, 4>;
-  const Jet jets[4] = {Jet(plane[0], 0), Jet(plane[1], 1), Jet(plane[2], 2), Jet(plane[3], 3)};
-  const Eigen::Matrix<Jet, 3, 1> difference = PlaneDifference(jets, reference);
-  for (int row = 0; jacobian != nullptr && row < 3; ++row) {
-    jacobian->row(row) = difference[row].v.transpose();
-  }
-  return {difference[0].a, difference[1].a, difference[2].a};
 }
 
 }  // namespace plumbline

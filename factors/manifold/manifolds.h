@@ -19,12 +19,6 @@ std::unique_ptr<ceres::Manifold> CreateRotationManifold();
 // that move in the plane: roll and pitch keep the values they start with.
 std::unique_ptr<ceres::Manifold> CreateYawManifold();
 
-// General plane (nx, ny, nz, d), 4 -> 3: unit sphere x R, see GeneralPlane. The normal turns
-// by
-// |(delta_0, delta_1)| rad towards TangentBasis(n) (delta_0, delta_1); d [+] delta = d +
-// delta_2.
-std::unique_ptr<ceres::Manifold> CreateGeneralPlaneManifold();
-
 // Vertical plane (a, d), 2 -> 2, that bends along with the plane's turning about a vertical
 // line through centre (x, y of the world):
 //   a [+] delta = a + delta_0
@@ -40,17 +34,7 @@ Eigen::Matrix<double, 4, 3> RotationPlusJacobian(const double* q);
 // I.
 Eigen::Matrix<double, 3, 4> RotationMinusJacobian(const double* q);
 
-// Two orthonormal directions perpendicular to the unit vector normal; a function of it alone.
-Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& normal);
-
 // Angle in (-pi, pi] of the part of q q0^-1 that turns about the world's z axis.
 double YawDifference(const double* q, const double* q0);
-
-// The tangent that takes the general plane from reference to plane, and its derivative with
-// respect to plane's four parameters where jacobian is not null (differentiated
-// automatically). Undefined for opposite normals.
-Eigen::Vector3d GeneralPlaneDifference(const double* plane,
-                                       const double* reference,
-                                       Eigen::Matrix<double, 3, 4>* jacobian);
 
 }  // namespace plumbline

@@ -21,7 +21,7 @@ namespace {
 constexpr int kNumNodes = 3;
 constexpr int kMaxControlPoints = 9;
 constexpr int kPoseSize = 6;
-constexpr int kMaxPlaneSize = 4;
+constexpr int kMaxPlaneSize = 3;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
 constexpr int kLineSize = kNumNodes * kPoseSize;
@@ -70,7 +70,7 @@ PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* p
   PlaneDerivatives derivatives;
   derivatives.normal_by_plane.setZero();
   derivatives.distance_by_plane.setZero();
-  VisitPlaneModel(plane.model, plane.sign, [&](const auto& model) {
+  VisitPlaneModel(plane.model, plane.chart, [&](const auto& model) {
     constexpr int kSize = std::decay_t<decltype(model)>::kSize;
     using T = ceres::Jet<double, kSize>;
     T jets[kSize];
@@ -427,7 +427,7 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
         scanner_at_nodes = segment.scanner;
         scanner = AtNodes(scanners_[static_cast<size_t>(segment.scanner)], poses);
       }
-      VisitPlaneModel(planes_[plane].model, planes_[plane].sign, [&](const auto& model) {
+      VisitPlaneModel(planes_[plane].model, planes_[plane].chart, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
         SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
         Differentiate(*segment.measurement,

@@ -25,7 +25,7 @@ class SegmentGroup {
   };
   struct Plane {
     PlaneModel model = PlaneModel::kVertical;
-    double sign = 1.0;  // horizontal planes
+    PlaneChart chart;
   };
   struct Segment {
     const PackedSegment* measurement = nullptr;  // outlives the group

@@ -107,7 +107,8 @@ class BoundComputer {
           covariance.landmarks().block(offset, offset, size, size);
     }
     Bound bound;
-    bound.planes = PlaneCovariance(PlanePatches(*state_), covariance.landmarks());
+    bound.planes =
+        StatedCovariance(state_->landmarks, PlanePatches(*state_), covariance.landmarks());
     for (const PlanePatch& plane : bound.planes.planes()) {
       bound.face_ids.push_back(face_of_landmark_[static_cast<size_t>(plane.id)]);
     }
@@ -278,9 +279,10 @@ class BoundComputer {
     const Face& face = FaceOf(plane);
     const Eigen::Vector3d normal = model_from_world_.rotation * face.normal;
     const Eigen::Vector3d point = model_from_world_ * face.Centroid();
-    Landmark landmark = face.type == PlaneType::kHorizontal
-                            ? MakeHorizontalLandmark(normal.z(), point)
-                            : MakeVerticalLandmark(normal, point);
+    Landmark landmark =
+        face.type == PlaneType::kHorizontal ? MakeHorizontalLandmark(normal.z(), point)
+        : face.type == PlaneType::kVertical ? MakeVerticalLandmark(normal, point)
+                                            : MakeGeneralLandmark(normal, point);
     landmark.id = static_cast<int>(state_->landmarks.size());
     landmark.first_scan = landmark.last_scan = scan_index;
     landmark_of_plane_[plane] = landmark.id;

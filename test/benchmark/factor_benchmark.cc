@@ -77,7 +77,7 @@ void Run(const ceres::CostFunction& factor,
 void BM_PointFactor(benchmark::State& state) {
   Scene scene;
   const auto factor =
-      CreatePointFactor({scene.points.col(30), 0.5, 33.0}, PlaneModel::kVertical, 1.0);
+      CreatePointFactor({scene.points.col(30), 0.5, 33.0}, PlaneModel::kVertical, {});
   Run(*factor, &scene, 1, state.range(0) != 0, &state);
 }
 BENCHMARK(BM_PointFactor)->ArgName("jacobian")->Arg(0)->Arg(1);
@@ -91,7 +91,7 @@ void BM_SegmentFactor(benchmark::State& state) {
                           {SplineNode{0, 0.40}, SplineNode{0, 0.42}, SplineNode{0, 0.44}},
                           4,
                           PlaneModel::kVertical,
-                          1.0,
+                          {},
                           SegmentWeights{});
   if (state.range(1) != 0) {
     scene.jacobians[8] = scene.storage[8].data();

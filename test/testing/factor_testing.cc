@@ -30,8 +30,12 @@ void TestBlocks::AddRotation(const Eigen::Quaterniond& q) {
 
 void TestBlocks::AddEuclidean(const Eigen::VectorXd& x) { Add(x, nullptr); }
 
-void TestBlocks::AddPlane(PlaneModel model, const Eigen::VectorXd& params) {
-  Add(params, model == PlaneModel::kGeneral ? CreateGeneralPlaneManifold() : nullptr);
+PlaneChart TestRandom::Chart() {
+  PlaneChart chart;
+  chart.sign = -1.0;
+  chart.axes = Rotation(2.0).toRotationMatrix();
+  chart.anchor = Vector(3.0);
+  return chart;
 }
 
 void TestBlocks::Add(const Eigen::VectorXd& x, std::unique_ptr<ceres::Manifold> manifold) {

@@ -22,6 +22,8 @@ class TestRandom {
   Eigen::Vector3d Vector(double max_abs);  // each component
   // Turned from the identity by max_angle about a random axis.
   Eigen::Quaterniond Rotation(double angle);
+  // A ceiling's sign; axes turned by 2 rad and an anchor within 3 m of the origin.
+  PlaneChart Chart();
 
  private:
   std::mt19937 engine_;
@@ -32,7 +34,6 @@ class TestBlocks {
  public:
   void AddRotation(const Eigen::Quaterniond& q);
   void AddEuclidean(const Eigen::VectorXd& x);
-  void AddPlane(PlaneModel model, const Eigen::VectorXd& params);
   void Add(const Eigen::VectorXd& x, std::unique_ptr<ceres::Manifold> manifold);
 
   // num_control_points rotations with max_step rad between neighbours, starting anywhere, and

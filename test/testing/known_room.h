@@ -76,8 +76,8 @@ class KnownRoom {
                                  landmark.extent.ToWorld({kHalfWidth, v}));
       ++landmark.num_segments;
     }
-    landmark.covariance = kPlaneSigma * kPlaneSigma * Eigen::Matrix2d::Identity();
-    if (level) landmark.covariance(1, 1) = 0.0;
+    const int size = landmark.num_parameters();
+    landmark.covariance.diagonal().head(size).setConstant(kPlaneSigma * kPlaneSigma);
     landmark.id = static_cast<int>(state_.landmarks.size());
     state_.landmarks.push_back(std::move(landmark));
   }

@@ -28,9 +28,9 @@ class PlaneMergingTest : public testing::Test {
     // Known at its middle: distance and angle there do not correlate.
     Eigen::Matrix2d by_middle;
     const Eigen::Vector3d along = landmark.extent.u_axis();
-    by_middle = landmark.DeviationJacobian({middle_x, 2.0, 0.0}, along);
+    by_middle = landmark.DeviationJacobian({middle_x, 2.0, 0.0}, along).leftCols<2>();
     const Eigen::Matrix2d inverse = by_middle.inverse();
-    landmark.covariance =
+    landmark.covariance.topLeftCorner<2, 2>() =
         inverse *
         Eigen::Vector2d(kSigmaDistance * kSigmaDistance, kSigmaAngle * kSigmaAngle)
             .asDiagonal() *
@@ -102,7 +102,7 @@ TEST_F(PlaneMergingTest, TypesDoNotMix) {
   Add(floor);
   EXPECT_EQ(Find(), (Pairs{{1, 2}}));
   state_.landmarks.pop_back();
-  floor.sign = -1.0;
+  floor.chart.sign = -1.0;
   floor.parameters[0] = -0.2;
   Add(floor);
   EXPECT_EQ(Find(), Pairs());

@@ -268,11 +268,14 @@ TEST(LandmarkTest, DeviationJacobianAgreesWithFiniteDifferences) {
   const Eigen::Vector3d p(3.0, -1.0, 0.5);
   const Eigen::Vector3d direction = Eigen::Vector3d(0.4, 0.7, -0.5).normalized();
   constexpr double kStep = 1e-6;
+  Landmark roof = MakeGeneralLandmark({-0.48, 0.36, -0.8}, {1.0, 2.0, 3.3});
+  roof.parameters = {0.2, -0.1, 0.4};
   for (const Landmark& landmark : {MakeHorizontalLandmark(1.0, {1.0, 2.0, 0.3}),
                                    MakeHorizontalLandmark(-1.0, {1.0, 2.0, 2.3}),
-                                   MakeVerticalLandmark({-0.8, 0.6, 0.0}, {1.0, 2.0, 0.3})}) {
-    const Eigen::Matrix2d jacobian = landmark.DeviationJacobian(p, direction);
-    for (int i = 0; i < 2; ++i) {
+                                   MakeVerticalLandmark({-0.8, 0.6, 0.0}, {1.0, 2.0, 0.3}),
+                                   roof}) {
+    const Eigen::Matrix<double, 2, 3> jacobian = landmark.DeviationJacobian(p, direction);
+    for (int i = 0; i < 3; ++i) {
       Eigen::Vector2d expected = Eigen::Vector2d::Zero();
       if (i < landmark.num_parameters()) {
         Landmark plus = landmark, minus = landmark;

@@ -33,7 +33,7 @@ class BatchPoliciesTest : public testing::Test {
     landmark.num_segments = 1;
     landmark.num_points = num_points;
     landmark.extent.AddSegment({x, first_y, 0.0}, {x, last_y, 0.0});
-    landmark.covariance = Eigen::Vector2d(1e-6, 1e-6).asDiagonal();
+    landmark.covariance = Eigen::Vector3d(1e-6, 1e-6, 0.0).asDiagonal();
     state_.landmarks.push_back(landmark);
     return state_.landmarks.back();
   }

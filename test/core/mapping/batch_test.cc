@@ -103,7 +103,7 @@ TEST_F(BatchTest, RoundsUndoWrongAssociations) {
   const size_t num_landmarks = state().landmarks.size();
   Landmark phantom = MakeVerticalLandmark({-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0});
   phantom.id = static_cast<int>(num_landmarks);
-  phantom.covariance = Eigen::Vector2d(1e-4, 1e-4).asDiagonal();
+  phantom.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
   state().landmarks.push_back(phantom);
   std::vector<size_t> moved;
   for (size_t i = 0; i < state().observations.size(); i += 50) {

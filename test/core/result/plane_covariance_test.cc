@@ -35,6 +35,26 @@ PlanePatch Floor(int id, double height) {
   return floor;
 }
 
+PlanePatch Roof(int id) {
+  PlanePatch roof;
+  roof.id = id;
+  roof.type = PlaneType::kGeneral;
+  roof.normal = {-0.48, 0.36, -0.8};
+  roof.centre = {3.0, -2.0, 2.5};
+  roof.distance = roof.normal.dot(roof.centre);
+  return roof;
+}
+
+// A plane as its three parameters have it: turns of the normal, and a shift at the centre.
+PlanePatch Turned(const PlanePatch& plane, const Eigen::Vector3d& error) {
+  PlanePatch turned = plane;
+  const Eigen::Vector3d u = Eigen::Vector3d::UnitZ().cross(plane.normal).normalized();
+  turned.normal += error[0] * u + error[1] * plane.normal.cross(u);
+  turned.normal.normalize();
+  turned.distance = turned.normal.dot(plane.centre) + error[2];
+  return turned;
+}
+
 // Two walls and a floor whose parameters all depend on each other.
 PlaneCovariance Example() {
   std::mt19937_64 random(3);
@@ -103,6 +123,34 @@ TEST(PlaneCovariance, SeparationOfWalls) {
         return b.SignedDistance(on_a);
       });
   EXPECT_NEAR(example.SeparationStddev(point, 2, 9) / expected, 1.0, kTolerance);
+}
+
+TEST(PlaneCovariance, AngleAndDistanceOfARoof) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd root(5, 5);
+  for (double& value : root.reshaped()) value = 1e-3 * normal(random);
+  const PlaneCovariance example({Wall(2, 0.3, -4.0), Roof(7)}, root * root.transpose());
+  const Eigen::Vector3d point(1.0, 7.0, 2.0);
+  double sum_angles = 0.0;
+  double sum_distances = 0.0;
+  constexpr int kDraws = 20000;
+  const auto angle_of = [](const PlanePatch& a, const PlanePatch& b) {
+    return std::acos(a.normal.dot(b.normal));
+  };
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd white(5);
+    for (double& value : white) value = normal(random);
+    const Eigen::VectorXd error = root * white;
+    const PlanePatch wall = Wall(2, 0.3 + error[0], -4.0 + error[1]);
+    const PlanePatch roof = Turned(Roof(7), error.tail<3>());
+    sum_angles += std::pow(angle_of(wall, roof) - angle_of(Wall(2, 0.3, -4.0), Roof(7)), 2);
+    sum_distances += std::pow(roof.SignedDistance(point) - Roof(7).SignedDistance(point), 2);
+  }
+  EXPECT_NEAR(example.AngleStddev(2, 7) / std::sqrt(sum_angles / kDraws), 1.0, kTolerance);
+  EXPECT_NEAR(
+      example.DistanceStddev(point, 7) / std::sqrt(sum_distances / kDraws), 1.0, kTolerance);
+  EXPECT_EQ(example.AngleStddev(7, 7), 0.0);
 }
 
 TEST(PlaneCovariance, LargestCorrelationIsFound) {

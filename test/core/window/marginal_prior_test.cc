@@ -51,7 +51,8 @@ class MarginalPriorTest : public testing::Test {
     return prior;
   }
 
-  // The marginal prior's cost of a position and of the landmarks as they are, up to a constant.
+  // The marginal prior's cost of a position and of the landmarks as they are, up to a
+  // constant.
   static double Cost(const MarginalPrior& prior,
                      const Eigen::Vector3d& position,
                      const std::deque<Landmark>& landmarks) {
@@ -75,7 +76,7 @@ class MarginalPriorTest : public testing::Test {
 TEST_F(MarginalPriorTest, AnchoredParametersAndBack) {
   for (Landmark landmark :
        {MakeWall(0, 0.7, 3.0), MakeHorizontalLandmark(-1.0, {1.0, 2.0, 3.0})}) {
-    const std::array<double, 4> parameters = landmark.parameters;
+    const std::array<double, 3> parameters = landmark.parameters;
     const Eigen::VectorXd anchored = AnchoredParameters(landmark);
     landmark.parameters = {};
     SetFromAnchored(anchored, &landmark);
@@ -119,39 +120,43 @@ TEST_F(MarginalPriorTest, EquationsAndCovariancesChangeTogether) {
   EXPECT_LT((step.segment<2>(row) - by_anchored * anchored_step.segment<2>(row)).norm(), 1e-8);
 }
 
-// Two copies of a wall, one of them turned by 7 degrees: as one plane they cost what they did
+// Two copies of a plane, one of them turned by 7 degrees: as one plane they cost what they did
 // as two equal ones, wherever it lies near the value that the marginal prior has for it.
 TEST_F(MarginalPriorTest, MergedPlanesCostWhatTwoEqualOnesDo) {
-  for (const bool both_known : {true, false}) {
-    landmarks_ = {MakeWall(0, 0.70, 0.0), MakeWall(1, 0.82, 3.0)};
-    MarginalPrior prior = MakePrior();
-    if (!both_known) {  // nothing of the first one yet
-      landmarks_.pop_front();
-      prior = MakePrior();
-      landmarks_.push_front(MakeWall(0, 0.70, 0.0));
-    }
-    const MarginalPrior before = prior;
-    Landmark plane = landmarks_[both_known ? 0 : 1];
-    const auto cost = [&](const MarginalPrior& of, const Eigen::Vector2d& turn_and_offset) {
-      Landmark moved = plane;
-      SetFromAnchored(AnchoredParameters(plane) + turn_and_offset, &moved);
-      std::deque<Landmark> both = landmarks_;
-      for (Landmark& landmark : both) landmark.parameters = moved.parameters;
-      return Cost(of, {0.1, -0.2, 0.3}, both);
-    };
-    const Reanchoring change = MergePlanes(landmarks_[0], landmarks_[1], &prior);
-    EXPECT_EQ(prior.equations.blocks.back(), LandmarkBlock(0));
-    EXPECT_EQ(change.shift.isZero(), !both_known);
-    const double constant =
-        cost(prior, Eigen::Vector2d::Zero()) - cost(before, Eigen::Vector2d::Zero());
-    constexpr double kStep = 1e-4;
-    for (const Eigen::Vector2d& step : {Eigen::Vector2d(kStep, 0.0),
-                                        Eigen::Vector2d(0.0, kStep),
-                                        Eigen::Vector2d(-kStep, kStep)}) {
-      const double change_before = cost(before, step) - cost(before, Eigen::Vector2d::Zero());
-      EXPECT_NEAR(cost(prior, step) - constant - cost(before, Eigen::Vector2d::Zero()),
-                  change_before,
-                  1e-3 * std::abs(change_before));
+  Landmark roof = MakeGeneralLandmark({-0.48, 0.36, -0.8}, {30.0, 40.0, 5.0});
+  Landmark turned_roof =
+      MakeGeneralLandmark(Eigen::Vector3d(-0.58, 0.36, -0.8).normalized(), {33.0, 41.0, 4.0});
+  turned_roof.id = 1;
+  const std::deque<Landmark> walls = {MakeWall(0, 0.70, 0.0), MakeWall(1, 0.82, 3.0)};
+  for (const std::deque<Landmark>& pair : {walls, {roof, turned_roof}}) {
+    for (const bool both_known : {true, false}) {
+      landmarks_ = pair;
+      if (!both_known) landmarks_.pop_front();  // nothing of the first one yet
+      MarginalPrior prior = MakePrior();
+      landmarks_ = pair;
+      const MarginalPrior before = prior;
+      const Landmark& plane = landmarks_[both_known ? 0 : 1];
+      const auto cost = [&](const MarginalPrior& of, const Eigen::VectorXd& step) {
+        Landmark moved = plane;
+        SetFromAnchored(AnchoredParameters(plane) + step, &moved);
+        std::deque<Landmark> both = landmarks_;
+        for (Landmark& landmark : both) landmark.SetPlane(moved.Normal(), moved.Distance());
+        return Cost(of, {0.1, -0.2, 0.3}, both);
+      };
+      const Reanchoring change = MergePlanes(landmarks_[0], landmarks_[1], &prior);
+      EXPECT_EQ(prior.equations.blocks.back(), LandmarkBlock(0));
+      EXPECT_EQ(change.shift.isZero(1e-9), !both_known);
+      const int size = plane.num_parameters();
+      const Eigen::VectorXd unmoved = Eigen::VectorXd::Zero(size);
+      const double before_unmoved = cost(before, unmoved);
+      const double constant = cost(prior, unmoved) - before_unmoved;
+      for (int k = 0; k < size; ++k) {
+        const Eigen::VectorXd step = 1e-4 * Eigen::VectorXd::Unit(size, k);
+        const double change_before = cost(before, step) - before_unmoved;
+        EXPECT_NEAR(cost(prior, step) - constant - before_unmoved,
+                    change_before,
+                    2e-3 * std::abs(change_before) + 1e-6);
+      }
     }
   }
 }

@@ -12,16 +12,13 @@ namespace {
 
 using Kind = LinearPrior::Kind;
 
-// One block of each kind; 3 + 1 + 2 + 3 = 9 tangents.
+// Blocks of kinds that need no anchor; 3 + 1 + 2 = 6 tangents.
 LinearPrior MixedPrior(TestRandom* random) {
   LinearPrior prior;
   prior.blocks.push_back({Kind::kRotation, 4, random->Rotation(2.0).coeffs()});
   prior.blocks.push_back({Kind::kYawRotation, 4, random->Rotation(0.5).coeffs()});
   prior.blocks.push_back({Kind::kEuclidean, 2, Eigen::Vector2d(1.0, -4.0)});
-  Eigen::VectorXd plane(4);
-  plane << random->Vector(1.0).normalized(), 3.0;
-  prior.blocks.push_back({Kind::kGeneralPlane, 4, plane});
-  prior.root.resize(5, 9);
+  prior.root.resize(5, 6);
   for (double& value : prior.root.reshaped()) value = random->Uniform(-2.0, 2.0);
   prior.offset = Eigen::VectorXd::LinSpaced(5, -1.0, 1.0);
   return prior;
@@ -41,7 +38,6 @@ TestBlocks MovedBlocks(const LinearPrior& prior, const Eigen::VectorXd& tangent)
   add(&blocks, prior.blocks[0].x0, tangent.segment(0, 3), CreateRotationManifold());
   add(&blocks, prior.blocks[1].x0, tangent.segment(3, 1), CreateYawManifold());
   blocks.AddEuclidean(prior.blocks[2].x0 + tangent.segment(4, 2));
-  add(&blocks, prior.blocks[3].x0, tangent.segment(6, 3), CreateGeneralPlaneManifold());
   return blocks;
 }
 
@@ -50,8 +46,8 @@ TEST(LinearPriorFactor, IsLinearInTheTangent) {
   const LinearPrior prior = MixedPrior(&random);
   const auto factor = CreateLinearPriorFactor(prior);
   ASSERT_EQ(factor->num_residuals(), 5);
-  Eigen::VectorXd tangent(9);
-  tangent << 0.3, -0.5, 0.2, 0.9, 3.0, -2.0, 0.2, -0.4, 1.5;
+  Eigen::VectorXd tangent(6);
+  tangent << 0.3, -0.5, 0.2, 0.9, 3.0, -2.0;
   for (const double scale : {0.0, 1e-6, 1.0}) {
     const Eigen::VectorXd expected = prior.offset + prior.root * (scale * tangent);
     const TestBlocks blocks = MovedBlocks(prior, scale * tangent);
@@ -63,7 +59,7 @@ TEST(LinearPriorFactor, IsLinearInTheTangent) {
 TEST(LinearPriorFactor, JacobianAtTheLinearisationPointIsTheRoot) {
   TestRandom random(2);
   const LinearPrior prior = MixedPrior(&random);
-  const TestBlocks blocks = MovedBlocks(prior, Eigen::VectorXd::Zero(9));
+  const TestBlocks blocks = MovedBlocks(prior, Eigen::VectorXd::Zero(6));
   EXPECT_LT((blocks.TangentJacobian(*CreateLinearPriorFactor(prior)) - prior.root).norm(),
             1e-13);
 }
@@ -71,8 +67,8 @@ TEST(LinearPriorFactor, JacobianAtTheLinearisationPointIsTheRoot) {
 TEST(LinearPriorFactor, FarRotations) {
   TestRandom random(3);
   const LinearPrior prior = MixedPrior(&random);
-  Eigen::VectorXd tangent(9);
-  tangent << 1.5, -2.0, 1.2, 3.0, 0.0, 0.0, 1.2, 1.4, 0.0;
+  Eigen::VectorXd tangent(6);
+  tangent << 1.5, -2.0, 1.2, 3.0, 0.0, 0.0;
   MovedBlocks(prior, tangent).ExpectGradientsCorrect(*CreateLinearPriorFactor(prior));
 }
 
@@ -80,7 +76,7 @@ TEST(LinearPriorFactor, SignOfTheQuaternionDoesNotMatter) {
   TestRandom random(4);
   const LinearPrior prior = MixedPrior(&random);
   const auto factor = CreateLinearPriorFactor(prior);
-  TestBlocks blocks = MovedBlocks(prior, Eigen::VectorXd::Constant(9, 0.1));
+  TestBlocks blocks = MovedBlocks(prior, Eigen::VectorXd::Constant(6, 0.1));
   const Eigen::VectorXd residuals = blocks.Residuals(*factor);
   blocks[0] *= -1.0;
   blocks[1] *= -1.0;

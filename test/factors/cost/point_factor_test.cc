@@ -12,11 +12,7 @@ constexpr double kHalfPi = 1.57079632679489661923;
 
 Eigen::VectorXd PlaneParameters(PlaneModel model, TestRandom* random) {
   Eigen::VectorXd params(PlaneModelSize(model));
-  if (model == PlaneModel::kGeneral) {
-    params << random->Vector(1.0).normalized(), 2.0;
-  } else {
-    for (double& value : params) value = random->Uniform(-2.0, 2.0);
-  }
+  for (double& value : params) value = random->Uniform(-2.0, 2.0);
   return params;
 }
 
@@ -30,9 +26,9 @@ TEST(PointFactor, ByHand) {
   for (int j = 0; j < 4; ++j) blocks.AddEuclidean(Eigen::Vector3d(1.0, 2.0, 3.0));
   blocks.AddRotation(left);
   blocks.AddEuclidean(Eigen::Vector3d(0.5, 0.0, 0.0));
-  blocks.AddPlane(PlaneModel::kVertical, Eigen::Vector2d(0.0, -1.25));
+  blocks.AddEuclidean(Eigen::Vector2d(0.0, -1.25));
   const PointMeasurement measurement{Eigen::Vector2d(2.0, 0.0), 0.4, 10.0};
-  const auto factor = CreatePointFactor(measurement, PlaneModel::kVertical, 1.0);
+  const auto factor = CreatePointFactor(measurement, PlaneModel::kVertical, {});
   EXPECT_NEAR(blocks.Residuals(*factor)[0], 10.0 * (-1.0 + 1.25), 1e-12);
 
   blocks[10][1] = -1.0;  // on the plane
@@ -46,10 +42,10 @@ TEST(PointFactor, CeilingsNormalPointsDown) {
   for (int j = 0; j < 4; ++j) blocks.AddEuclidean(Eigen::Vector3d(0.0, 0.0, 2.5));
   blocks.AddRotation(Eigen::Quaterniond::Identity());
   blocks.AddEuclidean(Eigen::Vector3d::Zero());
-  blocks.AddPlane(PlaneModel::kHorizontal, Eigen::VectorXd::Constant(1, -3.0));
+  blocks.AddEuclidean(Eigen::VectorXd::Constant(1, -3.0));
   const PointMeasurement measurement{Eigen::Vector2d(1.0, 1.0), 0.0, 1.0};
   EXPECT_NEAR(
-      blocks.Residuals(*CreatePointFactor(measurement, PlaneModel::kHorizontal, -1.0))[0],
+      blocks.Residuals(*CreatePointFactor(measurement, PlaneModel::kHorizontal, {-1.0}))[0],
       0.5,
       1e-12);
 }
@@ -63,9 +59,9 @@ TEST(PointFactor, GradientsForAllPlaneModelsAndFarRotations) {
       blocks.AddSpline(4, step, &random);
       blocks.AddRotation(random.Rotation(2.0));
       blocks.AddEuclidean(random.Vector(1.0));
-      blocks.AddPlane(model, PlaneParameters(model, &random));
+      blocks.AddEuclidean(PlaneParameters(model, &random));
       const PointMeasurement measurement{Eigen::Vector2d(3.0, -1.0), 0.7, 30.0};
-      blocks.ExpectGradientsCorrect(*CreatePointFactor(measurement, model, -1.0));
+      blocks.ExpectGradientsCorrect(*CreatePointFactor(measurement, model, random.Chart()));
     }
   }
 }

@@ -58,7 +58,6 @@ struct TestSegment {
 // A gently moving rig (rates of the order of 1 rad/s and 1 m/s) in front of a plane. The
 // points are not on it: any g serves to compare the two forms of the residual.
 TestBlocks GentleMotion(int num_control_points,
-                        PlaneModel model,
                         const Eigen::VectorXd& plane,
                         TestRandom* random) {
   TestBlocks blocks;
@@ -72,7 +71,7 @@ TestBlocks GentleMotion(int num_control_points,
   }
   blocks.AddRotation(random->Rotation(1.0));
   blocks.AddEuclidean(random->Vector(0.3));
-  blocks.AddPlane(model, plane);
+  blocks.AddEuclidean(plane);
   return blocks;
 }
 
@@ -87,7 +86,7 @@ double SumOfPointFactors(const TestSegment& segment,
   for (Eigen::Index i = 0; i < segment.points.cols(); ++i) {
     const SplineNode node = NodeAt(segment.times_ns[static_cast<size_t>(i)]);
     const auto factor =
-        CreatePointFactor({segment.points.col(i), node.u, segment.whitening[i]}, model, 1.0);
+        CreatePointFactor({segment.points.col(i), node.u, segment.whitening[i]}, model, {});
     std::vector<const double*> pointers;
     for (const size_t start : {size_t{0}, m}) {
       for (size_t j = 0; j < 4; ++j) {
@@ -144,10 +143,10 @@ std::unique_ptr<ceres::CostFunction> CreateOracle(const SegmentMeasurement& meas
                                                   const std::array<SplineNode, 3>& nodes,
                                                   int num_control_points,
                                                   PlaneModel model,
-                                                  double sign,
+                                                  const PlaneChart& chart,
                                                   double weight_scale) {
   return VisitPlaneModel(
-      model, sign, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
+      model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         using Functor = OracleFunctor<std::decay_t<decltype(plane)>>;
         auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<Functor, 8>>(
             new Functor{weight_scale * measurement.root(), nodes, num_control_points, plane});
@@ -162,9 +161,7 @@ std::unique_ptr<ceres::CostFunction> CreateOracle(const SegmentMeasurement& meas
 Eigen::VectorXd PlaneParameters(PlaneModel model, TestRandom* random) {
   if (model == PlaneModel::kHorizontal) return Eigen::VectorXd::Constant(1, 2.0);
   if (model == PlaneModel::kVertical) return Eigen::Vector2d(random->Uniform(-3.0, 3.0), 2.0);
-  Eigen::VectorXd params(4);
-  params << random->Vector(1.0).normalized(), 2.0;
-  return params;
+  return Eigen::Vector3d(random->Uniform(-1.0, 1.0), random->Uniform(-1.0, 1.0), 2.0);
 }
 
 constexpr PlaneModel kModels[] = {
@@ -178,7 +175,7 @@ TEST(SegmentFactor, OnePointByHand) {
   for (int j = 0; j < 4; ++j) blocks.AddEuclidean(Eigen::Vector3d(1.0, 2.0, 3.0));
   blocks.AddRotation(left);
   blocks.AddEuclidean(Eigen::Vector3d(0.5, 0.0, 0.0));
-  blocks.AddPlane(PlaneModel::kVertical, Eigen::Vector2d(0.0, -1.25));
+  blocks.AddEuclidean(Eigen::Vector2d(0.0, -1.25));
   const SegmentMeasurement measurement = CompressSegment(
       Eigen::Vector2d(2.0, 0.0), {50000000}, Eigen::VectorXd::Constant(1, 10.0));
   EXPECT_EQ(measurement.num_nodes, 1);
@@ -186,7 +183,7 @@ TEST(SegmentFactor, OnePointByHand) {
                                           NodesOf(measurement),
                                           4,
                                           PlaneModel::kVertical,
-                                          1.0,
+                                          {},
                                           SegmentWeights{2.0, 2.0});
   ASSERT_EQ(factor->num_residuals(), 1);
   EXPECT_NEAR(std::abs(blocks.Residuals(*factor)[0]), 5.0, 1e-12);
@@ -200,10 +197,9 @@ TEST(SegmentFactor, EqualsSumOverPoints) {
     for (const PlaneModel model : kModels) {
       const TestSegment segment = TestSegment::Line(80, start_ns, 92593, &random);
       const SegmentMeasurement measurement = segment.Compress();
-      const TestBlocks blocks =
-          GentleMotion(5, model, PlaneParameters(model, &random), &random);
+      const TestBlocks blocks = GentleMotion(5, PlaneParameters(model, &random), &random);
       const auto factor = CreateSegmentFactor(
-          measurement, NodesOf(measurement), 5, model, 1.0, SegmentWeights{1.0, 1.0});
+          measurement, NodesOf(measurement), 5, model, {}, SegmentWeights{1.0, 1.0});
       const double expected = SumOfPointFactors(segment, blocks, 5, model);
       // The interpolation of g over a span of 7.3 ms leaves out its third derivative, at most
       // about (2 rad/s)^3 (jumps of it at a knot included): 0.064 * 8 / s^3 * (3.7 ms)^3 of
@@ -222,8 +218,8 @@ TEST(SegmentFactor, EqualsSumOverPointsWithOffsets) {
   for (double& offset : offsets) offset = random.Uniform(-2.0, 2.0);
   const SegmentMeasurement measurement =
       CompressSegment(segment.points, segment.times_ns, segment.whitening, offsets);
-  const TestBlocks blocks = GentleMotion(
-      5, PlaneModel::kVertical, PlaneParameters(PlaneModel::kVertical, &random), &random);
+  const TestBlocks blocks =
+      GentleMotion(5, PlaneParameters(PlaneModel::kVertical, &random), &random);
   const std::vector<const double*> all = blocks.pointers();
   constexpr double kScale = 1.3;
   constexpr double kOffset = 0.7;
@@ -233,7 +229,7 @@ TEST(SegmentFactor, EqualsSumOverPointsWithOffsets) {
     const auto factor = CreatePointFactor(
         {segment.points.col(i), node.u, kScale * segment.whitening[i], kOffset * offsets[i]},
         PlaneModel::kVertical,
-        1.0);
+        {});
     std::vector<const double*> pointers(all.begin(), all.begin() + 4);
     pointers.insert(pointers.end(), all.begin() + 5, all.begin() + 9);
     pointers.insert(pointers.end(), all.end() - 3, all.end());
@@ -245,7 +241,7 @@ TEST(SegmentFactor, EqualsSumOverPointsWithOffsets) {
                                           NodesOf(measurement),
                                           5,
                                           PlaneModel::kVertical,
-                                          1.0,
+                                          {},
                                           SegmentWeights{kScale, kOffset});
   blocks.ExpectGradientsCorrect(*factor);
   const double found =
@@ -264,7 +260,7 @@ TEST(SegmentFactor, EqualsSumOverPointsExactlyWhereInterpolationIsExact) {
   for (int j = 0; j < 5; ++j) blocks.AddEuclidean(j * speed + j * j * bend);
   blocks.AddRotation(random.Rotation(1.0));
   blocks.AddEuclidean(random.Vector(0.3));
-  blocks.AddPlane(PlaneModel::kVertical, Eigen::Vector2d(0.3, 0.5));
+  blocks.AddEuclidean(Eigen::Vector2d(0.3, 0.5));
   for (const int num_points : {2, 5, 8, 9, 200}) {
     const TestSegment segment = TestSegment::Line(num_points, 118000000, 92593, &random);
     const SegmentMeasurement measurement = segment.Compress();
@@ -272,7 +268,7 @@ TEST(SegmentFactor, EqualsSumOverPointsExactlyWhereInterpolationIsExact) {
                                             NodesOf(measurement),
                                             5,
                                             PlaneModel::kVertical,
-                                            1.0,
+                                            {},
                                             SegmentWeights{1.0, 1.0});
     const double expected = SumOfPointFactors(segment, blocks, 5, PlaneModel::kVertical);
     EXPECT_NEAR(blocks.Residuals(*factor).squaredNorm(), expected, 1e-6 + 1e-10 * expected);
@@ -296,10 +292,11 @@ TEST(SegmentFactor, MatchesFullAutomaticDifferentiation) {
         blocks.AddSpline(m, step, &random);
         blocks.AddRotation(random.Rotation(2.0));
         blocks.AddEuclidean(random.Vector(1.0));
-        blocks.AddPlane(model, PlaneParameters(model, &random));
+        blocks.AddEuclidean(PlaneParameters(model, &random));
+        const PlaneChart chart = random.Chart();
         const auto factor =
-            CreateSegmentFactor(measurement, nodes, m, model, -1.0, SegmentWeights{0.7, 0.7});
-        const auto oracle = CreateOracle(measurement, nodes, m, model, -1.0, 0.7);
+            CreateSegmentFactor(measurement, nodes, m, model, chart, SegmentWeights{0.7, 0.7});
+        const auto oracle = CreateOracle(measurement, nodes, m, model, chart, 0.7);
         EXPECT_LT((blocks.Residuals(*factor) - blocks.Residuals(*oracle)).norm(), 1e-11);
         const Eigen::MatrixXd expected = blocks.TangentJacobian(*oracle);
         EXPECT_LT((blocks.TangentJacobian(*factor) - expected).norm(), 1e-12 * expected.norm())
@@ -314,9 +311,9 @@ TEST(SegmentFactor, GradientsOfAMeasuredSegment) {
   for (const PlaneModel model : kModels) {
     const TestSegment segment = TestSegment::Line(60, 120000000, 92593, &random);
     const SegmentMeasurement measurement = segment.Compress();
-    const TestBlocks blocks = GentleMotion(5, model, PlaneParameters(model, &random), &random);
+    const TestBlocks blocks = GentleMotion(5, PlaneParameters(model, &random), &random);
     blocks.ExpectGradientsCorrect(*CreateSegmentFactor(
-        measurement, NodesOf(measurement), 5, model, 1.0, SegmentWeights{1.0, 1.0}));
+        measurement, NodesOf(measurement), 5, model, {}, SegmentWeights{1.0, 1.0}));
   }
 }
 
@@ -334,13 +331,13 @@ TEST(SegmentFactor, ZeroOnPerfectDataWithCorrectGradients) {
   for (int j = 0; j < 4; ++j) blocks.AddEuclidean(Eigen::Vector3d::Zero());
   blocks.AddRotation(Eigen::Quaterniond::Identity());
   blocks.AddEuclidean(Eigen::Vector3d(0.5, 0.0, 0.0));
-  blocks.AddPlane(PlaneModel::kVertical, Eigen::Vector2d(0.0, 4.0));
+  blocks.AddEuclidean(Eigen::Vector2d(0.0, 4.0));
   const SegmentMeasurement measurement = segment.Compress();
   const auto factor = CreateSegmentFactor(measurement,
                                           NodesOf(measurement),
                                           4,
                                           PlaneModel::kVertical,
-                                          1.0,
+                                          {},
                                           SegmentWeights{1.0, 1.0});
   EXPECT_LT(blocks.Residuals(*factor).norm(), 1e-10);
   blocks.ExpectGradientsCorrect(*factor);
@@ -351,12 +348,12 @@ TEST(SegmentFactor, ControlPointsOutsideTheSupportHaveNoEffect) {
   const TestSegment segment = TestSegment::Line(60, 20000000, 92593, &random);
   const SegmentMeasurement measurement = segment.Compress();
   TestBlocks blocks =
-      GentleMotion(6, PlaneModel::kVertical, Eigen::Vector2d(0.3, 2.0), &random);
+      GentleMotion(6, Eigen::Vector2d(0.3, 2.0), &random);
   const auto factor = CreateSegmentFactor(measurement,
                                           NodesOf(measurement),
                                           6,
                                           PlaneModel::kVertical,
-                                          1.0,
+                                          {},
                                           SegmentWeights{1.0, 1.0});
   const Eigen::VectorXd residuals = blocks.Residuals(*factor);
   const Eigen::MatrixXd jacobian = blocks.TangentJacobian(*factor);
@@ -376,13 +373,12 @@ TEST(SegmentFactor, EachJacobianAloneIsTheSame) {
   TestRandom random(8);
   const TestSegment segment = TestSegment::Line(60, 120000000, 92593, &random);
   const SegmentMeasurement measurement = segment.Compress();
-  const TestBlocks blocks =
-      GentleMotion(5, PlaneModel::kVertical, Eigen::Vector2d(0.3, 2.0), &random);
+  const TestBlocks blocks = GentleMotion(5, Eigen::Vector2d(0.3, 2.0), &random);
   const auto factor = CreateSegmentFactor(measurement,
                                           NodesOf(measurement),
                                           5,
                                           PlaneModel::kVertical,
-                                          1.0,
+                                          {},
                                           SegmentWeights{1.0, 1.0});
   const int rows = factor->num_residuals();
   Eigen::VectorXd residuals(rows);
@@ -411,7 +407,7 @@ TEST(SegmentFactor, GeometryGivesTheFactorsChiSquared) {
   const SegmentMeasurement measurement = segment.Compress();
   const std::array<SplineNode, 3> nodes = NodesOf(measurement);
   TestBlocks blocks =
-      GentleMotion(4, PlaneModel::kVertical, Eigen::Vector2d(0.3, 2.0), &random);
+      GentleMotion(4, Eigen::Vector2d(0.3, 2.0), &random);
   const std::vector<const double*> pointers = blocks.pointers();
   std::array<SplinePose, 3> poses;
   for (size_t k = 0; k < 3; ++k) {
@@ -421,7 +417,7 @@ TEST(SegmentFactor, GeometryGivesTheFactorsChiSquared) {
   const Eigen::Matrix<double, 9, 1> g = SegmentGeometry(
       poses, Eigen::Quaterniond(Eigen::Vector4d(blocks[8])), blocks[9], normal, 2.0);
   const auto factor = CreateSegmentFactor(
-      measurement, nodes, 4, PlaneModel::kVertical, 1.0, SegmentWeights{1.0, 1.0});
+      measurement, nodes, 4, PlaneModel::kVertical, {}, SegmentWeights{1.0, 1.0});
   EXPECT_LT((measurement.root() * g - blocks.Residuals(*factor)).norm(), 1e-10);
 }
 

@@ -104,52 +104,5 @@ TEST(Manifolds, VerticalPlaneTurnsAboutItsCentre) {
   EXPECT_NEAR(turned_normal.dot(centre) - turned[1], 0.0, 1e-14);
 }
 
-TEST(Manifolds, GeneralPlaneKeepsTheInvariants) {
-  const auto owner = CreateGeneralPlaneManifold();
-  const Manifold& manifold = *owner;
-  TestRandom random(4);
-  for (int trial = 0; trial < 20; ++trial) {
-    Eigen::VectorXd x(4), y(4);
-    x << random.Vector(1.0).normalized(), random.Uniform(-5.0, 5.0);
-    y << random.Vector(1.0).normalized(), random.Uniform(-5.0, 5.0);
-    const Eigen::VectorXd delta = random.Vector(1.0);
-    EXPECT_THAT_MANIFOLD_INVARIANTS_HOLD(manifold, x, delta, y, kTolerance);
-  }
-}
-
-TEST(Manifolds, GeneralPlaneTurnsByTheTangentsLength) {
-  const auto manifold = CreateGeneralPlaneManifold();
-  const Eigen::Vector4d plane(0.0, 0.6, 0.8, 2.0);
-  const Eigen::Vector3d delta(0.03, 0.04, 0.5);
-  Eigen::Vector4d result;
-  manifold->Plus(plane.data(), delta.data(), result.data());
-  EXPECT_NEAR(result.head<3>().dot(plane.head<3>()), std::cos(0.05), 1e-15);
-  EXPECT_DOUBLE_EQ(result[3], 2.5);
-}
-
-TEST(Manifolds, GeneralPlaneDifferenceHasExactDerivatives) {
-  const auto manifold = CreateGeneralPlaneManifold();
-  const Eigen::Vector4d reference(0.48, 0.6, 0.64, 2.0);
-  for (const double scale : {0.0, 1e-4, 0.5, 2.0}) {
-    const Eigen::Vector3d delta = scale * Eigen::Vector3d(0.6, -0.8, 1.0);
-    Eigen::Vector4d plane;
-    manifold->Plus(reference.data(), delta.data(), plane.data());
-    Eigen::Matrix<double, 3, 4> jacobian;
-    EXPECT_LT(
-        (GeneralPlaneDifference(plane.data(), reference.data(), &jacobian) - delta).norm(),
-        1e-14);
-    const double h = 1e-6;
-    for (int i = 0; i < 4; ++i) {
-      const Eigen::Vector4d plus = plane + h * Eigen::Vector4d::Unit(i);
-      const Eigen::Vector4d minus = plane - h * Eigen::Vector4d::Unit(i);
-      const Eigen::Vector3d numeric =
-          (GeneralPlaneDifference(plus.data(), reference.data(), nullptr) -
-           GeneralPlaneDifference(minus.data(), reference.data(), nullptr)) /
-          (2 * h);
-      EXPECT_LT((jacobian.col(i) - numeric).norm(), 1e-8) << scale;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace plumbline

@@ -20,9 +20,9 @@ constexpr int kNumControlPoints = 5;
 // Three planes, a rig of two scanners and segments with arbitrary roots on them.
 struct Scene {
   std::vector<SegmentGroup::Scanner> scanners;
-  std::vector<SegmentGroup::Plane> planes = {{PlaneModel::kHorizontal, -1.0},
-                                             {PlaneModel::kVertical, 1.0},
-                                             {PlaneModel::kGeneral, 1.0}};
+  std::vector<SegmentGroup::Plane> planes = {{PlaneModel::kHorizontal, {-1.0}},
+                                             {PlaneModel::kVertical, {}},
+                                             {PlaneModel::kGeneral, {}}};
   std::vector<Eigen::VectorXd> plane_parameters;
   std::deque<PackedSegment> measurements;
   std::vector<SegmentGroup::Segment> segments;
@@ -35,11 +35,10 @@ struct Scene {
       scanners.push_back({random.Rotation(1.0).toRotationMatrix(), random.Vector(0.3)});
     }
     plane_parameters = {Eigen::VectorXd::Constant(1, 2.0), Eigen::Vector2d(0.4, -3.0)};
-    Eigen::Vector4d general;
-    general << random.Vector(1.0).normalized(), 1.5;
-    plane_parameters.push_back(general);
+    planes[2].chart = random.Chart();
+    plane_parameters.emplace_back(Eigen::Vector3d(0.3, -0.7, 1.5));
     for (size_t i = 0; i < planes.size(); ++i) {
-      blocks.AddPlane(planes[i].model, plane_parameters[i]);
+      blocks.AddEuclidean(plane_parameters[i]);
     }
     for (int i = 0; i < num_segments; ++i) {
       SegmentMeasurement measurement;
@@ -95,12 +94,12 @@ Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
     blocks.AddRotation(Eigen::Quaterniond(scanner.body_from_scanner_rotation));
     blocks.AddEuclidean(scanner.body_from_scanner_translation);
     const auto plane = static_cast<size_t>(segment.plane);
-    blocks.AddPlane(scene.planes[plane].model, scene.plane_parameters[plane]);
+    blocks.AddEuclidean(scene.plane_parameters[plane]);
     const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),
                                             segment.nodes,
                                             kNumControlPoints,
                                             scene.planes[plane].model,
-                                            scene.planes[plane].sign,
+                                            scene.planes[plane].chart,
                                             segment.weights);
     const Eigen::VectorXd residuals = blocks.Residuals(*factor);
     const Eigen::MatrixXd all = blocks.TangentJacobian(*factor);

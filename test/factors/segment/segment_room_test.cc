@@ -35,7 +35,7 @@ constexpr int kNumBeams = 54;  // over 270 degrees in 18.75 ms
 
 struct RoomPlane {
   PlaneModel model;
-  double sign;
+  PlaneChart chart;
   Eigen::VectorXd params;
   Eigen::Vector3d normal;  // into the room
   double distance;
@@ -45,11 +45,11 @@ std::vector<RoomPlane> Room() {
   const auto wall = [](double angle, double distance) {
     const Eigen::Vector3d normal(std::cos(angle), std::sin(angle), 0.0);
     return RoomPlane{
-        PlaneModel::kVertical, 1.0, Eigen::Vector2d(angle, distance), normal, distance};
+        PlaneModel::kVertical, {}, Eigen::Vector2d(angle, distance), normal, distance};
   };
   const auto level = [](double sign) {
     return RoomPlane{PlaneModel::kHorizontal,
-                     sign,
+                     {sign},
                      Eigen::VectorXd::Constant(1, -1.5),
                      sign * Eigen::Vector3d::UnitZ(),
                      -1.5};
@@ -166,8 +166,9 @@ class Estimate {
         const SplineNode node = NodeAt(segment.times_ns[static_cast<size_t>(i)]);
         const RoomPlane& plane = room_[segment.plane];
         problem_.AddResidualBlock(
-            CreatePointFactor(
-                {segment.points.col(i), node.u, segment.whitening[i]}, plane.model, plane.sign)
+            CreatePointFactor({segment.points.col(i), node.u, segment.whitening[i]},
+                              plane.model,
+                              plane.chart)
                 .release(),
             nullptr,
             Blocks(node.first, 4, segment));
@@ -189,7 +190,7 @@ class Estimate {
                                                     nodes,
                                                     num_control_points,
                                                     plane.model,
-                                                    plane.sign,
+                                                    plane.chart,
                                                     SegmentWeights{})
                                     .release(),
                                 nullptr,
