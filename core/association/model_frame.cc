@@ -197,7 +197,8 @@ Eigen::Vector3d FindZ(std::vector<Level> levels) {
 
 std::optional<ModelFrame> FindModelFrame(const Rig& rig,
                                          bool planar,
-                                         const std::vector<Observation>& scan) {
+                                         const std::vector<Observation>& scan,
+                                         const std::set<int>& no_walls) {
   const std::vector<BodyLine> lines = LinesInBody(rig, scan);
   const Eigen::Vector3d z_body =
       planar ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : FindZ(FindLevels(lines));
@@ -209,6 +210,7 @@ std::optional<ModelFrame> FindModelFrame(const Rig& rig,
   ModelFrame frame;
   Eigen::Vector3d wall_normal = Eigen::Vector3d::Zero();
   for (const BodyLine& line : lines) {
+    if (no_walls.count(line.observation) > 0) continue;
     const Observation& observation = scan[static_cast<size_t>(line.observation)];
     const Rigid3d& body_from_scanner =
         rig.scanners[static_cast<size_t>(line.scanner)].body_from_scanner;

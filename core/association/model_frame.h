@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/map/observation.h"
@@ -19,10 +20,12 @@ struct ModelFrame {
 // Looks for the direction z that agrees with the largest total length of segments: segments of
 // tilted scanners on floor and ceiling are perpendicular to it, and so are the normals of
 // walls that two scanners see; segments on these walls have no say. The direction must lie
-// within 35 degrees of the body's z axis; planar rigs take that axis itself. Returns nothing
-// when the scan shows no floor, ceiling or wall clearly enough.
+// within 35 degrees of the body's z axis; planar rigs take that axis itself. no_walls:
+// observations that are known to lie on no wall. Returns nothing when the scan shows no floor,
+// ceiling or wall clearly enough.
 std::optional<ModelFrame> FindModelFrame(const Rig& rig,
                                          bool planar,
-                                         const std::vector<Observation>& scan);
+                                         const std::vector<Observation>& scan,
+                                         const std::set<int>& no_walls = {});
 
 }  // namespace plumbline

@@ -70,11 +70,12 @@ TypeEvidence JudgeType(const Observation& observation,
       tilt_sine > kMinTiltSine &&
       std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
   evidence.can_be_vertical = direction.head<2>().norm() > kMinHorizontalPart;
+  evidence.is_wall = tilt_sine <= kMinTiltSine && evidence.can_be_vertical;
   return evidence;
 }
 
 TentativePlanes::TentativePlanes(bool planar, const MapperOptions& options)
-    : planar_(planar), options_(options) {}
+    : planar_(planar), options_(options), undecided_(options) {}
 
 bool TentativePlanes::Matches(const TentativePlane& plane,
                               const Observation& observation,
@@ -100,7 +101,7 @@ bool TentativePlanes::Matches(const TentativePlane& plane,
 TypeEvidence TentativePlanes::EvidenceOf(const Observation& observation,
                                          const ObservationPoses& poses,
                                          const Matrix6d& pose_covariance) const {
-  if (planar_) return {false, true};
+  if (planar_) return {false, true, true};
   const double direction_sigma =
       std::sqrt(observation.sigma_direction_rad * observation.sigma_direction_rad +
                 pose_covariance.topLeftCorner<3, 3>().trace() + FlatnessOf(observation)(1, 1));
@@ -117,8 +118,13 @@ Eigen::Matrix2d TentativePlanes::FlatnessOf(const Observation& observation) cons
 void TentativePlanes::Offer(const Observation& observation,
                             int observation_index,
                             const ObservationPoses& poses,
-                            const Matrix6d& pose_covariance) {
-  const TypeEvidence evidence = EvidenceOf(observation, poses, pose_covariance);
+                            const Matrix6d& pose_covariance,
+                            bool founds_wall) {
+  TypeEvidence evidence = EvidenceOf(observation, poses, pose_covariance);
+  if (founds_wall) evidence = {false, true, true};
+  if (!planar_ && !evidence.can_be_horizontal) {
+    undecided_.Offer(observation, observation_index, poses);
+  }
   bool taken = false;
   for (TentativePlane& plane : planes_) {
     const bool horizontal = plane.landmark.model == PlaneModel::kHorizontal;
@@ -131,7 +137,8 @@ void TentativePlanes::Offer(const Observation& observation,
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
-  if (!taken && observation.num_points >= options_.planes.min_points &&
+  if (!taken && (evidence.can_be_horizontal || evidence.is_wall) &&
+      observation.num_points >= options_.planes.min_points &&
       !(observation.sigma_direction_rad > max_sigma)) {
     Start(observation, observation_index, poses, evidence);
   }
@@ -169,22 +176,14 @@ void TentativePlanes::Start(const Observation& observation,
   planes_.push_back(std::move(plane));
 }
 
-bool TentativePlanes::HasAge(const TentativePlane& plane) const {
-  // Somebody who walks is as high as a wall piece, but not as wide.
-  const PatchExtent& extent = plane.landmark.extent;
-  const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
-  const bool is_vertical = plane.landmark.model == PlaneModel::kVertical;
-  if ((is_vertical ? sides.x() : sides.norm()) > options_.planes.small_m) return true;
-  return SecondsBetween(plane.first_time_ns, plane.last_time_ns) >
-         options_.planes.min_age_of_small_s;
-}
-
 bool TentativePlanes::IsReady(const TentativePlane& plane,
                               int min_scans,
-                              bool needs_age) const {
+                              bool needs_age,
+                              int min_scanners) const {
   if (static_cast<int>(plane.scans.size()) < min_scans) return false;
-  if (needs_age && !HasAge(plane)) return false;
+  if (needs_age && !plane.HasAge(options_.planes)) return false;
   if (plane.landmark.model == PlaneModel::kVertical) {
+    if (static_cast<int>(plane.scanners.size()) < min_scanners) return false;
     // The surface's unevenness is the same in every scan: it does not average out.
     const PatchExtent& extent = plane.landmark.extent;
     const double length_m = extent.max_corner().x() - extent.min_corner().x();
@@ -198,24 +197,33 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
         planar_ || static_cast<int>(plane.clear_scans.size()) >= min_scans;
     return has_clear_type && variance < max_sigma * max_sigma;
   }
-  return plane.scanners.size() > 1 ||
-         (plane.last_position - plane.first_position).norm() > kRevealingMotion;
+  return plane.scanners.size() > 1 || plane.Motion() > kRevealingMotion;
 }
 
-std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans, bool needs_age) {
+std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,
+                                                       bool needs_age,
+                                                       int min_scanners) {
   std::vector<TentativePlane> ready;
   for (auto it = planes_.begin(); it != planes_.end();) {
-    if (IsReady(*it, min_scans, needs_age)) {
+    const bool is_ready = IsReady(*it, min_scans, needs_age, min_scanners);
+    if (is_ready && it->landmark.model == PlaneModel::kVertical &&
+        undecided_.AreOnNoWall(it->observations, min_scans)) {
+      it = planes_.erase(it);
+    } else if (is_ready) {
       ready.push_back(std::move(*it));
       it = planes_.erase(it);
     } else {
       ++it;
     }
   }
+  for (TentativePlane& plane : undecided_.TakeReady(min_scans, needs_age)) {
+    ready.push_back(std::move(plane));
+  }
   return ready;
 }
 
 void TentativePlanes::DropStale(int64_t now_ns) {
+  undecided_.DropStale(now_ns);
   const auto is_stale = [&](const TentativePlane& plane) {
     return SecondsBetween(plane.last_time_ns, now_ns) > options_.planes.max_tentative_age_s;
   };

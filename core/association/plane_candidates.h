@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/association/association.h"
+#include "core/association/tentative_plane.h"
+#include "core/association/undecided_planes.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
@@ -13,23 +15,13 @@
 
 namespace plumbline {
 
-// A tentative plane: segments without a landmark agree on it, and it is not trusted yet.
-struct TentativePlane {
-  Landmark landmark;              // covariance given the poses
-  std::vector<int> observations;  // indices
-  std::set<int> scans;
-  std::set<int> scanners;
-  std::set<int> clear_scans;  // with a segment that can only lie on a plane of this type
-  Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
-  Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
-  int64_t first_time_ns = 0;
-  int64_t last_time_ns = 0;
-};
-
 // The types that a single segment leaves to its plane (paper, section 4.4).
 struct TypeEvidence {
   bool can_be_horizontal = false;
   bool can_be_vertical = false;
+  // The trace of a scan plane that is nearly level: walls are what it mostly meets. A sloping
+  // trace of a tilted one may as well lie on a ramp or a roof.
+  bool is_wall = false;
 };
 
 // Judges the type of a segment's plane by the segment's direction in the world, which is known
@@ -41,21 +33,24 @@ TypeEvidence JudgeType(const Observation& observation,
 
 // Collects segments without a landmark into tentative planes, and gives up those that are to
 // become landmarks: seen in several scans, direction known well, type beyond doubt. That a
-// plane is a wall takes several scans, too.
+// plane is a wall takes several scans, too. Segments that may lie on a plane of any direction
+// start none here: see UndecidedPlanes.
 class TentativePlanes {
  public:
   TentativePlanes(bool planar, const MapperOptions& options);
 
   // Gives the observation to the tentative planes that it agrees with, or starts a new one.
+  // founds_wall: it is known to lie on a wall.
   void Offer(const Observation& observation,
              int observation_index,
              const ObservationPoses& poses,
-             const Matrix6d& pose_covariance);
+             const Matrix6d& pose_covariance,
+             bool founds_wall = false);
 
   // Removes and returns the tentative planes that are to become landmarks. min_scans: see
   // PlaneOptions. needs_age: whether small planes have to have their age, since something
-  // moves.
-  std::vector<TentativePlane> TakeReady(int min_scans, bool needs_age);
+  // moves. min_scanners: that have to show a wall.
+  std::vector<TentativePlane> TakeReady(int min_scans, bool needs_age, int min_scanners = 1);
 
   // Drops tentative planes that nothing has confirmed for a while.
   void DropStale(int64_t now_ns);
@@ -75,13 +70,15 @@ class TentativePlanes {
              int observation_index,
              const ObservationPoses& poses,
              const TypeEvidence& evidence);
-  // Whether the plane is large, or was seen for long enough not to be somebody who walks.
-  bool HasAge(const TentativePlane& plane) const;
-  bool IsReady(const TentativePlane& plane, int min_scans, bool needs_age) const;
+  bool IsReady(const TentativePlane& plane,
+               int min_scans,
+               bool needs_age,
+               int min_scanners) const;
 
   bool planar_;
   const MapperOptions& options_;
   std::deque<TentativePlane> planes_;
+  UndecidedPlanes undecided_;
 };
 
 }  // namespace plumbline

@@ -95,8 +95,10 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;   // of the weak one's cells
   constexpr double kRangeSigmas = 5.0;  // within which single ranges do not tell planes apart
-  if (weak.model != strong.model || weak.Normal().dot(strong.Normal()) < kMinFacingCosine)
-    return false;
+  // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
+  const bool may_be_strip =
+      weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral;
+  if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
   const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;
   int count = 0;

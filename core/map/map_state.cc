@@ -70,6 +70,22 @@ void RecountSegments(MapState* state) {
   }
 }
 
+void KeepHeadingHeld(MapState* state) {
+  std::vector<int> num_segments(state->landmarks.size(), 0);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id >= 0)
+      ++num_segments[static_cast<size_t>(observation.landmark_id)];
+  }
+  Landmark* most = nullptr;
+  for (Landmark& landmark : state->landmarks) {
+    const int own = num_segments[static_cast<size_t>(landmark.id)];
+    if (landmark.model != PlaneModel::kVertical || own == 0) continue;
+    if (landmark.heading_fixed) return;
+    if (most == nullptr || own > num_segments[static_cast<size_t>(most->id)]) most = &landmark;
+  }
+  for (Landmark& landmark : state->landmarks) landmark.heading_fixed = &landmark == most;
+}
+
 int ReleaseObservations(const std::vector<bool>& is_chosen, MapState* state) {
   const auto is_released = [&](int id) {
     const auto index = static_cast<size_t>(id);

@@ -76,7 +76,9 @@ class Batch {
     for (const int id : merged_into) is_merged[static_cast<size_t>(id)] = true;
     if (!merged_into.empty()) RebuildLandmarks(rig_, is_merged, state_);
     const int num_changed = Reassociate(rig_, options_, state_);
-    num_dropped += DropWeakPlanes(options_.planes, state_);
+    num_dropped += DropWeakPlanes(options_.planes, state_) +
+                   DropUndeterminedPlanes(rig_, options_.association, state_);
+    KeepHeadingHeld(state_);
     LOG(INFO) << "batch round " << round << ": " << num_changed << " associations changed, "
               << merged_into.size() << " planes merged, " << num_dropped
               << " segments taken from planes that are none";

@@ -4,10 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <numeric>
 
 #include "core/association/association.h"
 #include "core/association/plane_merging.h"
+#include "core/association/plane_through_lines.h"
+#include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
@@ -23,6 +26,8 @@ constexpr int64_t kMaxSubMinimumRatio = 3;
 // A plane's segments deviate by at most this many times what is expected: furniture's, on a
 // real robot, by two and a half.
 constexpr double kMaxDeviationRatio = 3.0;
+// The normal of a general plane is known to this by its own segments.
+constexpr double kMaxNormalSigma = 2.0 * kRadiansPerDegree;
 
 // Whether an observation is the only one of its landmark where it lies.
 bool IsAlone(const Observation& observation,
@@ -143,6 +148,26 @@ int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapSt
 
 int DropPassedThrough(const Rig& rig, MapState* state) {
   return ReleaseObservations(FindPassedThrough(rig, *state), state);
+}
+
+int DropUndeterminedPlanes(const Rig& rig,
+                           const AssociationOptions& options,
+                           MapState* state) {
+  std::map<int, PlaneThroughLines> fits;
+  SharedPoses poses(rig, state->trajectory);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state->landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model != PlaneModel::kGeneral) continue;
+    fits[landmark.id].Add(
+        MeasureLine(observation, poses.Of(observation), options.surface_flatness_m));
+  }
+  std::vector<bool> is_undetermined(state->landmarks.size(), false);
+  for (const auto& [id, fit] : fits) {
+    is_undetermined[static_cast<size_t>(id)] =
+        fit.Solve().normal_covariance.trace() > kMaxNormalSigma * kMaxNormalSigma;
+  }
+  return ReleaseObservations(is_undetermined, state);
 }
 
 int DropWeakPlanes(const PlaneOptions& options, MapState* state) {

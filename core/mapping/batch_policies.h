@@ -39,6 +39,11 @@ int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapSt
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
 int DropPassedThrough(const Rig& rig, MapState* state);
 
+// Drops general planes whose segments do not determine their normals.
+int DropUndeterminedPlanes(const Rig& rig,
+                           const AssociationOptions& options,
+                           MapState* state);
+
 // Drops landmarks that fewer scans support than a new plane needs. The observations are in the
 // order of time.
 int DropWeakPlanes(const PlaneOptions& options, MapState* state);

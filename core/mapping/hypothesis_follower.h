@@ -25,8 +25,8 @@ class HypothesisFollower {
                      double scan_period_s);
 
   // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
-  bool Start(const Scan& scan, std::optional<int64_t> knot_ns = {}) {
-    return follower_->Start(scan, knot_ns);
+  bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {}) {
+    return follower_->Start(scan, must_hold, knot_ns);
   }
   void Follow(const Scan& scan);
 

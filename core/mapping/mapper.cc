@@ -30,6 +30,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
+// A start that leaves a direction of the position open is taken after this only.
+constexpr double kSureStartS = 1.0;
 
 // A part of the recording that could be followed.
 struct Part {
@@ -95,7 +97,8 @@ class RecordingFollower {
       knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();
     }
     try {
-      started = follower->Start(scan, knot_ns);
+      const bool must_hold = parts_.empty() && now_s < kSureStartS;
+      started = follower->Start(scan, must_hold, knot_ns);
     } catch (const Error& error) {
       lost_ = error.what();  // the scan shows the frame, but does not determine the pose
     }

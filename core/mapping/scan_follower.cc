@@ -14,6 +14,7 @@
 #include "core/association/association.h"
 #include "core/association/model_frame.h"
 #include "core/association/plane_merging.h"
+#include "core/association/undecided_planes.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
@@ -31,6 +32,9 @@ namespace {
 
 // From scan to scan the rig's position is known to this even while nothing determines it.
 constexpr double kMaxRelativeStddev = 0.05;  // m
+
+// A direction that no normal comes nearer to than a right angle less 20 degrees is open.
+constexpr double kMinHeldSine = 0.34;
 
 // What a pose's covariance leaves for planes that were seen in the last scans.
 Matrix6d Relative(const Matrix6d& covariance) {
@@ -106,10 +110,49 @@ std::vector<Observation> ScanFollower::Observe(const Scan& scan) {
   return observations;
 }
 
-bool ScanFollower::Start(const Scan& scan, std::optional<int64_t> knot_ns) {
-  std::vector<Observation> observations = Observe(scan);
+std::optional<ModelFrame> ScanFollower::FindFrame(
+    const std::vector<Observation>& observations, bool* sees_slopes) const {
+  *sees_slopes = false;
   const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
+  if (!frame || planar_) return frame;
+  // A level trace on a roof looks like a wall's until other traces show the roof.
+  UndecidedPlanes planes(options_);
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const Observation& observation = observations[i];
+    const Rigid3d& body_from_scanner =
+        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const Rigid3d world_from_body{frame->world_from_body, Eigen::Vector3d::Zero()};
+    planes.Offer(observation,
+                 static_cast<int>(i),
+                 ObservationPoses(observation.measurement.node_times_ns(),
+                                  {world_from_body, world_from_body, world_from_body},
+                                  body_from_scanner));
+  }
+  const std::set<int> no_walls = planes.OnSlopes();
+  *sees_slopes = !no_walls.empty();
+  if (!*sees_slopes) return frame;
+  const std::optional<ModelFrame> by_walls =
+      FindModelFrame(rig_, planar_, observations, no_walls);
+  return by_walls ? by_walls : frame;
+}
+
+bool ScanFollower::HoldsPosition() const {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  for (const Landmark& landmark : state_->landmarks) {
+    normals += landmark.Normal() * landmark.Normal().transpose();
+  }
+  if (planar_) normals(2, 2) = 1.0;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(normals, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] > kMinHeldSine * kMinHeldSine;
+}
+
+bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t> knot_ns) {
+  std::vector<Observation> observations = Observe(scan);
+  bool sees_slopes = false;
+  const std::optional<ModelFrame> frame = FindFrame(observations, &sees_slopes);
   if (!frame) return false;
+  must_hold = must_hold && sees_slopes;
   const double interval_s = std::max(options_.trajectory.knot_interval_s,
                                      options_.trajectory.min_scans_per_knot * scan_period_s_);
   // Later scan lines may lie before this one by their scanners' time offsets.
@@ -140,16 +183,21 @@ bool ScanFollower::Start(const Scan& scan, std::optional<int64_t> knot_ns) {
   }
   poses_.emplace(rig_, state_->trajectory);
   // One scan must do for a start: its segments become planes at once, the first wall first.
+  const int reference = frame->reference_observation;
   const auto offer = [&](int index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    tentative_planes_.Offer(observation, index, poses_->Of(observation), Matrix6d::Zero());
+    tentative_planes_.Offer(
+        observation, index, poses_->Of(observation), Matrix6d::Zero(), index == reference);
   };
-  offer(frame->reference_observation);
+  offer(reference);
   const int num_observations = static_cast<int>(state_->observations.size());
   for (int index = 0; index < num_observations; ++index) {
-    if (index != frame->reference_observation) offer(index);
+    if (index != reference) offer(index);
   }
-  StartPlanes(1);
+  StartPlanes(1, must_hold ? 2 : 1);
+  const bool has_reference =
+      state_->observations[static_cast<size_t>(reference)].landmark_id == 0;
+  if (must_hold && !(has_reference && HoldsPosition())) return false;
   Landmark& first_wall = state_->landmarks.front();
   CHECK(first_wall.model == PlaneModel::kVertical);
   first_wall.heading_fixed = true;
@@ -198,10 +246,11 @@ bool ScanFollower::IsRedundantPlane(const TentativePlane& plane) const {
       });
 }
 
-void ScanFollower::StartPlanes(int min_scans) {
+void ScanFollower::StartPlanes(int min_scans, int min_scanners) {
   const bool needs_age =
       min_scans > 1 && (scan_matcher_ == nullptr || scan_matcher_->SeesMotion());
-  for (TentativePlane& plane : tentative_planes_.TakeReady(min_scans, needs_age)) {
+  for (TentativePlane& plane :
+       tentative_planes_.TakeReady(min_scans, needs_age, min_scanners)) {
     // An observation that served two tentative planes belongs to the one that came first.
     std::vector<int>& indices = plane.observations;
     indices.erase(

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/association/model_frame.h"
 #include "core/association/plane_candidates.h"
 #include "core/local_map/scan_matching.h"
 #include "core/map/map_state.h"
@@ -60,10 +61,11 @@ class ScanFollower {
   // Follows in the usual way again.
   void EndBridging();
 
-  // Starts the map with this scan; false when the scan does not show the model frame. knot_ns,
-  // if given: an earlier instant that its knots shall fall together with, so that parts of one
+  // Starts the map with this scan; false when the scan does not show the model frame. must_hold:
+  // false, too, where it sees ramps or roofs, of which level traces look like walls, and the
+  // planes that two scanners show leave a direction of the position open. knot_ns, if given: an earlier instant that its knots shall fall together with, so that parts of one
   // recording can be joined.
-  bool Start(const Scan& scan, std::optional<int64_t> knot_ns = {});
+  bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {});
   // Follows the rig through the next scan. Throws LostTrack when the pose is lost: nothing may
   // follow but EndAtLastKnown().
   void Follow(const Scan& scan);
@@ -72,6 +74,11 @@ class ScanFollower {
   void EndAtLastKnown();
 
  private:
+  // The model frame of the first scan's observations, and whether they see ramps or roofs.
+  std::optional<ModelFrame> FindFrame(const std::vector<Observation>& observations,
+                                      bool* sees_slopes) const;
+  // Whether the normals of the planes so far leave no direction of the position open.
+  bool HoldsPosition() const;
   void FollowWhileKnown(const Scan& recorded);
   // The scan without the ranges of scan lines that repeat their scanner's last one to the bit:
   // a scanner that has frozen says that the rig stands still.
@@ -85,7 +92,7 @@ class ScanFollower {
   // Takes the deviation of an observation into its landmark.
   void Judge(const Observation& observation);
   // Makes landmarks of the tentative planes that enough scans have seen.
-  void StartPlanes(int min_scans);
+  void StartPlanes(int min_scans, int min_scanners = 1);
   // Whether the plane only repeats a landmark (IsRedundant).
   bool IsRedundantPlane(const TentativePlane& plane) const;
   void AddLandmark(TentativePlane plane);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/geometry/matrix_types.h"
+#include "core/map/landmark_view.h"
 #include "test/testing/plane_scene.h"
 
 namespace plumbline {
@@ -108,6 +109,7 @@ class TentativePlanesTest : public testing::Test {
         for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
           Observation observation = MakeObservation(line, scanner, segment, false);
           observation.scan_index = scan_;
+          observation.scan_line_index = 3 * scan_ + scanner_index;
           candidates_.Offer(
               observation,
               num_offered_++,
@@ -222,21 +224,52 @@ TEST_F(TentativePlanesTest, MotionTellsFloorFromWall) {
   }
 }
 
-// Of segments that may lie on a wall or on a door's lintel, a single one that took in beams of
-// another surface, and slopes for it, makes no wall.
-TEST_F(TentativePlanesTest, OneSlopingSegmentDoesNotMakeAWall) {
-  noise_share_ = 0.0;
-  const int min_scans = options_.planes.min_scans;
-  const PlaneScene level = {{WallNormal(225.0), -2.0}};
-  const PlaneScene sloping = {{WallNormal(225.045), -2.0}};  // 5 standard deviations
-  Walk(sloping, {1}, 1, 0.0, 0.0);
-  Walk(level, {1}, min_scans - 1, 0.0, 0.0);
-  EXPECT_TRUE(candidates_.TakeReady(min_scans, true).empty());
-  Walk(sloping, {1}, min_scans - 1, 0.0, 0.0);
-  const std::vector<TentativePlane> walls = candidates_.TakeReady(min_scans, true);
-  ASSERT_EQ(walls.size(), 1u);
-  EXPECT_EQ(walls.front().landmark.model, PlaneModel::kVertical);
-  EXPECT_EQ(static_cast<int>(walls.front().scans.size()), 2 * min_scans - 1);
+// A sloping trace of a tilted scan plane may lie on a wall as well as on a ramp. One scanner
+// tells which while the rig moves on, and not before.
+TEST_F(TentativePlanesTest, SlopingTracesOfOneScannerDecideNothingAtRest) {
+  const PlaneScene wall = {{WallNormal(190.0), -2.0}};
+  Walk(wall, {1}, 40, 0.0, 0.0);
+  EXPECT_TRUE(candidates_.TakeReady(options_.planes.min_scans, false).empty());
+  Walk(wall, {1}, 30, 1.0, 0.0);
+  const std::vector<TentativePlane> ready =
+      candidates_.TakeReady(options_.planes.min_scans, false);
+  ASSERT_EQ(ready.size(), 1u);
+  EXPECT_EQ(ready.front().landmark.model, PlaneModel::kVertical);
+  EXPECT_GT(ready.front().landmark.Normal().dot(WallNormal(190.0)), std::cos(2.0 * kDegree));
+}
+
+// On a ramp, the traces of the floor slope like a wall's.
+TEST_F(TentativePlanesTest, ARampIsAGeneralPlane) {
+  const Eigen::Vector3d normal(-std::sin(8.0 * kDegree), 0.0, std::cos(8.0 * kDegree));
+  for (const bool by_two : {true, false}) {
+    Walk({{normal, 0.0}}, by_two ? std::vector<int>{1, 2} : std::vector<int>{1}, 20, 1.0, 0.0);
+    const std::vector<TentativePlane> ready =
+        candidates_.TakeReady(options_.planes.min_scans, false);
+    // Pieces far from each other may be candidates of their own.
+    ASSERT_FALSE(ready.empty()) << by_two;
+    for (const TentativePlane& plane : ready) {
+      const Landmark& ramp = plane.landmark;
+      EXPECT_EQ(ramp.model, PlaneModel::kGeneral);
+      EXPECT_NEAR(ramp.Normal().dot(normal), 1.0, 1e-3);
+      // Within four standard deviations where it was seen.
+      const Eigen::Vector3d middle = ramp.extent.Centre();
+      const LandmarkView view(ramp);
+      EXPECT_LT(std::abs(normal.dot(middle - ramp.SignedDistance(middle) * ramp.Normal())),
+                4.0 * std::sqrt(view.DistanceVariance(middle)));
+    }
+  }
+}
+
+// A level trace on a roof looks like a wall's: it makes none once others show the roof.
+TEST_F(TentativePlanesTest, ALevelTraceOnARoofMakesNoWall) {
+  const Eigen::Vector3d normal(-std::cos(35.0 * kDegree), 0.0, -std::sin(35.0 * kDegree));
+  const PlaneScene roof = {{normal, normal.dot(Eigen::Vector3d(3.0, 0.0, 1.4))}};
+  Walk(roof, {0, 1, 2}, 20, 1.0, 0.0);
+  const std::vector<TentativePlane> ready =
+      candidates_.TakeReady(options_.planes.min_scans, false);
+  ASSERT_EQ(ready.size(), 1u);
+  EXPECT_EQ(ready.front().landmark.model, PlaneModel::kGeneral);
+  EXPECT_EQ(ready.front().scanners.size(), 3u);
 }
 
 TEST_F(TentativePlanesTest, MovingTowardsAWallMakesNoFloor) {

@@ -1,0 +1,68 @@
+#include "core/association/plane_through_lines.h"
+
+#include <glog/logging.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/association/association.h"
+
+namespace plumbline {
+namespace {
+
+// A weight below which a direction counts as unknown: by more than a half turn.
+constexpr double kLeastInformation = 0.1;  // 1/rad^2
+
+}  // namespace
+
+MeasuredLine MeasureLine(const Observation& observation,
+                         const ObservationPoses& poses,
+                         double flatness_m) {
+  const Eigen::Matrix2d flatness = FlatnessCovariance(observation.length_m(), flatness_m);
+  MeasuredLine line;
+  line.centroid_world = poses.motion.nodes()[1] * observation.centroid().homogeneous();
+  line.direction_world =
+      (poses.motion.nodes()[1].leftCols<2>() * observation.tangent()).normalized();
+  line.sigma_offset_m =
+      std::sqrt(observation.sigma_offset_m * observation.sigma_offset_m + flatness(0, 0));
+  line.sigma_direction_rad = std::sqrt(
+      observation.sigma_direction_rad * observation.sigma_direction_rad + flatness(1, 1));
+  return line;
+}
+
+void PlaneThroughLines::Add(const MeasuredLine& line) {
+  if (num_lines_ == 0) origin_ = line.centroid_world;
+  ++num_lines_;
+  const double half_weight = 0.5 / (line.sigma_offset_m * line.sigma_offset_m);
+  const double arm = line.sigma_offset_m / line.sigma_direction_rad;
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Vector3d p =
+        line.centroid_world - origin_ + side * arm * line.direction_world;
+    weight_ += half_weight;
+    first_moments_ += half_weight * p;
+    second_moments_ += half_weight * p * p.transpose();
+  }
+}
+
+PlaneThroughLines::Fit PlaneThroughLines::Solve() const {
+  CHECK_GT(num_lines_, 0);
+  const Eigen::Vector3d mean = first_moments_ / weight_;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(second_moments_ - weight_ * mean * mean.transpose());
+  Fit fit;
+  fit.centre_world = origin_ + mean;
+  fit.normal = solver.eigenvectors().col(0);
+  fit.chi2 = std::max(0.0, solver.eigenvalues()[0]);
+  fit.centre_variance = 1.0 / weight_;
+  fit.normal_covariance.setZero();
+  for (const int k : {1, 2}) {
+    // Noise spreads the points in all directions: what it adds tells nothing of this one.
+    const double information = std::max(solver.eigenvalues()[k] - fit.chi2, kLeastInformation);
+    const Eigen::Vector3d towards = solver.eigenvectors().col(k);
+    fit.normal_covariance += towards * towards.transpose() / information;
+  }
+  return fit;
+}
+
+}  // namespace plumbline

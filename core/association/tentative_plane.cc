@@ -1,0 +1,17 @@
+#include "core/association/tentative_plane.h"
+
+#include "core/map/patch_extent.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+
+bool TentativePlane::HasAge(const PlaneOptions& options) const {
+  // Somebody who walks is as high as a wall piece, but not as wide.
+  const PatchExtent& extent = landmark.extent;
+  const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
+  const bool is_vertical = landmark.model == PlaneModel::kVertical;
+  if ((is_vertical ? sides.x() : sides.norm()) > options.small_m) return true;
+  return SecondsBetween(first_time_ns, last_time_ns) > options.min_age_of_small_s;
+}
+
+}  // namespace plumbline

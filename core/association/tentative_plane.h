@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "core/map/landmark.h"
+#include "core/options/mapper_options.h"
+
+namespace plumbline {
+
+// A tentative plane: segments without a landmark agree on it, and it is not trusted yet.
+struct TentativePlane {
+  Landmark landmark;              // covariance given the poses
+  std::vector<int> observations;  // indices
+  std::set<int> scans;
+  std::set<int> scanners;
+  std::set<int> clear_scans;  // with a segment that can only lie on a plane of this type
+  Eigen::Vector3d first_position = Eigen::Vector3d::Zero();  // of the body, world
+  Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
+  int64_t first_time_ns = 0;
+  int64_t last_time_ns = 0;
+
+  // Whether it is large, or was seen for long enough not to be somebody who walks.
+  bool HasAge(const PlaneOptions& options) const;
+  // How far the rig went while it was seen, m.
+  double Motion() const { return (last_position - first_position).norm(); }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,248 @@
+#include "core/association/undecided_planes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/geometry/angles.h"
+#include "core/geometry/plane_tangents.h"
+#include "core/util/quantiles.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+// The sine of the angle at which scan planes cut a plane that their traces show: traces that
+// meet in a corner lie on a plane that one of them would only graze.
+constexpr double kMinCuttingSine = 0.25;
+// A plane is decided once its normal is known to this, a wall's, which is likelier, to that.
+constexpr double kMaxNormalSigma = 1.0 * kRadiansPerDegree;
+constexpr double kMaxWallSigma = 3.0 * kRadiansPerDegree;
+// A normal is that of a wall or a floor while it differs from theirs by no more than so many
+// standard deviations and this much: as walls are built, and scanners mounted.
+constexpr double kSigmas = 3.5;
+constexpr double kUprightTo = 1.0 * kRadiansPerDegree;
+constexpr double kLevelTo = 0.3 * kRadiansPerDegree;
+// Chi-square of the fit, over its degrees of freedom: of several surfaces it is larger.
+constexpr double kMaxMeanChi2 = 2.0;
+// The motion after which one scanner has swept enough of a plane, and two have.
+constexpr double kSweep = 0.3;       // m
+constexpr double kSweepOfTwo = 0.1;  // m
+// A general plane is at least so large in both directions: what is smaller stays points.
+constexpr double kMinSide = 0.4;  // m
+// Traces of one scan that show a plane which is no wall.
+constexpr int kMinLinesAtStart = 3;
+
+Eigen::Vector3d ToWorld(const Rigid3d& world_from_scanner, const Eigen::Vector2d& p) {
+  return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
+}
+
+// The landmark of the kind that the fit leaves, facing the side of `seen_from_world`; nothing
+// where its kind is still open.
+std::optional<Landmark> LandmarkOf(const PlaneThroughLines::Fit& fit,
+                                   const Eigen::Vector3d& seen_from_world) {
+  const double side = fit.normal.dot(seen_from_world - fit.centre_world) > 0.0 ? 1.0 : -1.0;
+  const Eigen::Vector3d normal = side * fit.normal;
+  const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
+  const Eigen::Matrix2d of_turns =
+      tangents.transpose() * fit.normal_covariance * tangents;  // towards level u, upward v
+  if (of_turns.trace() > kMaxWallSigma * kMaxWallSigma) return std::nullopt;
+  const double sigma_up = std::sqrt(of_turns(1, 1));
+  const double from_upright = std::abs(std::asin(std::clamp(normal.z(), -1.0, 1.0)));
+  if (from_upright < kSigmas * sigma_up + kUprightTo) {
+    Landmark wall = MakeVerticalLandmark(
+        Eigen::Vector3d(normal.x(), normal.y(), 0.0).normalized(), fit.centre_world);
+    // Known at the centre, where distance and angle do not correlate.
+    Eigen::Matrix2d by_centre = Eigen::Matrix2d::Identity();
+    by_centre(1, 0) = wall.extent.u_axis().dot(fit.centre_world);
+    wall.covariance.topLeftCorner<2, 2>() =
+        by_centre * Eigen::Vector2d(of_turns(0, 0), fit.centre_variance).asDiagonal() *
+        by_centre.transpose();
+    return wall;
+  }
+  if (of_turns.trace() > kMaxNormalSigma * kMaxNormalSigma) return std::nullopt;
+  const double from_level = 0.5 * M_PI - from_upright;
+  if (from_level < kSigmas * std::sqrt(of_turns.trace()) + kLevelTo) {
+    Landmark level = MakeHorizontalLandmark(normal.z() > 0.0 ? 1.0 : -1.0, fit.centre_world);
+    level.covariance(0, 0) = fit.centre_variance;
+    return level;
+  }
+  Landmark general = MakeGeneralLandmark(normal, fit.centre_world);
+  general.covariance.topLeftCorner<2, 2>() = of_turns;
+  general.covariance(2, 2) = fit.centre_variance;
+  return general;
+}
+
+}  // namespace
+
+bool UndecidedPlanes::Takes(const Plane& plane,
+                            const MeasuredLine& line,
+                            const Trace& trace) const {
+  for (auto last = plane.traces.rbegin(); last != plane.traces.rend(); ++last) {
+    if (last->scan_line_index == trace.scan_line_index) return false;
+    if (last->scan_index != trace.scan_index) break;
+  }
+  const auto is_near = [&](const Eigen::Vector3d& p) {
+    const double gap = options_.association.max_gap_m;
+    return (p.array() >= plane.low.array() - gap).all() &&
+           (p.array() <= plane.high.array() + gap).all();
+  };
+  if (!is_near(trace.start_world) && !is_near(trace.end_world) &&
+      !is_near(0.5 * (trace.start_world + trace.end_world))) {
+    return false;
+  }
+  PlaneThroughLines with_line = plane.fit;
+  with_line.Add(line);
+  const PlaneThroughLines::Fit fit = with_line.Solve();
+  if (fit.chi2 - plane.fit.Solve().chi2 >
+      TwoDegreesQuantile(options_.association.significance)) {
+    return false;
+  }
+  const auto height_of = [&](const Trace& other) {
+    return fit.normal.dot(other.scanner_world - fit.centre_world);
+  };
+  const auto cuts = [&](const Trace& other) {
+    return fit.normal.cross(other.scan_normal_world).squaredNorm() >
+           kMinCuttingSine * kMinCuttingSine;
+  };
+  const Trace& first = plane.traces.front();
+  return height_of(first) * height_of(trace) > 0.0 && cuts(first) && cuts(trace);
+}
+
+void UndecidedPlanes::Record(const Observation& observation,
+                             const ObservationPoses& poses,
+                             const MeasuredLine& line,
+                             const Trace& trace,
+                             Plane* plane) const {
+  plane->fit.Add(line);
+  plane->traces.push_back(trace);
+  for (const Eigen::Vector3d& p : {trace.start_world, trace.end_world}) {
+    plane->low = plane->low.cwiseMin(p);
+    plane->high = plane->high.cwiseMax(p);
+  }
+  TentativePlane& seen = plane->seen;
+  const Eigen::Vector3d& position = poses.world_from_body.translation;
+  if (seen.observations.empty()) {
+    seen.first_position = position;
+    seen.first_time_ns = observation.start_time_ns();
+  }
+  seen.last_position = position;
+  seen.last_time_ns = observation.end_time_ns();
+  seen.observations.push_back(trace.observation_index);
+  seen.scans.insert(trace.scan_index);
+  seen.scanners.insert(observation.scanner_index);
+}
+
+void UndecidedPlanes::Offer(const Observation& observation,
+                            int observation_index,
+                            const ObservationPoses& poses) {
+  const MeasuredLine line =
+      MeasureLine(observation, poses, options_.association.surface_flatness_m);
+  Trace trace;
+  trace.observation_index = observation_index;
+  trace.scan_index = observation.scan_index;
+  trace.scan_line_index = observation.scan_line_index;
+  trace.start_world = ToWorld(poses.world_from_scanner, observation.start());
+  trace.end_world = ToWorld(poses.world_from_scanner, observation.end());
+  trace.scan_normal_world = poses.world_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+  trace.scanner_world = poses.world_from_scanner.translation;
+  bool taken = false;
+  for (Plane& plane : planes_) {
+    if (!Takes(plane, line, trace)) continue;
+    Record(observation, poses, line, trace, &plane);
+    taken = true;
+  }
+  const double max_sigma = options_.planes.max_direction_sigma_deg * kRadiansPerDegree;
+  if (taken || observation.num_points < options_.planes.min_points ||
+      !(observation.sigma_direction_rad < max_sigma)) {
+    return;
+  }
+  planes_.emplace_back();
+  Record(observation, poses, line, trace, &planes_.back());
+}
+
+bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const {
+  TentativePlane& seen = plane->seen;
+  if (static_cast<int>(seen.scans.size()) < min_scans) return false;
+  const bool by_two = seen.scanners.size() > 1;
+  if (!by_two && seen.Motion() < kSweep) return false;
+  const PlaneThroughLines::Fit fit = plane->fit.Solve();
+  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->fit.num_lines() - 3)) return false;
+  std::optional<Landmark> landmark = LandmarkOf(fit, plane->traces.front().scanner_world);
+  if (!landmark) return false;
+  // Two lines lie on a plane by chance, but hardly on one that is upright, too.
+  const bool is_likely = landmark->model == PlaneModel::kVertical;
+  if (!is_likely) {
+    const bool is_start = min_scans <= 1;
+    if (is_start ? plane->fit.num_lines() < kMinLinesAtStart : seen.Motion() < kSweepOfTwo) {
+      return false;
+    }
+  }
+  seen.landmark = std::move(*landmark);
+  for (const Trace& trace : plane->traces) {
+    seen.landmark.extent.AddSegment(trace.start_world, trace.end_world);
+  }
+  if (needs_age && !seen.HasAge(options_.planes)) return false;
+  const Eigen::Vector2d sides =
+      seen.landmark.extent.max_corner() - seen.landmark.extent.min_corner();
+  return seen.landmark.model != PlaneModel::kGeneral || sides.minCoeff() > kMinSide;
+}
+
+std::vector<TentativePlane> UndecidedPlanes::TakeReady(int min_scans, bool needs_age) {
+  std::vector<TentativePlane> ready;
+  for (auto it = planes_.begin(); it != planes_.end();) {
+    if (Decide(min_scans, needs_age, &*it)) {
+      ready.push_back(std::move(it->seen));
+      it = planes_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+  return ready;
+}
+
+bool UndecidedPlanes::AreOnNoWall(const std::vector<int>& observations, int min_scans) const {
+  const std::set<int> asked(observations.begin(), observations.end());
+  return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
+    size_t num_shared = 0;
+    std::set<int> other_scans;
+    for (const Trace& trace : plane.traces) {
+      if (asked.count(trace.observation_index) > 0) {
+        ++num_shared;
+      } else {
+        other_scans.insert(trace.scan_index);
+      }
+    }
+    if (2 * num_shared < asked.size()) return false;
+    if (static_cast<int>(other_scans.size()) < min_scans) return false;
+    const std::optional<Landmark> landmark = ShownByTwo(plane);
+    return landmark && landmark->model != PlaneModel::kVertical;
+  });
+}
+
+std::optional<Landmark> UndecidedPlanes::ShownByTwo(const Plane& plane) const {
+  if (plane.seen.scanners.size() < 2) return std::nullopt;
+  return LandmarkOf(plane.fit.Solve(), plane.traces.front().scanner_world);
+}
+
+std::set<int> UndecidedPlanes::OnSlopes() const {
+  std::set<int> observations;
+  for (const Plane& plane : planes_) {
+    const std::optional<Landmark> landmark = ShownByTwo(plane);
+    if (!landmark || landmark->model != PlaneModel::kGeneral) continue;
+    observations.insert(plane.seen.observations.begin(), plane.seen.observations.end());
+  }
+  return observations;
+}
+
+void UndecidedPlanes::DropStale(int64_t now_ns) {
+  const auto is_stale = [&](const Plane& plane) {
+    return SecondsBetween(plane.seen.last_time_ns, now_ns) >
+           options_.planes.max_tentative_age_s;
+  };
+  planes_.erase(std::remove_if(planes_.begin(), planes_.end(), is_stale), planes_.end());
+}
+
+}  // namespace plumbline
