@@ -13,6 +13,7 @@ namespace {
 
 // A weight below which a direction counts as unknown: by more than a half turn.
 constexpr double kLeastInformation = 0.1;  // 1/rad^2
+constexpr double kBump = 0.5;              // m, as far as a surface's unevenness is alike
 
 }  // namespace
 
@@ -28,11 +29,13 @@ MeasuredLine MeasureLine(const Observation& observation,
       std::sqrt(observation.sigma_offset_m * observation.sigma_offset_m + flatness(0, 0));
   line.sigma_direction_rad = std::sqrt(
       observation.sigma_direction_rad * observation.sigma_direction_rad + flatness(1, 1));
+  line.flatness_m = flatness_m;
   return line;
 }
 
 void PlaneThroughLines::Add(const MeasuredLine& line) {
   if (num_lines_ == 0) origin_ = line.centroid_world;
+  flatness_m_ = std::max(flatness_m_, line.flatness_m);
   ++num_lines_;
   const double half_weight = 0.5 / (line.sigma_offset_m * line.sigma_offset_m);
   const double arm = line.sigma_offset_m / line.sigma_direction_rad;
@@ -60,7 +63,12 @@ PlaneThroughLines::Fit PlaneThroughLines::Solve() const {
     // Noise spreads the points in all directions: what it adds tells nothing of this one.
     const double information = std::max(solver.eigenvalues()[k] - fit.chi2, kLeastInformation);
     const Eigen::Vector3d towards = solver.eigenvectors().col(k);
-    fit.normal_covariance += towards * towards.transpose() / information;
+    // Bumps stay where they are, however often they are measured.
+    const double spread = information / weight_;
+    const double num_bumps = std::max(1.0, std::sqrt(12.0 * spread) / kBump);
+    const double variance =
+        1.0 / information + flatness_m_ * flatness_m_ / (spread * num_bumps);
+    fit.normal_covariance += variance * towards * towards.transpose();
   }
   return fit;
 }

@@ -13,6 +13,7 @@ struct MeasuredLine {
   Eigen::Vector3d direction_world = Eigen::Vector3d::UnitX();  // unit vector
   double sigma_offset_m = 0.0;                                 // at the centroid
   double sigma_direction_rad = 0.0;
+  double flatness_m = 0.0;  // of the surface, the same for all lines at a place
 };
 
 // An observation's line. flatness_m: of the surface, see AssociationOptions.
@@ -43,6 +44,7 @@ class PlaneThroughLines {
  private:
   int num_lines_ = 0;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // the first line's centroid
+  double flatness_m_ = 0.0;
   double weight_ = 0.0;
   Eigen::Vector3d first_moments_ = Eigen::Vector3d::Zero();  // about the origin
   Eigen::Matrix3d second_moments_ = Eigen::Matrix3d::Zero();

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "core/association/plane_kind.h"
 #include "core/geometry/angles.h"
-#include "core/geometry/plane_tangents.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 
@@ -17,14 +17,6 @@ namespace {
 // The sine of the angle at which scan planes cut a plane that their traces show: traces that
 // meet in a corner lie on a plane that one of them would only graze.
 constexpr double kMinCuttingSine = 0.25;
-// A plane is decided once its normal is known to this, a wall's, which is likelier, to that.
-constexpr double kMaxNormalSigma = 1.0 * kRadiansPerDegree;
-constexpr double kMaxWallSigma = 3.0 * kRadiansPerDegree;
-// A normal is that of a wall or a floor while it differs from theirs by no more than so many
-// standard deviations and this much: as walls are built, and scanners mounted.
-constexpr double kSigmas = 3.5;
-constexpr double kUprightTo = 1.0 * kRadiansPerDegree;
-constexpr double kLevelTo = 0.3 * kRadiansPerDegree;
 // Chi-square of the fit, over its degrees of freedom: of several surfaces it is larger.
 constexpr double kMaxMeanChi2 = 2.0;
 // The motion after which one scanner has swept enough of a plane, and two have.
@@ -34,45 +26,11 @@ constexpr double kSweepOfTwo = 0.1;  // m
 constexpr double kMinSide = 0.4;  // m
 // Traces of one scan that show a plane which is no wall.
 constexpr int kMinLinesAtStart = 3;
+// Those of a plane that is neither wall nor floor.
+constexpr int kMinLines = 12;
 
 Eigen::Vector3d ToWorld(const Rigid3d& world_from_scanner, const Eigen::Vector2d& p) {
   return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
-}
-
-// The landmark of the kind that the fit leaves, facing the side of `seen_from_world`; nothing
-// where its kind is still open.
-std::optional<Landmark> LandmarkOf(const PlaneThroughLines::Fit& fit,
-                                   const Eigen::Vector3d& seen_from_world) {
-  const double side = fit.normal.dot(seen_from_world - fit.centre_world) > 0.0 ? 1.0 : -1.0;
-  const Eigen::Vector3d normal = side * fit.normal;
-  const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
-  const Eigen::Matrix2d of_turns =
-      tangents.transpose() * fit.normal_covariance * tangents;  // towards level u, upward v
-  if (of_turns.trace() > kMaxWallSigma * kMaxWallSigma) return std::nullopt;
-  const double sigma_up = std::sqrt(of_turns(1, 1));
-  const double from_upright = std::abs(std::asin(std::clamp(normal.z(), -1.0, 1.0)));
-  if (from_upright < kSigmas * sigma_up + kUprightTo) {
-    Landmark wall = MakeVerticalLandmark(
-        Eigen::Vector3d(normal.x(), normal.y(), 0.0).normalized(), fit.centre_world);
-    // Known at the centre, where distance and angle do not correlate.
-    Eigen::Matrix2d by_centre = Eigen::Matrix2d::Identity();
-    by_centre(1, 0) = wall.extent.u_axis().dot(fit.centre_world);
-    wall.covariance.topLeftCorner<2, 2>() =
-        by_centre * Eigen::Vector2d(of_turns(0, 0), fit.centre_variance).asDiagonal() *
-        by_centre.transpose();
-    return wall;
-  }
-  if (of_turns.trace() > kMaxNormalSigma * kMaxNormalSigma) return std::nullopt;
-  const double from_level = 0.5 * M_PI - from_upright;
-  if (from_level < kSigmas * std::sqrt(of_turns.trace()) + kLevelTo) {
-    Landmark level = MakeHorizontalLandmark(normal.z() > 0.0 ? 1.0 : -1.0, fit.centre_world);
-    level.covariance(0, 0) = fit.centre_variance;
-    return level;
-  }
-  Landmark general = MakeGeneralLandmark(normal, fit.centre_world);
-  general.covariance.topLeftCorner<2, 2>() = of_turns;
-  general.covariance(2, 2) = fit.centre_variance;
-  return general;
 }
 
 }  // namespace
@@ -93,10 +51,10 @@ bool UndecidedPlanes::Takes(const Plane& plane,
       !is_near(0.5 * (trace.start_world + trace.end_world))) {
     return false;
   }
-  PlaneThroughLines with_line = plane.fit;
+  PlaneThroughLines with_line = plane.lines;
   with_line.Add(line);
   const PlaneThroughLines::Fit fit = with_line.Solve();
-  if (fit.chi2 - plane.fit.Solve().chi2 >
+  if (fit.chi2 - plane.lines.Solve().chi2 >
       TwoDegreesQuantile(options_.association.significance)) {
     return false;
   }
@@ -116,7 +74,7 @@ void UndecidedPlanes::Record(const Observation& observation,
                              const MeasuredLine& line,
                              const Trace& trace,
                              Plane* plane) const {
-  plane->fit.Add(line);
+  plane->lines.Add(line);
   plane->traces.push_back(trace);
   for (const Eigen::Vector3d& p : {trace.start_world, trace.end_world}) {
     plane->low = plane->low.cwiseMin(p);
@@ -168,17 +126,16 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (static_cast<int>(seen.scans.size()) < min_scans) return false;
   const bool by_two = seen.scanners.size() > 1;
   if (!by_two && seen.Motion() < kSweep) return false;
-  const PlaneThroughLines::Fit fit = plane->fit.Solve();
-  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->fit.num_lines() - 3)) return false;
-  std::optional<Landmark> landmark = LandmarkOf(fit, plane->traces.front().scanner_world);
+  const PlaneThroughLines::Fit fit = plane->lines.Solve();
+  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->lines.num_lines() - 3)) return false;
+  std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
   if (!landmark) return false;
   // Two lines lie on a plane by chance, but hardly on one that is upright, too.
   const bool is_likely = landmark->model == PlaneModel::kVertical;
   if (!is_likely) {
     const bool is_start = min_scans <= 1;
-    if (is_start ? plane->fit.num_lines() < kMinLinesAtStart : seen.Motion() < kSweepOfTwo) {
-      return false;
-    }
+    if (plane->lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines)) return false;
+    if (!is_start && seen.Motion() < kSweepOfTwo) return false;
   }
   seen.landmark = std::move(*landmark);
   for (const Trace& trace : plane->traces) {
@@ -224,7 +181,7 @@ bool UndecidedPlanes::AreOnNoWall(const std::vector<int>& observations, int min_
 
 std::optional<Landmark> UndecidedPlanes::ShownByTwo(const Plane& plane) const {
   if (plane.seen.scanners.size() < 2) return std::nullopt;
-  return LandmarkOf(plane.fit.Solve(), plane.traces.front().scanner_world);
+  return DecideKind(plane.lines.Solve(), plane.traces.front().scanner_world);
 }
 
 std::set<int> UndecidedPlanes::OnSlopes() const {

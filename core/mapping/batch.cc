@@ -43,7 +43,8 @@ class Batch {
 
   // Rounds of better associations and a better estimate, then the last estimation.
   BatchReport Run() {
-    const int num_contradicted = DropContradictedPlanes(state_);
+    const int num_contradicted = DropContradictedPlanes(state_) +
+                                 DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << num_contradicted << " segments taken from planes that contradict them";
     estimator_.EstimateRobustly();  // associations made on the way may be wrong
     share_done_ = kFirstEstimateShare;
@@ -77,7 +78,7 @@ class Batch {
     if (!merged_into.empty()) RebuildLandmarks(rig_, is_merged, state_);
     const int num_changed = Reassociate(rig_, options_, state_);
     num_dropped += DropWeakPlanes(options_.planes, state_) +
-                   DropUndeterminedPlanes(rig_, options_.association, state_);
+                   DecideGeneralPlanes(rig_, options_.association, state_);
     KeepHeadingHeld(state_);
     LOG(INFO) << "batch round " << round << ": " << num_changed << " associations changed, "
               << merged_into.size() << " planes merged, " << num_dropped
@@ -129,7 +130,8 @@ class Batch {
     const int num_resegmented = ResegmentRecording(
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
     openings_ = counted.OpeningsOf(state_->landmarks);
-    const int num_dropped = DropObliqueFalsePlanes(state_);
+    const int num_dropped = DropObliqueFalsePlanes(state_) +
+                            DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << "ends of " << num_resegmented << " segments moved, " << num_dropped
             << " segments taken from oblique false planes";
     share_done_ = is_last ? kLastResegmentationShare : kFirstResegmentationShare;

@@ -1,13 +1,16 @@
 #include "core/mapping/batch_policies.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "core/association/association.h"
+#include "core/association/plane_kind.h"
 #include "core/association/plane_merging.h"
 #include "core/association/plane_through_lines.h"
 #include "core/geometry/angles.h"
@@ -26,8 +29,9 @@ constexpr int64_t kMaxSubMinimumRatio = 3;
 // A plane's segments deviate by at most this many times what is expected: furniture's, on a
 // real robot, by two and a half.
 constexpr double kMaxDeviationRatio = 3.0;
-// The normal of a general plane is known to this by its own segments.
+// The normal of a general plane is known to this by its own segments, and is theirs.
 constexpr double kMaxNormalSigma = 2.0 * kRadiansPerDegree;
+const double kMinFitCosine = std::cos(5.0 * kRadiansPerDegree);
 
 // Whether an observation is the only one of its landmark where it lies.
 bool IsAlone(const Observation& observation,
@@ -150,24 +154,38 @@ int DropPassedThrough(const Rig& rig, MapState* state) {
   return ReleaseObservations(FindPassedThrough(rig, *state), state);
 }
 
-int DropUndeterminedPlanes(const Rig& rig,
-                           const AssociationOptions& options,
-                           MapState* state) {
-  std::map<int, PlaneThroughLines> fits;
+int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapState* state) {
+  std::map<int, PlaneThroughLines> lines;
   SharedPoses poses(rig, state->trajectory);
   for (const Observation& observation : state->observations) {
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state->landmarks[static_cast<size_t>(observation.landmark_id)];
     if (landmark.model != PlaneModel::kGeneral) continue;
-    fits[landmark.id].Add(
+    lines[landmark.id].Add(
         MeasureLine(observation, poses.Of(observation), options.surface_flatness_m));
   }
-  std::vector<bool> is_undetermined(state->landmarks.size(), false);
-  for (const auto& [id, fit] : fits) {
-    is_undetermined[static_cast<size_t>(id)] =
-        fit.Solve().normal_covariance.trace() > kMaxNormalSigma * kMaxNormalSigma;
+  std::vector<bool> is_none(state->landmarks.size(), false);
+  std::vector<bool> is_changed(state->landmarks.size(), false);
+  for (const auto& [id, of_plane] : lines) {
+    Landmark& landmark = state->landmarks[static_cast<size_t>(id)];
+    const PlaneThroughLines::Fit fit = of_plane.Solve();
+    if (fit.normal_covariance.trace() > kMaxNormalSigma * kMaxNormalSigma ||
+        std::abs(fit.normal.dot(landmark.Normal())) < kMinFitCosine) {
+      is_none[static_cast<size_t>(id)] = true;
+      continue;
+    }
+    const std::optional<Landmark> decided =
+        DecideKind(fit, fit.centre_world + landmark.Normal());
+    if (!decided || decided->model == PlaneModel::kGeneral) continue;
+    landmark.model = decided->model;
+    landmark.chart = decided->chart;
+    landmark.parameters = decided->parameters;
+    landmark.covariance = decided->covariance;
+    landmark.extent = decided->extent;
+    is_changed[static_cast<size_t>(id)] = true;
   }
-  return ReleaseObservations(is_undetermined, state);
+  RebuildLandmarks(rig, is_changed, state);
+  return ReleaseObservations(is_none, state);
 }
 
 int DropWeakPlanes(const PlaneOptions& options, MapState* state) {

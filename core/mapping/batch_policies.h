@@ -39,10 +39,9 @@ int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapSt
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
 int DropPassedThrough(const Rig& rig, MapState* state);
 
-// Drops general planes whose segments do not determine their normals.
-int DropUndeterminedPlanes(const Rig& rig,
-                           const AssociationOptions& options,
-                           MapState* state);
+// Drops general planes whose segments do not determine their normals, or another one than they
+// have; those that their segments show to be upright or level become vertical or horizontal.
+int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapState* state);
 
 // Drops landmarks that fewer scans support than a new plane needs. The observations are in the
 // order of time.

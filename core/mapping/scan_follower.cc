@@ -252,15 +252,11 @@ void ScanFollower::StartPlanes(int min_scans, int min_scanners) {
   for (TentativePlane& plane :
        tentative_planes_.TakeReady(min_scans, needs_age, min_scanners)) {
     // An observation that served two tentative planes belongs to the one that came first.
+    const auto is_taken = [&](int index) {
+      return state_->observations[static_cast<size_t>(index)].landmark_id >= 0;
+    };
     std::vector<int>& indices = plane.observations;
-    indices.erase(
-        std::remove_if(indices.begin(),
-                       indices.end(),
-                       [&](int index) {
-                         return state_->observations[static_cast<size_t>(index)].landmark_id >=
-                                0;
-                       }),
-        indices.end());
+    indices.erase(std::remove_if(indices.begin(), indices.end(), is_taken), indices.end());
     if (static_cast<int>(indices.size()) < min_scans || IsRedundantPlane(plane)) continue;
     AddLandmark(std::move(plane));
   }

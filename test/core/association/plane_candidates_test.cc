@@ -242,7 +242,7 @@ TEST_F(TentativePlanesTest, SlopingTracesOfOneScannerDecideNothingAtRest) {
 TEST_F(TentativePlanesTest, ARampIsAGeneralPlane) {
   const Eigen::Vector3d normal(-std::sin(8.0 * kDegree), 0.0, std::cos(8.0 * kDegree));
   for (const bool by_two : {true, false}) {
-    Walk({{normal, 0.0}}, by_two ? std::vector<int>{1, 2} : std::vector<int>{1}, 20, 1.0, 0.0);
+    Walk({{normal, 0.0}}, by_two ? std::vector<int>{1, 2} : std::vector<int>{1}, 50, 1.0, 0.0);
     const std::vector<TentativePlane> ready =
         candidates_.TakeReady(options_.planes.min_scans, false);
     // Pieces far from each other may be candidates of their own.

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/association/plane_through_lines.h"
+#include "core/map/landmark.h"
+
+namespace plumbline {
+
+// The landmark of the kind that the fit leaves, facing the side of `seen_from_world`: vertical
+// or horizontal while the fit does not contradict it, since so are most surfaces of buildings,
+// otherwise general. Nothing while the kind is open.
+std::optional<Landmark> DecideKind(const PlaneThroughLines::Fit& fit,
+                                   const Eigen::Vector3d& seen_from_world);
+
+}  // namespace plumbline
