@@ -3,7 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/association/plane_kind.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
@@ -21,6 +23,7 @@ const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
 // Body motion after which one scanner alone can tell a horizontal plane from a wall whose
 // segments happen to be horizontal.
 constexpr double kRevealingMotion = 0.3;  // m
+constexpr double kLargeFloor = 1.0;       // m, that shows whether it is level
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
@@ -41,10 +44,12 @@ void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
             const TypeEvidence& evidence,
+            double flatness_m,
             TentativePlane* plane) {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
   plane->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
                                     world_from_scanner * Lift(observation.end()));
+  plane->lines.Add(MeasureLine(observation, poses, flatness_m));
   plane->observations.push_back(observation_index);
   plane->scans.insert(observation.scan_index);
   plane->scanners.insert(observation.scanner_index);
@@ -122,7 +127,7 @@ void TentativePlanes::Offer(const Observation& observation,
                             bool founds_wall) {
   TypeEvidence evidence = EvidenceOf(observation, poses, pose_covariance);
   if (founds_wall) evidence = {false, true, true};
-  if (!planar_ && !evidence.can_be_horizontal) {
+  if (!planar_) {
     undecided_.Offer(observation, observation_index, poses);
   }
   bool taken = false;
@@ -133,7 +138,12 @@ void TentativePlanes::Offer(const Observation& observation,
         DeviationFromPlane(observation, poses, LandmarkView(plane.landmark));
     if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + FlatnessOf(observation), &plane.landmark);
-    Record(observation, observation_index, poses, evidence, &plane);
+    Record(observation,
+           observation_index,
+           poses,
+           evidence,
+           options_.association.surface_flatness_m,
+           &plane);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
@@ -172,7 +182,12 @@ void TentativePlanes::Start(const Observation& observation,
       (design.transpose() * noise.inverse() * design).inverse();
   plane.first_position = poses.world_from_body.translation;
   plane.first_time_ns = observation.start_time_ns();
-  Record(observation, observation_index, poses, evidence, &plane);
+  Record(observation,
+         observation_index,
+         poses,
+         evidence,
+         options_.association.surface_flatness_m,
+         &plane);
   planes_.push_back(std::move(plane));
 }
 
@@ -197,7 +212,15 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
         planar_ || static_cast<int>(plane.clear_scans.size()) >= min_scans;
     return has_clear_type && variance < max_sigma * max_sigma;
   }
-  return plane.scanners.size() > 1 || plane.Motion() > kRevealingMotion;
+  if (plane.scanners.size() < 2 && !(plane.Motion() > kRevealingMotion)) return false;
+  // Of a gentle ramp single traces look level; what is small may as well be.
+  const Eigen::Vector2d size =
+      plane.landmark.extent.max_corner() - plane.landmark.extent.min_corner();
+  if (min_scans <= 1 || size.maxCoeff() < kLargeFloor) return true;
+  const PlaneThroughLines::Fit fit = plane.lines.Solve();
+  if (fit.normal_covariance.trace() > kDecidedSigma * kDecidedSigma) return true;
+  const std::optional<Landmark> shown = DecideKind(fit, plane.landmark.extent.anchor());
+  return shown && shown->model == PlaneModel::kHorizontal;
 }
 
 std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,

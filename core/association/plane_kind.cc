@@ -9,9 +9,10 @@
 namespace plumbline {
 namespace {
 
-// A plane is decided once its normal is known to this, a wall's, which is likelier, to that.
-constexpr double kMaxNormalSigma = 1.0 * kRadiansPerDegree;
+// A wall, which is likelier than other planes, is decided once its normal is known to this.
 constexpr double kMaxWallSigma = 3.0 * kRadiansPerDegree;
+// While a floor's normal is not known to this, it looks more level than a ramp of 1.4 degrees.
+constexpr double kMaxLevelSigma = 0.3 * kRadiansPerDegree;
 // A normal is that of a wall or a floor while it differs from theirs by no more than so many
 // standard deviations and this much: as walls are built, and scanners mounted.
 constexpr double kSigmas = 3.5;
@@ -42,9 +43,10 @@ std::optional<Landmark> DecideKind(const PlaneThroughLines::Fit& fit,
     return wall;
   }
   const double sigma = std::sqrt(of_turns.trace());
-  if (sigma > kMaxNormalSigma) return std::nullopt;
+  if (sigma > kDecidedSigma) return std::nullopt;
   const double from_level = 0.5 * M_PI - from_upright;
   if (from_level < kSigmas * sigma + kLevelTo) {
+    if (from_level > kSigmas * kMaxLevelSigma + kLevelTo) return std::nullopt;
     Landmark level = MakeHorizontalLandmark(normal.z() > 0.0 ? 1.0 : -1.0, fit.centre_world);
     level.covariance(0, 0) = fit.centre_variance;
     return level;

@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/association/plane_through_lines.h"
 #include "core/map/landmark.h"
 #include "core/options/mapper_options.h"
 
@@ -21,6 +22,7 @@ struct TentativePlane {
   Eigen::Vector3d last_position = Eigen::Vector3d::Zero();
   int64_t first_time_ns = 0;
   int64_t last_time_ns = 0;
+  PlaneThroughLines lines;  // its traces, on a plane of any direction
 
   // Whether it is large, or was seen for long enough not to be somebody who walks.
   bool HasAge(const PlaneOptions& options) const;

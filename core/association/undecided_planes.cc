@@ -51,10 +51,10 @@ bool UndecidedPlanes::Takes(const Plane& plane,
       !is_near(0.5 * (trace.start_world + trace.end_world))) {
     return false;
   }
-  PlaneThroughLines with_line = plane.lines;
+  PlaneThroughLines with_line = plane.seen.lines;
   with_line.Add(line);
   const PlaneThroughLines::Fit fit = with_line.Solve();
-  if (fit.chi2 - plane.lines.Solve().chi2 >
+  if (fit.chi2 - plane.seen.lines.Solve().chi2 >
       TwoDegreesQuantile(options_.association.significance)) {
     return false;
   }
@@ -74,7 +74,7 @@ void UndecidedPlanes::Record(const Observation& observation,
                              const MeasuredLine& line,
                              const Trace& trace,
                              Plane* plane) const {
-  plane->lines.Add(line);
+  plane->seen.lines.Add(line);
   plane->traces.push_back(trace);
   for (const Eigen::Vector3d& p : {trace.start_world, trace.end_world}) {
     plane->low = plane->low.cwiseMin(p);
@@ -126,15 +126,16 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (static_cast<int>(seen.scans.size()) < min_scans) return false;
   const bool by_two = seen.scanners.size() > 1;
   if (!by_two && seen.Motion() < kSweep) return false;
-  const PlaneThroughLines::Fit fit = plane->lines.Solve();
-  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->lines.num_lines() - 3)) return false;
+  const PlaneThroughLines::Fit fit = plane->seen.lines.Solve();
+  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->seen.lines.num_lines() - 3)) return false;
   std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
   if (!landmark) return false;
   // Two lines lie on a plane by chance, but hardly on one that is upright, too.
   const bool is_likely = landmark->model == PlaneModel::kVertical;
   if (!is_likely) {
     const bool is_start = min_scans <= 1;
-    if (plane->lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines)) return false;
+    if (plane->seen.lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines))
+      return false;
     if (!is_start && seen.Motion() < kSweepOfTwo) return false;
   }
   seen.landmark = std::move(*landmark);
@@ -181,7 +182,7 @@ bool UndecidedPlanes::AreOnNoWall(const std::vector<int>& observations, int min_
 
 std::optional<Landmark> UndecidedPlanes::ShownByTwo(const Plane& plane) const {
   if (plane.seen.scanners.size() < 2) return std::nullopt;
-  return DecideKind(plane.lines.Solve(), plane.traces.front().scanner_world);
+  return DecideKind(plane.seen.lines.Solve(), plane.traces.front().scanner_world);
 }
 
 std::set<int> UndecidedPlanes::OnSlopes() const {

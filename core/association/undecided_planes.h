@@ -56,7 +56,6 @@ class UndecidedPlanes {
   };
   struct Plane {
     std::vector<Trace> traces;
-    PlaneThroughLines lines;
     TentativePlane seen;  // without a landmark until it is decided
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300);  // around the traces, world
     Eigen::Vector3d high = Eigen::Vector3d::Constant(-1e300);
