@@ -18,6 +18,8 @@ namespace {
 // Below this tilt of the scan plane a horizontal plane is met at so flat an angle that a
 // horizontal segment speaks for a wall.
 const double kMinTiltSine = std::sin(15.0 * M_PI / 180.0);
+// Traces are no steeper than what they lie on: these are on no ramp.
+const double kSteepSine = std::sin(30.0 * M_PI / 180.0);
 // A segment closer to the vertical than this does not show its wall's direction.
 const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
 // Body motion after which one scanner alone can tell a horizontal plane from a wall whose
@@ -75,7 +77,8 @@ TypeEvidence JudgeType(const Observation& observation,
       tilt_sine > kMinTiltSine &&
       std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
   evidence.can_be_vertical = direction.head<2>().norm() > kMinHorizontalPart;
-  evidence.is_wall = tilt_sine <= kMinTiltSine && evidence.can_be_vertical;
+  evidence.is_wall = evidence.can_be_vertical &&
+                     (tilt_sine <= kMinTiltSine || std::abs(direction.z()) > kSteepSine);
   return evidence;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/consistency/bent_surfaces.h"
 #include "core/consistency/degeneracy.h"
 #include "core/consistency/doubled_surfaces.h"
 #include "core/consistency/evidence.h"
@@ -51,6 +52,7 @@ struct Evidence {
   std::vector<bool> jumps;
   std::vector<bool> unsupported_jumps;
   std::vector<bool> glitches;
+  BentSurfaces bent;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
   std::vector<double> position_stddevs_m;
@@ -112,6 +114,10 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
             << m.translation_m.transpose() << " m, " << m.time_offset_s << " s, near "
             << m.near_share << " moved " << m.moved_share;
   }
+  for (const BentSurface& surface : evidence.bent.surfaces) {
+    VLOG(1) << "plane " << surface.landmark_id << ": " << surface.num_off << " of "
+            << surface.num_tiles << " places lie off, up to " << surface.largest_m << " m";
+  }
   for (const DoubledSurface& pair : evidence.doubled.pairs) {
     VLOG(1) << "doubled: planes " << pair.landmark_a << " and " << pair.landmark_b << ", "
             << pair.separation_m << " m apart, over " << pair.area_m2 << " m2";
@@ -141,6 +147,7 @@ Evidence Collect(const Rig& rig,
   evidence.jumps = FindJumps(evidence.motion, evidence.passages);
   evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
+  evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
   evidence.mountings = CompareMountings(rig, map.planar, state);
@@ -174,6 +181,8 @@ class Judge {
                  "somebody who walks, or take one tread for another");
     AddIntervals(evidence_.glitches,
                  "for an instant segments lie off the planes, and the rig seems to jerk");
+    AddIntervals(evidence_.bent.seconds,
+                 "floor or ceiling bends here: a gentle ramp may have been taken for level");
     JudgeStatedDeviations();
     JudgeScanners();
     Share all;

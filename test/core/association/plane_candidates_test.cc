@@ -76,6 +76,17 @@ TEST(JudgeTypeTest, LevelScannerSeesWallsOnly) {
   }
 }
 
+// A trace is no steeper than the plane that it lies on.
+TEST(JudgeTypeTest, SteepTracesOfTiltedScannersLieOnNoRamp) {
+  EXPECT_TRUE(Judge(WallNormal(90.0), 45.0, 0.0).is_wall);   // 45 degrees steep
+  EXPECT_FALSE(Judge(WallNormal(20.0), 45.0, 0.0).is_wall);  // 19 degrees
+  const double slope = 15.0 * kDegree;
+  for (const double yaw_deg : {0.0, 60.0, 90.0, 150.0}) {
+    const Eigen::Vector3d ramp(std::sin(slope), 0.0, std::cos(slope));
+    EXPECT_FALSE(Judge(ramp, 45.0, yaw_deg).is_wall) << yaw_deg;
+  }
+}
+
 TEST(JudgeTypeTest, UprightScannerDoesNotTellAWallsDirection) {
   const TypeEvidence evidence = Judge(WallNormal(90.0), 90.0, 0.0);
   EXPECT_FALSE(evidence.can_be_horizontal);

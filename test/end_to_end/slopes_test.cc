@@ -1,0 +1,62 @@
+// Buildings whose floors and ceilings slope.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "core/result/result_reader.h"
+#include "simulation/evaluation/evaluation.h"
+#include "simulation/sensing/simulate_recording.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+class SlopesTest : public MappingTest {
+ protected:
+  Evaluation MapCase(const std::string& name, uint64_t seed) {
+    SimulateRecording(
+        std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/" + name + ".yaml",
+        seed,
+        directory_.string(),
+        [](double) {});
+    Map();
+    return Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});
+  }
+};
+
+TEST_F(SlopesTest, ARampBetweenTwoHallsIsMapped) {
+  const Evaluation evaluation = MapCase("halls_ramp", 5);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.2);
+  EXPECT_EQ(evaluation.planes.num_missed, 0);
+  // Floor and ceiling of the ramp, of 5.7 degrees.
+  int num_general = 0;
+  for (const PlanePatch& plane : ReadPlanes(Path("result/planes.json"))) {
+    if (plane.type != PlaneType::kGeneral) continue;
+    ++num_general;
+    EXPECT_NEAR(std::abs(plane.normal.z()), 8.0 / std::hypot(8.0, 0.8), 2e-4);
+    EXPECT_GT(plane.sigma_angle_rad, 0.0);
+  }
+  EXPECT_EQ(num_general, 2);
+}
+
+// The level scanner sees the roof as it would see walls, from the first scan on.
+TEST_F(SlopesTest, AnAtticIsMapped) {
+  const Evaluation evaluation = MapCase("attic_35_deg", 6);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
+  EXPECT_EQ(evaluation.planes.num_wrong, 0);
+}
+
+// A ramp of 1.4 degrees is taken for level, and the rig for turned while it is there.
+TEST_F(SlopesTest, AGentleRampIsDoubtful) {
+  MapCase("halls_gentle_ramp", 7);
+  EXPECT_NE(summary_.consistency.verdict, Verdict::kConsistent);
+}
+
+}  // namespace
+}  // namespace plumbline
