@@ -46,12 +46,12 @@ void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
             const TypeEvidence& evidence,
-            double flatness_m,
+            const MeasuredLine& line,
             TentativePlane* plane) {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
   plane->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
                                     world_from_scanner * Lift(observation.end()));
-  plane->lines.Add(MeasureLine(observation, poses, flatness_m));
+  plane->lines.Add(line);
   plane->observations.push_back(observation_index);
   plane->scans.insert(observation.scan_index);
   plane->scanners.insert(observation.scanner_index);
@@ -130,9 +130,9 @@ void TentativePlanes::Offer(const Observation& observation,
                             bool founds_wall) {
   TypeEvidence evidence = EvidenceOf(observation, poses, pose_covariance);
   if (founds_wall) evidence = {false, true, true};
-  if (!planar_) {
-    undecided_.Offer(observation, observation_index, poses);
-  }
+  const MeasuredLine line = MeasureLine(
+      observation, poses, pose_covariance, options_.association.surface_flatness_m);
+  if (!planar_) undecided_.Offer(observation, observation_index, poses, line);
   bool taken = false;
   for (TentativePlane& plane : planes_) {
     const bool horizontal = plane.landmark.model == PlaneModel::kHorizontal;
@@ -141,26 +141,22 @@ void TentativePlanes::Offer(const Observation& observation,
         DeviationFromPlane(observation, poses, LandmarkView(plane.landmark));
     if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + FlatnessOf(observation), &plane.landmark);
-    Record(observation,
-           observation_index,
-           poses,
-           evidence,
-           options_.association.surface_flatness_m,
-           &plane);
+    Record(observation, observation_index, poses, evidence, line, &plane);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
   if (!taken && (evidence.can_be_horizontal || evidence.is_wall) &&
       observation.num_points >= options_.planes.min_points &&
       !(observation.sigma_direction_rad > max_sigma)) {
-    Start(observation, observation_index, poses, evidence);
+    Start(observation, observation_index, poses, evidence, line);
   }
 }
 
 void TentativePlanes::Start(const Observation& observation,
                             int observation_index,
                             const ObservationPoses& poses,
-                            const TypeEvidence& evidence) {
+                            const TypeEvidence& evidence,
+                            const MeasuredLine& line) {
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
   const Eigen::Vector3d centroid = world_from_scanner * Lift(observation.centroid());
   TentativePlane plane;
@@ -185,12 +181,7 @@ void TentativePlanes::Start(const Observation& observation,
       (design.transpose() * noise.inverse() * design).inverse();
   plane.first_position = poses.world_from_body.translation;
   plane.first_time_ns = observation.start_time_ns();
-  Record(observation,
-         observation_index,
-         poses,
-         evidence,
-         options_.association.surface_flatness_m,
-         &plane);
+  Record(observation, observation_index, poses, evidence, line, &plane);
   planes_.push_back(std::move(plane));
 }
 

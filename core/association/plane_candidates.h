@@ -69,7 +69,8 @@ class TentativePlanes {
   void Start(const Observation& observation,
              int observation_index,
              const ObservationPoses& poses,
-             const TypeEvidence& evidence);
+             const TypeEvidence& evidence,
+             const MeasuredLine& line);
   bool IsReady(const TentativePlane& plane,
                int min_scans,
                bool needs_age,

@@ -19,16 +19,23 @@ constexpr double kBump = 0.5;              // m, as far as a surface's unevennes
 
 MeasuredLine MeasureLine(const Observation& observation,
                          const ObservationPoses& poses,
+                         const Matrix6d& pose_covariance,
                          double flatness_m) {
   const Eigen::Matrix2d flatness = FlatnessCovariance(observation.length_m(), flatness_m);
   MeasuredLine line;
   line.centroid_world = poses.motion.nodes()[1] * observation.centroid().homogeneous();
   line.direction_world =
       (poses.motion.nodes()[1].leftCols<2>() * observation.tangent()).normalized();
-  line.sigma_offset_m =
-      std::sqrt(observation.sigma_offset_m * observation.sigma_offset_m + flatness(0, 0));
-  line.sigma_direction_rad = std::sqrt(
-      observation.sigma_direction_rad * observation.sigma_direction_rad + flatness(1, 1));
+  // Of the pose, the worst direction counts.
+  const Eigen::Vector3d arm = line.centroid_world - poses.world_from_body.translation;
+  const double turn = pose_covariance.topLeftCorner<3, 3>().trace();
+  const double shift =
+      pose_covariance.bottomRightCorner<3, 3>().trace() + turn * arm.squaredNorm();
+  line.sigma_offset_m = std::sqrt(observation.sigma_offset_m * observation.sigma_offset_m +
+                                  flatness(0, 0) + shift);
+  line.sigma_direction_rad =
+      std::sqrt(observation.sigma_direction_rad * observation.sigma_direction_rad +
+                flatness(1, 1) + turn);
   line.flatness_m = flatness_m;
   return line;
 }

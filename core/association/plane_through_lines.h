@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry/matrix_types.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 
@@ -16,9 +17,11 @@ struct MeasuredLine {
   double flatness_m = 0.0;  // of the surface, the same for all lines at a place
 };
 
-// An observation's line. flatness_m: of the surface, see AssociationOptions.
+// An observation's line. pose_covariance: of the body's rotation and position, world frame;
+// flatness_m: of the surface, see AssociationOptions.
 MeasuredLine MeasureLine(const Observation& observation,
                          const ObservationPoses& poses,
+                         const Matrix6d& pose_covariance,
                          double flatness_m);
 
 // The plane that fits measured lines best, of any direction: a weighted total least squares

@@ -22,6 +22,8 @@ constexpr double kMaxMeanChi2 = 2.0;
 // The motion after which one scanner has swept enough of a plane, and two have.
 constexpr double kSweep = 0.3;       // m
 constexpr double kSweepOfTwo = 0.1;  // m
+// What is not decided by then begins anew.
+constexpr double kMaxUndecided = 20.0;  // s
 // A general plane is at least so large in both directions: what is smaller stays points.
 constexpr double kMinSide = 0.4;  // m
 // Traces of one scan that show a plane which is no wall.
@@ -95,9 +97,8 @@ void UndecidedPlanes::Record(const Observation& observation,
 
 void UndecidedPlanes::Offer(const Observation& observation,
                             int observation_index,
-                            const ObservationPoses& poses) {
-  const MeasuredLine line =
-      MeasureLine(observation, poses, options_.association.surface_flatness_m);
+                            const ObservationPoses& poses,
+                            const MeasuredLine& line) {
   Trace trace;
   trace.observation_index = observation_index;
   trace.scan_index = observation.scan_index;
@@ -198,7 +199,8 @@ std::set<int> UndecidedPlanes::OnSlopes() const {
 void UndecidedPlanes::DropStale(int64_t now_ns) {
   const auto is_stale = [&](const Plane& plane) {
     return SecondsBetween(plane.seen.last_time_ns, now_ns) >
-           options_.planes.max_tentative_age_s;
+               options_.planes.max_tentative_age_s ||
+           SecondsBetween(plane.seen.first_time_ns, now_ns) > kMaxUndecided;
   };
   planes_.erase(std::remove_if(planes_.begin(), planes_.end(), is_stale), planes_.end());
 }

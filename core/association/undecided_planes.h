@@ -25,10 +25,12 @@ class UndecidedPlanes {
  public:
   explicit UndecidedPlanes(const MapperOptions& options) : options_(options) {}
 
-  // Gives the observation to the planes that it may lie on, or starts a new one.
+  // Gives the observation to the planes that it may lie on, or starts a new one. line: its
+  // own.
   void Offer(const Observation& observation,
              int observation_index,
-             const ObservationPoses& poses);
+             const ObservationPoses& poses,
+             const MeasuredLine& line);
 
   // Removes and returns the planes that are decided and fit to become landmarks. needs_age:
   // see TentativePlanes. At the first scan (min_scans 1) two scanners have to show a wall,

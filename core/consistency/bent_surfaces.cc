@@ -60,9 +60,7 @@ void ForEachSegment(const Rig& rig, const MapState& state, const Visit& visit) {
 BentSurfaces FindBentSurfaces(const Rig& rig, const MapState& state, int64_t start_ns) {
   std::map<TileId, Tile> tiles;
   ForEachSegment(
-      rig,
-      state,
-      [&](const Observation&, const TileId& id, const LineDeviation& deviation) {
+      rig, state, [&](const Observation&, const TileId& id, const LineDeviation& deviation) {
         const double variance = deviation.covariance(0, 0);
         if (!std::isfinite(variance) || !(variance > 0.0)) return;
         Tile& tile = tiles[id];

@@ -21,9 +21,10 @@ struct BentSurfaces {
   std::vector<bool> seconds;          // of the recording, in which bent places were seen
 };
 
-// Finds floors and ceilings that bend. A ramp of a degree or so may be taken for level, the rig
-// being turned by as much while it is there: walls along the way do not tell. But where the ramp
-// begins, both parts are seen at the same time, and lie off the plane that both are taken for.
+// Finds floors and ceilings that bend. A ramp of a degree or so may be taken for level, the
+// rig being turned by as much while it is there: walls along the way do not tell. But where
+// the ramp begins, both parts are seen at the same time, and lie off the plane that both are
+// taken for.
 BentSurfaces FindBentSurfaces(const Rig& rig, const MapState& state, int64_t start_ns);
 
 }  // namespace plumbline

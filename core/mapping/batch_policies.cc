@@ -161,8 +161,8 @@ int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapSt
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state->landmarks[static_cast<size_t>(observation.landmark_id)];
     if (landmark.model != PlaneModel::kGeneral) continue;
-    lines[landmark.id].Add(
-        MeasureLine(observation, poses.Of(observation), options.surface_flatness_m));
+    lines[landmark.id].Add(MeasureLine(
+        observation, poses.Of(observation), Matrix6d::Zero(), options.surface_flatness_m));
   }
   std::vector<bool> is_none(state->landmarks.size(), false);
   std::vector<bool> is_changed(state->landmarks.size(), false);

@@ -87,6 +87,7 @@ void WriteCheckpoint(const MapInputs& inputs,
   archive(format);
   Visit(&archive, &all_inputs);
   archive(followed->num_skipped);
+  archive(followed->left_out);
   auto num_parts = static_cast<int>(followed->parts.size());
   archive(num_parts);
   for (FollowedPart& part : followed->parts) Visit(&archive, &part);
@@ -108,6 +109,7 @@ FollowedRecording ReadCheckpoint(const MapInputs& inputs, const std::string& pat
   }
   FollowedRecording followed;
   archive(followed.num_skipped);
+  archive(followed.left_out);
   int num_parts = 0;
   archive(num_parts);
   for (int i = 0; i < num_parts; ++i) {

@@ -25,6 +25,8 @@ struct FollowedPart {
 struct FollowedRecording {
   std::vector<FollowedPart> parts;  // in the order of time, at least one
   int num_skipped = 0;              // scans before the first part
+  // What was followed for too short a time to be a part, and why it ended, in words.
+  std::vector<std::string> left_out;
 };
 
 // What a map is made from, by name ("recording", "program"): the same inputs give the same

@@ -84,6 +84,7 @@ class RecordingFollower {
   }
 
   int num_skipped() const { return num_skipped_; }  // scans before the first part
+  const std::vector<std::string>& left_out() const { return left_out_; }
 
  private:
   // Starts a part with this scan where it shows the model frame; false when there is no use in
@@ -137,6 +138,8 @@ class RecordingFollower {
       parts_.push_back(std::move(current_));
     } else if (!why.empty()) {
       lost_ = why;
+      left_out_.push_back("what was followed from " + FormatSeconds(current_.start_s) + " to " +
+                          FormatSeconds(current_.end_s) + " is left out: " + why);
     }
     current_ = {};
   }
@@ -150,6 +153,7 @@ class RecordingFollower {
   bool is_new_ = false;  // the current part has a single scan
   int num_skipped_ = 0;
   std::string lost_;  // why the last part that was too short had ended
+  std::vector<std::string> left_out_;
 };
 
 // The planes of the last window estimate, as they are estimated now.
@@ -254,6 +258,7 @@ FollowedRecording FollowRecording(const Rig& rig,
   double segmentation_s = 0.0;
   FollowedRecording followed;
   followed.num_skipped = recording_follower.num_skipped();
+  followed.left_out = recording_follower.left_out();
   for (Part& part : parts) {
     ScanFollower& follower = part.follower->follower();
     segmentation_s += follower.segmentation_watch().seconds();
@@ -377,6 +382,7 @@ std::vector<MapResult> MapRecording(const Rig& rig,
   std::vector<MapResult> results =
       EstimateJoined(rig, planar, options, progress, recording, &followed);
   MapResult& main = results[LongestPart(results)];
+  for (const std::string& left_out : followed.left_out) main.warnings.push_back(left_out);
   if (followed.num_skipped > 0) {
     main.warnings.push_back("the first " + std::to_string(followed.num_skipped) +
                             " scans are left out: they do not show " +

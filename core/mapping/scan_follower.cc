@@ -110,8 +110,8 @@ std::vector<Observation> ScanFollower::Observe(const Scan& scan) {
   return observations;
 }
 
-std::optional<ModelFrame> ScanFollower::FindFrame(
-    const std::vector<Observation>& observations, bool* sees_slopes) const {
+std::optional<ModelFrame> ScanFollower::FindFrame(const std::vector<Observation>& observations,
+                                                  bool* sees_slopes) const {
   *sees_slopes = false;
   const std::optional<ModelFrame> frame = FindModelFrame(rig_, planar_, observations);
   if (!frame || planar_) return frame;
@@ -122,11 +122,15 @@ std::optional<ModelFrame> ScanFollower::FindFrame(
     const Rigid3d& body_from_scanner =
         rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
     const Rigid3d world_from_body{frame->world_from_body, Eigen::Vector3d::Zero()};
-    planes.Offer(observation,
-                 static_cast<int>(i),
-                 ObservationPoses(observation.measurement.node_times_ns(),
-                                  {world_from_body, world_from_body, world_from_body},
-                                  body_from_scanner));
+    const ObservationPoses poses(observation.measurement.node_times_ns(),
+                                 {world_from_body, world_from_body, world_from_body},
+                                 body_from_scanner);
+    planes.Offer(
+        observation,
+        static_cast<int>(i),
+        poses,
+        MeasureLine(
+            observation, poses, Matrix6d::Zero(), options_.association.surface_flatness_m));
   }
   const std::set<int> no_walls = planes.OnSlopes();
   *sees_slopes = !no_walls.empty();
