@@ -22,22 +22,12 @@ bool Landmark::AgreesWithin(double mean_deviation) const {
   return sum_deviations <= mean_deviation * num_judged + kExpectedDeviation;
 }
 
-Eigen::Vector3d Landmark::Normal() const {
-  Eigen::Vector3d normal;
-  double distance;
-  VisitPlaneModel(model, chart, [&](const auto& plane) {
-    plane.Evaluate(parameters.data(), normal.data(), &distance);
+Eigen::Vector4d Landmark::Plane() const {
+  Eigen::Vector4d plane;
+  VisitPlaneModel(model, chart, [&](const auto& parametrised) {
+    parametrised.Evaluate(parameters.data(), plane.data(), plane.data() + 3);
   });
-  return normal;
-}
-
-double Landmark::Distance() const {
-  Eigen::Vector3d normal;
-  double distance;
-  VisitPlaneModel(model, chart, [&](const auto& plane) {
-    plane.Evaluate(parameters.data(), normal.data(), &distance);
-  });
-  return distance;
+  return plane;
 }
 
 PatchExtent Landmark::EmptyExtent() const {

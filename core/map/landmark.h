@@ -57,10 +57,13 @@ struct Landmark {
   // How much of it has been seen, m: of a vertical plane its width.
   double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
   int num_parameters() const { return PlaneModelSize(model); }
-  Eigen::Vector3d Normal() const;
-  double Distance() const;
+  // The unit normal and the distance d of n.x = d.
+  Eigen::Vector4d Plane() const;
+  Eigen::Vector3d Normal() const { return Plane().head<3>(); }
+  double Distance() const { return Plane()[3]; }
   double SignedDistance(const Eigen::Vector3d& p_world) const {
-    return Normal().dot(p_world) - Distance();
+    const Eigen::Vector4d plane = Plane();
+    return plane.head<3>().dot(p_world) - plane[3];
   }
   // The derivative of n.p - d (at a point, per metre along a direction) by the parameters;
   // columns beyond num_parameters() are zero.
