@@ -51,15 +51,10 @@ void Record(const Observation& observation,
   const Rigid3d& world_from_scanner = poses.world_from_scanner;
   plane->landmark.extent.AddSegment(world_from_scanner * Lift(observation.start()),
                                     world_from_scanner * Lift(observation.end()));
-  plane->lines.Add(line);
-  plane->observations.push_back(observation_index);
-  plane->scans.insert(observation.scan_index);
-  plane->scanners.insert(observation.scanner_index);
+  plane->Count(observation, observation_index, poses, line);
   if (evidence.can_be_horizontal != evidence.can_be_vertical) {
     plane->clear_scans.insert(observation.scan_index);
   }
-  plane->last_position = poses.world_from_body.translation;
-  plane->last_time_ns = observation.end_time_ns();
 }
 
 }  // namespace
@@ -179,8 +174,6 @@ void TentativePlanes::Start(const Observation& observation,
   const Eigen::Matrix2d noise = deviation.covariance + FlatnessOf(observation);
   plane.landmark.covariance.topLeftCorner(size, size) =
       (design.transpose() * noise.inverse() * design).inverse();
-  plane.first_position = poses.world_from_body.translation;
-  plane.first_time_ns = observation.start_time_ns();
   Record(observation, observation_index, poses, evidence, line, &plane);
   planes_.push_back(std::move(plane));
 }

@@ -19,8 +19,8 @@ namespace plumbline {
 struct TypeEvidence {
   bool can_be_horizontal = false;
   bool can_be_vertical = false;
-  // The trace of a scan plane that is nearly level: walls are what it mostly meets. A sloping
-  // trace of a tilted one may as well lie on a ramp or a roof.
+  // The trace of a scan plane that is nearly level, which mostly meets walls, or one steeper
+  // than any ramp. Other sloping traces may as well lie on a ramp or a roof.
   bool is_wall = false;
 };
 
@@ -33,8 +33,7 @@ TypeEvidence JudgeType(const Observation& observation,
 
 // Collects segments without a landmark into tentative planes, and gives up those that are to
 // become landmarks: seen in several scans, direction known well, type beyond doubt. That a
-// plane is a wall takes several scans, too. Segments that may lie on a plane of any direction
-// start none here: see UndecidedPlanes.
+// plane is a wall takes several scans, too. Planes of any direction come from UndecidedPlanes.
 class TentativePlanes {
  public:
   TentativePlanes(bool planar, const MapperOptions& options);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/angles.h"
 #include "core/geometry/plane_tangents.h"
 
 namespace plumbline {

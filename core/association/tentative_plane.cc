@@ -5,6 +5,22 @@
 
 namespace plumbline {
 
+void TentativePlane::Count(const Observation& observation,
+                           int observation_index,
+                           const ObservationPoses& poses,
+                           const MeasuredLine& line) {
+  if (observations.empty()) {
+    first_position = poses.world_from_body.translation;
+    first_time_ns = observation.start_time_ns();
+  }
+  last_position = poses.world_from_body.translation;
+  last_time_ns = observation.end_time_ns();
+  observations.push_back(observation_index);
+  scans.insert(observation.scan_index);
+  scanners.insert(observation.scanner_index);
+  lines.Add(line);
+}
+
 bool TentativePlane::HasAge(const PlaneOptions& options) const {
   // Somebody who walks is as high as a wall piece, but not as wide.
   const PatchExtent& extent = landmark.extent;

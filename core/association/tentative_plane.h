@@ -7,6 +7,8 @@
 
 #include "core/association/plane_through_lines.h"
 #include "core/map/landmark.h"
+#include "core/map/observation.h"
+#include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
 
 namespace plumbline {
@@ -24,6 +26,11 @@ struct TentativePlane {
   int64_t last_time_ns = 0;
   PlaneThroughLines lines;  // its traces, on a plane of any direction
 
+  // Takes in what an observation tells of any plane; its landmark and clear_scans stay.
+  void Count(const Observation& observation,
+             int observation_index,
+             const ObservationPoses& poses,
+             const MeasuredLine& line);
   // Whether it is large, or was seen for long enough not to be somebody who walks.
   bool HasAge(const PlaneOptions& options) const;
   // How far the rig went while it was seen, m.

@@ -1,7 +1,6 @@
 #include "core/association/undecided_planes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -76,23 +75,12 @@ void UndecidedPlanes::Record(const Observation& observation,
                              const MeasuredLine& line,
                              const Trace& trace,
                              Plane* plane) const {
-  plane->seen.lines.Add(line);
+  plane->seen.Count(observation, trace.observation_index, poses, line);
   plane->traces.push_back(trace);
   for (const Eigen::Vector3d& p : {trace.start_world, trace.end_world}) {
     plane->low = plane->low.cwiseMin(p);
     plane->high = plane->high.cwiseMax(p);
   }
-  TentativePlane& seen = plane->seen;
-  const Eigen::Vector3d& position = poses.world_from_body.translation;
-  if (seen.observations.empty()) {
-    seen.first_position = position;
-    seen.first_time_ns = observation.start_time_ns();
-  }
-  seen.last_position = position;
-  seen.last_time_ns = observation.end_time_ns();
-  seen.observations.push_back(trace.observation_index);
-  seen.scans.insert(trace.scan_index);
-  seen.scanners.insert(observation.scanner_index);
 }
 
 void UndecidedPlanes::Offer(const Observation& observation,
@@ -127,16 +115,15 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (static_cast<int>(seen.scans.size()) < min_scans) return false;
   const bool by_two = seen.scanners.size() > 1;
   if (!by_two && seen.Motion() < kSweep) return false;
-  const PlaneThroughLines::Fit fit = plane->seen.lines.Solve();
-  if (fit.chi2 > kMaxMeanChi2 * (2 * plane->seen.lines.num_lines() - 3)) return false;
+  const PlaneThroughLines::Fit fit = seen.lines.Solve();
+  if (fit.chi2 > kMaxMeanChi2 * (2 * seen.lines.num_lines() - 3)) return false;
   std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
   if (!landmark) return false;
   // Two lines lie on a plane by chance, but hardly on one that is upright, too.
   const bool is_likely = landmark->model == PlaneModel::kVertical;
   if (!is_likely) {
     const bool is_start = min_scans <= 1;
-    if (plane->seen.lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines))
-      return false;
+    if (seen.lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines)) return false;
     if (!is_start && seen.Motion() < kSweepOfTwo) return false;
   }
   seen.landmark = std::move(*landmark);

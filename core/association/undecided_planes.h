@@ -9,7 +9,6 @@
 
 #include "core/association/plane_through_lines.h"
 #include "core/association/tentative_plane.h"
-#include "core/geometry/matrix_types.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
@@ -25,8 +24,8 @@ class UndecidedPlanes {
  public:
   explicit UndecidedPlanes(const MapperOptions& options) : options_(options) {}
 
-  // Gives the observation to the planes that it may lie on, or starts a new one. line: its
-  // own.
+  // Gives the observation, a trace along this line, to the planes that it may lie on, or
+  // starts a new one.
   void Offer(const Observation& observation,
              int observation_index,
              const ObservationPoses& poses,
@@ -43,7 +42,7 @@ class UndecidedPlanes {
   // All observations on planes that two scanners show to be ramps, roofs or the like.
   std::set<int> OnSlopes() const;
 
-  // Drops planes that nothing has confirmed for a while.
+  // Drops planes that nothing has confirmed for a while, or that stay undecided.
   void DropStale(int64_t now_ns);
 
  private:

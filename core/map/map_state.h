@@ -58,8 +58,8 @@ void RebuildLandmarks(const Rig& rig, const std::vector<bool>& is_chosen, MapSta
 // Computes the numbers of the landmarks' segments anew, and nothing else.
 void RecountSegments(MapState* state);
 
-// Where the wall that fixes the gauge has lost all of its observations, fixes the heading of the
-// wall with most of them in its place.
+// Where the wall that fixes the gauge has lost all of its observations, fixes the heading of
+// the wall with most of them in its place.
 void KeepHeadingHeld(MapState* state);
 
 // Leaves the observations of the chosen landmarks (is_chosen: by id) without a landmark, and

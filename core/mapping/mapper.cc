@@ -138,8 +138,8 @@ class RecordingFollower {
       parts_.push_back(std::move(current_));
     } else if (!why.empty()) {
       lost_ = why;
-      left_out_.push_back("what was followed from " + FormatSeconds(current_.start_s) + " to " +
-                          FormatSeconds(current_.end_s) + " is left out: " + why);
+      left_out_.push_back("what was followed from " + FormatSeconds(current_.start_s) +
+                          " to " + FormatSeconds(current_.end_s) + " is left out: " + why);
     }
     current_ = {};
   }

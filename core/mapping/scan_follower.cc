@@ -145,7 +145,6 @@ bool ScanFollower::HoldsPosition() const {
   for (const Landmark& landmark : state_->landmarks) {
     normals += landmark.Normal() * landmark.Normal().transpose();
   }
-  if (planar_) normals(2, 2) = 1.0;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(normals, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] > kMinHeldSine * kMinHeldSine;

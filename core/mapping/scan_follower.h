@@ -61,9 +61,10 @@ class ScanFollower {
   // Follows in the usual way again.
   void EndBridging();
 
-  // Starts the map with this scan; false when the scan does not show the model frame. must_hold:
-  // false, too, where it sees ramps or roofs, of which level traces look like walls, and the
-  // planes that two scanners show leave a direction of the position open. knot_ns, if given: an earlier instant that its knots shall fall together with, so that parts of one
+  // Starts the map with this scan; false when the scan does not show the model frame.
+  // must_hold: false, too, where it sees ramps or roofs, of which level traces look like
+  // walls, and the planes that two scanners show leave a direction of the position open.
+  // knot_ns, if given: an earlier instant that its knots shall fall together with, so that parts of one
   // recording can be joined.
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {});
   // Follows the rig through the next scan. Throws LostTrack when the pose is lost: nothing may
