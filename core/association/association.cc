@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
@@ -23,9 +24,9 @@ constexpr double kRounding = 1e-6;    // m, of the distances computed
 // The mean squared deviation of a landmark's segments, where two is expected, is at most this:
 // planes have 0.9 to 3.7, oblique false planes 4 to 18.
 constexpr double kMaxMeanDeviation = 4.0;
-// The sine of the angle at which a scan plane cuts a plane that its beams can hit. A scan plane
-// that runs along a wall, as an upright one in a doorway, holds other surfaces' segments: all
-// of them would lie on the wall.
+// The sine of the angle at which a scan plane cuts a plane that its beams can hit. A scan
+// plane that runs along a wall, as an upright one in a doorway, holds other surfaces'
+// segments: all of them would lie on the wall.
 constexpr double kMinCuttingSine = 0.1;
 
 // The centroid on the straight line between the ends, where they were measured.
@@ -184,12 +185,15 @@ void VisitHypotheses(const Observation& observation,
   const double gate = TwoDegreesQuantile(options.significance);
   for (const LandmarkView& view : views) {
     if (view.SignedDistance(scanner_world) <= 0.0) continue;
-    if (scan_normal.cross(view.normal).squaredNorm() < kMinCuttingSine * kMinCuttingSine) {
+    std::optional<LandmarkView> near;
+    if (view.is_curved) near = view.Near(centroid_world);
+    const LandmarkView& plane = near ? *near : view;
+    if (scan_normal.cross(plane.normal).squaredNorm() < kMinCuttingSine * kMinCuttingSine) {
       continue;
     }
     // Cheap first: a distance that no covariance can explain.
     const double offset = view.SignedDistance(centroid_world);
-    const double max_variance = own_variance + view.DistanceVariance(centroid_world);
+    const double max_variance = own_variance + plane.DistanceVariance(centroid_world);
     if (offset * offset > kCoarseMargin * gate * max_variance) continue;
     if (!view.landmark->extent.IsNear(start_world, end_world, options.max_gap_m)) {
       continue;

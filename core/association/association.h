@@ -71,8 +71,9 @@ class ScanSlab {
   // Whether the rectangle around what was seen of a plane comes into the slab.
   bool Touches(const LandmarkView& view) const {
     const double across = normal_.dot(view.centre_world - origin_);
-    const double half =
-        std::abs(normal_.dot(view.half_u)) + std::abs(normal_.dot(view.half_v));
+    const double half = view.is_curved ? view.radius_m
+                                       : std::abs(normal_.dot(view.half_u)) +
+                                             std::abs(normal_.dot(view.half_v));
     return std::abs(across) <= half + half_width_m_;
   }
 

@@ -42,6 +42,14 @@ void Update(const LineDeviation& deviation, const Eigen::Matrix2d& noise, Landma
   landmark->covariance.topLeftCorner(size, size) = covariance;
 }
 
+// Makes a wall whose segments show that it bends a cylinder.
+void BendWhereShown(TentativePlane* plane) {
+  std::optional<Landmark> cylinder = plane->bend.Solve();
+  if (!cylinder) return;
+  cylinder->extent.Merge(plane->landmark.extent);
+  plane->landmark = std::move(*cylinder);
+}
+
 void Record(const Observation& observation,
             int observation_index,
             const ObservationPoses& poses,
@@ -137,6 +145,7 @@ void TentativePlanes::Offer(const Observation& observation,
     if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + FlatnessOf(observation), &plane.landmark);
     Record(observation, observation_index, poses, evidence, line, &plane);
+    if (!horizontal) plane.bend.Add(observation, poses, pose_covariance);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
@@ -144,6 +153,11 @@ void TentativePlanes::Offer(const Observation& observation,
       observation.num_points >= options_.planes.min_points &&
       !(observation.sigma_direction_rad > max_sigma)) {
     Start(observation, observation_index, poses, evidence, line);
+    TentativePlane& plane = planes_.back();
+    if (plane.landmark.model == PlaneModel::kVertical) {
+      plane.bend = BendTest(plane.landmark, options_.association.surface_flatness_m);
+      plane.bend.Add(observation, poses, pose_covariance);
+    }
   }
 }
 
@@ -220,6 +234,7 @@ std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,
         undecided_.AreOnNoWall(it->observations, min_scans)) {
       it = planes_.erase(it);
     } else if (is_ready) {
+      if (it->landmark.model == PlaneModel::kVertical) BendWhereShown(&*it);
       ready.push_back(std::move(*it));
       it = planes_.erase(it);
     } else {

@@ -15,18 +15,15 @@ namespace {
 // The normals of planes that face the same side have at least this cosine.
 constexpr double kMinFacingCosine = 0.8;
 
-// Whether two planes of one type that face the same side are one.
-bool AreOnePlane(const Landmark& a,
-                 const Landmark& b,
-                 double range_noise_m,
-                 const AssociationOptions& options) {
-  // Cheap first: the patches' cells are looked at last.
-  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
-  // Compared at the middle of the smaller one, along its longer side.
+// Whether two planes agree at the middle of the smaller one, b, along one of its sides.
+bool AgreeAlong(bool along_u,
+                const Landmark& a,
+                const Landmark& b,
+                double range_noise_m,
+                const AssociationOptions& options) {
   const PatchExtent& extent = b.extent;
   const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
   const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
-  const bool along_u = a.model == PlaneModel::kVertical || size.x() > size.y();
   const Eigen::Vector3d direction = along_u ? extent.u_axis() : extent.v_axis();
   const Eigen::Vector3d on_axes = extent.ToWorld(middle);
   const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
@@ -41,8 +38,24 @@ bool AreOnePlane(const Landmark& a,
       covariance +
       2.0 * FlatnessCovariance(along_u ? size.x() : size.y(), options.surface_flatness_m);
   return difference.dot(total.inverse() * difference) <
-             TwoDegreesQuantile(options.significance) &&
-         a.extent.IsNear(b.extent, options.max_gap_m);
+         TwoDegreesQuantile(options.significance);
+}
+
+// Whether two planes of one type that face the same side are one.
+bool AreOnePlane(const Landmark& a,
+                 const Landmark& b,
+                 double range_noise_m,
+                 const AssociationOptions& options) {
+  // Cheap first: the patches' cells are looked at last.
+  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
+  const Eigen::Vector2d size = b.extent.max_corner() - b.extent.min_corner();
+  const bool along_u = a.model == PlaneModel::kVertical || size.x() > size.y();
+  if (!AgreeAlong(along_u, a, b, range_noise_m, options)) return false;
+  // Two slopes may meet in a line along one side.
+  if (a.model == PlaneModel::kGeneral && !AgreeAlong(!along_u, a, b, range_noise_m, options)) {
+    return false;
+  }
+  return a.extent.IsNear(b.extent, options.max_gap_m);
 }
 
 // A landmark that is compared with others.
@@ -52,7 +65,7 @@ struct Compared {
   bool is_recent;  // seen since the scan in question
 
   bool FacesLike(const Compared& other) const {
-    return landmark->model == other.landmark->model &&
+    return !landmark->IsCurved() && landmark->model == other.landmark->model &&
            normal.dot(other.normal) >= kMinFacingCosine;
   }
 };
@@ -92,12 +105,69 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
   return pairs;
 }
 
+namespace {
+
+// Whether two cylinders agree at both ends and in the middle of the smaller one, b.
+bool AreOneCylinder(const Landmark& a,
+                    const Landmark& b,
+                    double range_noise_m,
+                    const AssociationOptions& options) {
+  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
+  const double middle = 0.5 * (b.extent.min_corner().y() + b.extent.max_corner().y());
+  const double low = b.extent.min_corner().x();
+  const double width_m = b.Width();
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Eigen::Vector3d p = b.extent.ToWorld({low + share * width_m, middle});
+    const Eigen::Vector3d normal = b.NormalNear(p);
+    if (a.NormalNear(p).dot(normal) < kMinFacingCosine) return false;
+    const Eigen::RowVector3d by_a = a.DeviationJacobian(p, normal).row(0);
+    const Eigen::RowVector3d by_b = b.DeviationJacobian(p, normal).row(0);
+    const double variance = by_a.dot(by_a * a.covariance) + by_b.dot(by_b * b.covariance);
+    if (variance > range_noise_m * range_noise_m) return false;
+    const double difference = a.SignedDistance(p) - b.SignedDistance(p);
+    const double flatness2 = options.surface_flatness_m * options.surface_flatness_m;
+    if (difference * difference >
+        TwoDegreesQuantile(options.significance) * (variance + 2.0 * flatness2)) {
+      return false;
+    }
+  }
+  return a.extent.IsNear(b.extent, options.max_gap_m);
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
+                                                        const MapState& state,
+                                                        const MapperOptions& options) {
+  const double range_noise_m = MaxRangeNoise(rig);
+  std::vector<std::pair<int, int>> pairs;
+  for (const Landmark& newer : state.landmarks) {
+    if (!newer.IsCurved() || newer.num_segments == 0) continue;
+    for (const Landmark& older : state.landmarks) {
+      if (older.id >= newer.id) break;
+      if (!older.IsCurved() || older.num_segments == 0) continue;
+      if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
+      const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
+      if (AreOneCylinder(newer_is_smaller ? older : newer,
+                         newer_is_smaller ? newer : older,
+                         range_noise_m,
+                         options.association)) {
+        pairs.emplace_back(older.id, newer.id);
+        break;
+      }
+    }
+  }
+  return pairs;
+}
+
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;   // of the weak one's cells
   constexpr double kRangeSigmas = 5.0;  // within which single ranges do not tell planes apart
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
+  // So does a chord of an arc.
   const bool may_be_strip =
-      weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral;
+      (weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral) ||
+      strong.IsCurved();
   if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
   const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;
@@ -107,7 +177,8 @@ bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_nois
     const Eigen::Vector2d low = extent.min_corner();
     const Eigen::Vector2d size = extent.max_corner() - low;
     const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
-    const Eigen::Vector3d point = on_axes - weak.SignedDistance(on_axes) * weak.Normal();
+    const Eigen::Vector3d point =
+        on_axes - weak.SignedDistance(on_axes) * weak.NormalNear(on_axes);
     const double distance = strong.SignedDistance(point);
     sum_squares += distance * distance;
     ++count;

@@ -26,6 +26,11 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 // and so do traces of a roof that look like a wall's, whichever side that faces.
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
+// As FindMergeablePlanes, for cylinders.
+std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
+                                                        const MapState& state,
+                                                        const MapperOptions& options);
+
 // Makes landmark `from` part of `into`: its observations, extent and times.
 void MergeInto(int into, int from, MapState* state);
 

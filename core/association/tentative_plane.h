@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/association/bend_test.h"
 #include "core/association/plane_through_lines.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
@@ -25,6 +26,7 @@ struct TentativePlane {
   int64_t first_time_ns = 0;
   int64_t last_time_ns = 0;
   PlaneThroughLines lines;  // its traces, on a plane of any direction
+  BendTest bend;            // of a wall
 
   // Takes in what an observation tells of any plane; its landmark and clear_scans stay.
   void Count(const Observation& observation,

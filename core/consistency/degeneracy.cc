@@ -36,11 +36,12 @@ double Cut(const ScanPlacement& placement, const LandmarkView& plane) {
 // body's place) and position.
 void AddSegment(const Observation& observation,
                 const ObservationPoses& poses,
-                const LandmarkView& plane,
+                const LandmarkView& surface,
                 Matrix6d* information) {
   const ScanPlacement placement = poses.motion.At(observation.middle_time_ns());
-  const double cut = Cut(placement, plane);
   const Eigen::Vector3d centre = placement * observation.centroid().homogeneous();
+  const LandmarkView plane = surface.Near(centre);
+  const double cut = Cut(placement, plane);
   const Eigen::Vector3d along = placement.leftCols<2>() * observation.tangent();
   const Eigen::Vector3d lever = centre - poses.world_from_body.translation;
   Eigen::Matrix<double, 6, 1> row;
@@ -48,7 +49,10 @@ void AddSegment(const Observation& observation,
   const double sigma_offset = cut * observation.sigma_offset_m;
   if (sigma_offset > 0.0)
     *information += row * row.transpose() / (sigma_offset * sigma_offset);
-  row << along.cross(plane.normal), Eigen::Vector3d::Zero();
+  // Moved along an arc, the segment meets another normal.
+  Eigen::Vector3d bend = surface.curvature * along;
+  bend.z() = 0.0;
+  row << along.cross(plane.normal) + lever.cross(bend), bend;
   const double sigma_direction = cut * observation.sigma_direction_rad;
   if (sigma_direction > 0.0) {
     *information += row * row.transpose() / (sigma_direction * sigma_direction);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-
 namespace plumbline {
 namespace {
 
@@ -78,7 +77,9 @@ class DoubleFinder {
   };
 
   void Compare(const Landmark& a, const Landmark& b) {
-    if (a.Normal().dot(b.Normal()) < kMinCosine) return;
+    if (a.NormalNear(b.extent.Centre()).dot(b.NormalNear(b.extent.Centre())) < kMinCosine) {
+      return;
+    }
     if (std::abs(a.SignedDistance(b.extent.Centre())) > 3.0 * kMaxSeparation) return;
     if (!a.extent.MayBeNear(b.extent, 0.0)) return;
     const Overlap overlap = OverlapOf(a, b);

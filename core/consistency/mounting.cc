@@ -28,9 +28,9 @@ constexpr int kMinSegments = 100;
 constexpr size_t kMaxSegments = 20000;
 constexpr int kIterations = 6;
 // Standard deviations of the prior about what the rig file says: they hold what is open.
-constexpr double kPriorTurn = 0.2;    // rad
-constexpr double kPriorShift = 0.2;   // m
-constexpr double kPriorTime = 0.1;    // s
+constexpr double kPriorTurn = 0.2;   // rad
+constexpr double kPriorShift = 0.2;  // m
+constexpr double kPriorTime = 0.1;   // s
 // Smaller errors are those of a rig measured by hand.
 constexpr double kNamedTurn = 0.5 * M_PI / 180.0;
 constexpr double kNamedShift = 0.03;  // m
@@ -142,7 +142,7 @@ class MountingComparer {
     grid_.ForEachNear(middle.head<2>(), middle.head<2>(), [&](int index) {
       const LandmarkView& plane = planes_[static_cast<size_t>(index)];
       const double distance = std::abs(plane.SignedDistance(middle));
-      if (distance >= least || std::abs(plane.normal.dot(along)) > kMaxSlope ||
+      if (distance >= least || std::abs(plane.Near(middle).normal.dot(along)) > kMaxSlope ||
           plane.SignedDistance(segment.scanner_world) < 0.0 ||
           !plane.landmark->extent.IsSeenAt(middle, 0.0)) {
         return;
@@ -154,19 +154,20 @@ class MountingComparer {
   }
 
   void Add(const Observation& observation) {
-    const PlacedSegment segment = Place(observation, &poses_);
+    const PlacedSegment segment = Place(observation, state_.landmarks, &poses_);
     const LandmarkView* plane = PlaneOf(segment);
     if (plane == nullptr) return;
+    const LandmarkView near = plane->Near(segment.At(0.5));
     const ObservationPoses& poses = poses_.Of(observation);
     const Eigen::Vector2d middle = 0.5 * (observation.start() + observation.end());
     const Eigen::Vector3d p_scanner(middle.x(), middle.y(), 0.0);
     const Eigen::Vector3d normal_scanner =
-        poses.world_from_scanner.rotation.conjugate() * plane->normal;
+        poses.world_from_scanner.rotation.conjugate() * near.normal;
     Row row;
     row.distance_m = plane->SignedDistance(segment.At(0.5));
     row.jacobian.head<3>() = p_scanner.cross(normal_scanner);
     row.jacobian.segment<3>(3) = normal_scanner;
-    row.jacobian(6) = RateOf(observation, middle, *plane);
+    row.jacobian(6) = RateOf(observation, middle, near);
     rows_.push_back(row);
   }
 
@@ -177,8 +178,8 @@ class MountingComparer {
     constexpr int64_t kStep = 1'000'000;  // ns
     const int64_t now_ns = observation.middle_time_ns();
     const ScanMotion& motion = poses_.Of(observation).motion;
-    const Eigen::Vector3d moved = motion.ToWorld(p_scanner, now_ns + kStep) -
-                                  motion.ToWorld(p_scanner, now_ns - kStep);
+    const Eigen::Vector3d moved =
+        motion.ToWorld(p_scanner, now_ns + kStep) - motion.ToWorld(p_scanner, now_ns - kStep);
     return plane.normal.dot(moved) / SecondsBetween(now_ns - kStep, now_ns + kStep);
   }
 
@@ -192,7 +193,9 @@ class MountingComparer {
 
 }  // namespace
 
-std::vector<MountingError> CompareMountings(const Rig& rig, bool planar, const MapState& state) {
+std::vector<MountingError> CompareMountings(const Rig& rig,
+                                            bool planar,
+                                            const MapState& state) {
   const size_t num_scanners = rig.scanners.size();
   std::vector<MountingError> errors(num_scanners);
   if (num_scanners < 2) return errors;

@@ -143,7 +143,9 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       const double stddev_m = DistanceStddev(observation, poses.Of(observation), planes[id]);
       if (stddev_m <= 0.0) continue;
       const double information = 1.0 / (stddev_m * stddev_m);
-      const double along = planes[id].normal.dot(direction);
+      const Eigen::Vector3d centroid =
+          poses.Of(observation).motion.nodes()[1] * observation.centroid().homogeneous();
+      const double along = planes[id].Near(centroid).normal.dot(direction);
       a.information += along * along * information;
       a.usual_information += information / 3.0;
     }

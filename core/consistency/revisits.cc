@@ -123,7 +123,7 @@ class VisitComparer {
     for (size_t i = range.first; i < range.second; ++i) {
       const Observation& observation = state_.observations[i];
       if (observation.length_m() < kMinLength) continue;
-      const PlacedSegment segment = Place(observation, &poses_);
+      const PlacedSegment segment = Place(observation, state_.landmarks, &poses_);
       if (pairs.empty()) origin = segment.scanner_world;
       AddPair(segment, second, origin, &pairs);
     }
@@ -142,7 +142,7 @@ class VisitComparer {
     grid_->ForEachNear(middle.head<2>(), middle.head<2>(), [&](int index) {
       const LandmarkView& plane = planes_[static_cast<size_t>(index)];
       const double distance = std::abs(plane.SignedDistance(middle));
-      if (distance >= least || std::abs(plane.normal.dot(along)) > kMaxSlope ||
+      if (distance >= least || std::abs(plane.Near(middle).normal.dot(along)) > kMaxSlope ||
           plane.SignedDistance(segment.scanner_world) < 0.0 ||
           !WasSeenBefore(sightings_, *plane.landmark, middle, second)) {
         return;
@@ -152,7 +152,7 @@ class VisitComparer {
     });
     if (nearest == nullptr) return;
     pairs->push_back({middle - origin,
-                      nearest->normal,
+                      nearest->Near(middle).normal,
                       nearest->SignedDistance(middle),
                       nearest->landmark->id});
   }

@@ -19,7 +19,7 @@ constexpr double kAloneShare = 0.1;
 constexpr double kFlatness = 0.004;  // m
 // A second without a twentieth of the scanner's usual points is silent.
 constexpr double kSilentShare = 0.05;
-constexpr int kMinSilent = 2;      // s in a row
+constexpr int kMinSilent = 2;       // s in a row
 constexpr int kFrozenPercent = 50;  // of a second's lines
 // A scanner with so small a share of the points on planes that the others have shows something
 // else than the building.
@@ -94,7 +94,8 @@ void AddAloneShares(const std::vector<std::vector<int64_t>>& points,
   }
   for (size_t i = 0; i < agreements->size(); ++i) {
     if (all[i] > 0) {
-      (*agreements)[i].alone_share = static_cast<double>(alone[i]) / static_cast<double>(all[i]);
+      (*agreements)[i].alone_share =
+          static_cast<double>(alone[i]) / static_cast<double>(all[i]);
     }
   }
 }
@@ -171,7 +172,8 @@ class FaultFinder {
                        100 * second.num_repeated > kFrozenPercent * second.num_lines);
     }
     const std::string when_silent = RunsInWords(silent, kMinSilent);
-    if (!when_silent.empty()) Report(scanner, false, "returned next to nothing " + when_silent);
+    if (!when_silent.empty())
+      Report(scanner, false, "returned next to nothing " + when_silent);
     const std::string when_frozen = RunsInWords(frozen, 1);
     if (!when_frozen.empty()) {
       Report(scanner,
@@ -314,11 +316,11 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
       points[static_cast<size_t>(landmark.id)][scanner] += observation.num_points;
       const ScanPlacement placement =
           poses.Of(observation).motion.At(observation.middle_time_ns());
-      const Eigen::Vector3d normal = landmark.Normal();
+      const Eigen::Vector3d centroid = placement * observation.centroid().homogeneous();
+      const Eigen::Vector3d normal = landmark.NormalNear(centroid);
       const double cut = (placement.leftCols<2>().transpose() * normal).norm();
       const double sigma = std::max(1e-4, cut * observation.sigma_offset_m);
-      const double distance =
-          landmark.SignedDistance(placement * observation.centroid().homogeneous());
+      const double distance = landmark.SignedDistance(centroid);
       MeansOfScanners& of_scanners = means[landmark.id];
       of_scanners.resize(num_scanners);
       of_scanners[scanner].Add(distance, 1.0 / (sigma * sigma));

@@ -77,7 +77,7 @@ class SecondCaster {
 
  private:
   void Follow(const Observation& observation) {
-    const PlacedSegment segment = Place(observation, &poses_);
+    const PlacedSegment segment = Place(observation, state_.landmarks, &poses_);
     const int num_beams = std::clamp(observation.num_points / kPointsPerBeam, 1, kMaxBeams);
     for (int i = 0; i < num_beams; ++i) {
       const Eigen::Vector3d end = segment.At((i + 0.5) / num_beams);
@@ -104,7 +104,13 @@ class SecondCaster {
     const double start = plane.SignedDistance(start_world);
     const double end = plane.SignedDistance(end_world);
     if (std::abs(start) < margin_m_ || std::abs(end) < margin_m_ || start * end > 0.0) return;
-    const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
+    // Along the beam the distance is start + slope s + bend s^2, with s from 0 to 1.
+    const Eigen::Vector3d along = end_world - start_world;
+    const double bend = 0.5 * plane.curvature * along.head<2>().squaredNorm();
+    const double slope = end - start - bend;
+    const double root = std::sqrt(std::max(0.0, slope * slope - 4.0 * bend * start));
+    const double share = 2.0 * start / (std::copysign(root, start) - slope);
+    const Eigen::Vector3d at = start_world + share * along;
     const PatchExtent& extent = plane.landmark->extent;
     const CellGrid::Cell cell = PatchExtent::CellAt(extent.axes().Project(at));
     if (!IsInside(extent, cell)) return;
@@ -149,8 +155,8 @@ Sightings::Sightings(std::vector<Sighting> all) : all_(std::move(all)) {
 std::pair<const Sighting*, const Sighting*> Sightings::Of(int landmark_id,
                                                           const CellGrid::Cell& cell) const {
   const auto key = std::make_tuple(landmark_id, cell.first, cell.second);
-  const auto first = std::lower_bound(
-      all_.begin(), all_.end(), key, [](const Sighting& a, const auto& b) {
+  const auto first =
+      std::lower_bound(all_.begin(), all_.end(), key, [](const Sighting& a, const auto& b) {
         return KeyOf(a) < b;
       });
   auto last = first;
@@ -160,23 +166,33 @@ std::pair<const Sighting*, const Sighting*> Sightings::Of(int landmark_id,
 }
 
 std::pair<const Sighting*, const Sighting*> Sightings::Of(int landmark_id) const {
-  const auto first = std::lower_bound(
-      all_.begin(), all_.end(), landmark_id, [](const Sighting& a, int id) {
+  const auto first =
+      std::lower_bound(all_.begin(), all_.end(), landmark_id, [](const Sighting& a, int id) {
         return a.landmark_id < id;
       });
-  const auto last = std::upper_bound(
-      first, all_.end(), landmark_id, [](int id, const Sighting& a) {
+  const auto last =
+      std::upper_bound(first, all_.end(), landmark_id, [](int id, const Sighting& a) {
         return id < a.landmark_id;
       });
   const Sighting* base = all_.data();
   return {base + (first - all_.begin()), base + (last - all_.begin())};
 }
 
-PlacedSegment Place(const Observation& observation, SharedPoses* poses) {
+PlacedSegment Place(const Observation& observation,
+                    const std::deque<Landmark>& landmarks,
+                    SharedPoses* poses) {
   const ScanMotion& motion = poses->Of(observation).motion;
-  return {motion.At(observation.middle_time_ns()).col(2),
-          motion.ToWorld(observation.start(), observation.start_time_ns()),
-          motion.ToWorld(observation.end(), observation.end_time_ns())};
+  PlacedSegment segment;
+  segment.scanner_world = motion.At(observation.middle_time_ns()).col(2);
+  segment.start_world = motion.ToWorld(observation.start(), observation.start_time_ns());
+  segment.end_world = motion.ToWorld(observation.end(), observation.end_time_ns());
+  if (observation.landmark_id < 0) return segment;
+  const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
+  if (observation.taken_to == observation.landmark_id) segment.at_middle = 1.0;
+  const double level2 = (segment.end_world - segment.start_world).head<2>().squaredNorm();
+  segment.bow_world = landmark.Curvature() * level2 / 8.0 *
+                      landmark.NormalNear(0.5 * (segment.start_world + segment.end_world));
+  return segment;
 }
 
 int SecondOf(int64_t start_ns, int64_t time_ns) {
@@ -188,8 +204,8 @@ std::vector<std::pair<size_t, size_t>> ObservationsBySecond(int64_t start_ns,
   std::vector<std::pair<size_t, size_t>> ranges;
   size_t first = 0;
   for (size_t i = 0; i < state.observations.size(); ++i) {
-    const auto second = static_cast<size_t>(
-        SecondOf(start_ns, state.observations[i].middle_time_ns()));
+    const auto second =
+        static_cast<size_t>(SecondOf(start_ns, state.observations[i].middle_time_ns()));
     // Scan lines that overlap in time may step back by less than a second.
     while (ranges.size() < second) {
       ranges.emplace_back(first, i);

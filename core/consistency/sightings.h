@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -71,13 +72,22 @@ struct PlacedSegment {
   Eigen::Vector3d scanner_world;
   Eigen::Vector3d start_world;
   Eigen::Vector3d end_world;
+  // Of an arc, from the chord to its middle.
+  Eigen::Vector3d bow_world = Eigen::Vector3d::Zero();
+  // The share of the bow at the middle: of its regression line, which begins and ends beside
+  // the arc, a third.
+  double at_middle = 1.0 / 3.0;
 
   Eigen::Vector3d At(double share) const {
-    return start_world + share * (end_world - start_world);
+    const double from_middle = share - 0.5;
+    return start_world + share * (end_world - start_world) +
+           (at_middle - 4.0 * from_middle * from_middle) * bow_world;
   }
 };
 
-PlacedSegment Place(const Observation& observation, SharedPoses* poses);
+PlacedSegment Place(const Observation& observation,
+                    const std::deque<Landmark>& landmarks,
+                    SharedPoses* poses);
 
 // The second of the recording that an instant lies in.
 int SecondOf(int64_t start_ns, int64_t time_ns);

@@ -131,12 +131,15 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d& body_from_scanner =
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Eigen::Vector3d normal = landmark.Normal();
-  const SegmentWeights weights =
-      WeightsOn(observation, (nodes.world_from_body[1] * body_from_scanner).rotation, normal);
+  const Rigid3d world_from_scanner = nodes.world_from_body[1] * body_from_scanner;
+  const Eigen::Vector2d centroid = observation.centroid();
+  const Eigen::Vector3d centroid_world =
+      world_from_scanner * Eigen::Vector3d(centroid.x(), centroid.y(), 0.0);
+  const Eigen::Vector4d plane = landmark.PlaneNear(centroid_world);
+  const Eigen::Vector3d normal = plane.head<3>();
+  const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
   const PackedSegment& segment = observation.measurement;
-  const Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows =
-      segment.rows().cast<double>();
+  const SegmentMeasurement::Rows rows = segment.rows().cast<double>();
   const Eigen::Matrix3d frame = segment.frame().Matrix();
   const int num_nodes = segment.num_nodes();
 
@@ -158,14 +161,20 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
     Eigen::Matrix3d& axis = axes[static_cast<size_t>(k)];
     axis << rotation.leftCols<2>(), world_from_body.rotation * body_from_scanner.translation;
     Eigen::Vector3d g = axis.transpose() * normal;
-    g.z() += normal.dot(world_from_body.translation) - landmark.Distance();
+    g.z() += normal.dot(world_from_body.translation) - plane[3];
     residual += weights.scale * rows.middleCols<3>(3 * k) * (frame.transpose() * g);
     root += weights.scale * rows.middleCols<3>(3 * k);
   }
+  const Eigen::Vector2d tangent = observation.tangent();
+  const Eigen::Vector3d tangent_world =
+      world_from_scanner.rotation * Eigen::Vector3d(tangent.x(), tangent.y(), 0.0);
+  const double level2 = tangent_world.head<2>().squaredNorm();
+  residual += weights.scale * landmark.Curvature() * level2 * rows.col(10);
   basis.product = root.transpose() * root;
   basis.score = root.transpose() * residual;
-  const Eigen::Matrix<double, 4, 3>& by_parameters =
-      surfaces_[static_cast<size_t>(landmark.id)].by_parameters;
+  const Eigen::Matrix<double, 4, 3> by_parameters =
+      landmark.IsCurved() ? landmark.PlaneByParameters(centroid_world)
+                          : surfaces_[static_cast<size_t>(landmark.id)].by_parameters;
   for (int k = 0; k < num_nodes; ++k) {
     // d(residuals) / d(g of the node), transposed, times each of the three patterns.
     const Eigen::Matrix3d by_node =
@@ -173,8 +182,17 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
     for (int j = 0; j < 3; ++j) {
       const Eigen::Vector3d lever = axes[static_cast<size_t>(k)] * by_node.col(j);
       const double distance = by_node(2, j);
-      AddPoseLoad(
-          nodes, k, lever.cross(normal), distance * normal, first, basis.pose_load.col(j));
+      // Moved along an arc, the segment meets another normal.
+      const Eigen::Vector3d to_centroid =
+          axes[static_cast<size_t>(k)] * Eigen::Vector3d(centroid.x(), centroid.y(), 1.0);
+      Eigen::Vector3d bend = landmark.Curvature() * (lever - distance * to_centroid);
+      bend.z() = 0.0;
+      AddPoseLoad(nodes,
+                  k,
+                  lever.cross(normal) + to_centroid.cross(bend),
+                  distance * normal + bend,
+                  first,
+                  basis.pose_load.col(j));
       const Eigen::Vector3d arm =
           lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
       basis.plane_load.col(j) += by_parameters.topRows<3>().transpose() * arm -
@@ -215,8 +233,11 @@ void ErrorPatterns::Share(const Landmark& landmark,
                           double offset,
                           double slope) {
   const Surface& surface = surfaces_[static_cast<size_t>(landmark.id)];
-  const double u = surface.axes.col(0).dot(p_world) / kCellM;
-  const double v = surface.axes.col(1).dot(p_world) / kCellM;
+  const Eigen::Vector2d on_surface = landmark.IsCurved()
+                                         ? landmark.extent.axes().Project(p_world)
+                                         : Eigen::Vector2d(surface.axes.transpose() * p_world);
+  const double u = on_surface.x() / kCellM;
+  const double v = on_surface.y() / kCellM;
   const int first_u = static_cast<int>(std::floor(u));
   const int first_v = static_cast<int>(std::floor(v));
   const double by_u = u - first_u;
@@ -284,7 +305,11 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
   const int own = kPerScanner * observation.scanner_index;
   coefficients_.leftCols(num_scanner_patterns_).setZero();
   coefficients_.col(own) = WalkAlong(observation, world_from_scanner, landmark);
-  const Eigen::Vector3d m = world_from_scanner.rotation.conjugate() * landmark.Normal();
+  const Eigen::Vector2d centroid = observation.centroid();
+  const Eigen::Vector3d m =
+      world_from_scanner.rotation.conjugate() *
+      landmark.NormalNear(world_from_scanner *
+                          Eigen::Vector3d(centroid.x(), centroid.y(), 0.0));
   const SegmentFrame& frame = observation.measurement.frame();
   coefficients_.col(own + 1) = InFrame(frame, 0.0, m.z(), 0.0);
   coefficients_.col(own + 2) = InFrame(frame, -m.z(), 0.0, 0.0);

@@ -24,7 +24,7 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   ids.shrink_to_fit();  // few planes, many observations
   std::vector<SegmentGroup::Plane> planes;
-  std::vector<Eigen::Vector3d> normals;
+  std::vector<Eigen::Vector3d> normals;  // of planes
   for (const int id : ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
     planes.push_back({landmark.model, landmark.chart});
@@ -49,9 +49,12 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
     segment.scanner = observation->scanner_index;
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
-    segment.weights = WeightsOn(*observation,
-                                poses.Of(*observation).world_from_scanner.rotation,
-                                normals[static_cast<size_t>(segment.plane)]);
+    const Landmark& landmark = landmarks[static_cast<size_t>(observation->landmark_id)];
+    segment.weights = landmark.IsCurved()
+                          ? ObservationWeights(poses.Of(*observation), landmarks, *observation)
+                          : WeightsOn(*observation,
+                                      poses.Of(*observation).world_from_scanner.rotation,
+                                      normals[static_cast<size_t>(segment.plane)]);
     segments.push_back(segment);
   }
   SegmentGroup group(
@@ -67,7 +70,11 @@ SegmentWeights ObservationWeights(const ObservationPoses& poses,
                                   const std::deque<Landmark>& landmarks,
                                   const Observation& observation) {
   const Landmark& landmark = landmarks[static_cast<size_t>(observation.landmark_id)];
-  return WeightsOn(observation, poses.world_from_scanner.rotation, landmark.Normal());
+  const Eigen::Vector3d centroid =
+      poses.motion.nodes()[1] * observation.centroid().homogeneous();
+  return WeightsOn(observation,
+                   poses.world_from_scanner.rotation,
+                   landmark.NormalNear(centroid).normalized());
 }
 
 namespace {

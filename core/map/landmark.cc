@@ -1,6 +1,7 @@
 #include "core/map/landmark.h"
 
 #include <ceres/jet.h>
+#include <glog/logging.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -22,27 +23,36 @@ bool Landmark::AgreesWithin(double mean_deviation) const {
   return sum_deviations <= mean_deviation * num_judged + kExpectedDeviation;
 }
 
-Eigen::Vector4d Landmark::Plane() const {
+void Landmark::TakeShapeOf(const Landmark& other) {
+  model = other.model;
+  chart = other.chart;
+  parameters = other.parameters;
+  covariance = other.covariance;
+  extent = other.extent;
+}
+
+Eigen::Vector4d Landmark::PlaneNear(const Eigen::Vector3d& p_world) const {
   Eigen::Vector4d plane;
   VisitPlaneModel(model, chart, [&](const auto& parametrised) {
-    parametrised.Evaluate(parameters.data(), plane.data(), plane.data() + 3);
+    EvaluateNear(
+        parametrised, parameters.data(), p_world.data(), plane.data(), plane.data() + 3);
   });
   return plane;
 }
 
 PatchExtent Landmark::EmptyExtent() const {
-  const Eigen::Vector3d normal = Normal();
+  const Eigen::Vector3d normal = NormalNear(extent.anchor()).normalized();
   const Eigen::Vector3d anchor = extent.anchor() - SignedDistance(extent.anchor()) * normal;
   if (model == PlaneModel::kHorizontal) {
     return PatchExtent(anchor, extent.u_axis(), extent.v_axis());
   }
   const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
-  return PatchExtent(anchor, tangents.col(0), tangents.col(1));
+  return PatchExtent(anchor, tangents.col(0), tangents.col(1), Curvature());
 }
 
 Eigen::Matrix<double, 2, 3> Landmark::DeviationJacobian(
     const Eigen::Vector3d& p_world, const Eigen::Vector3d& direction_world) const {
-  return LandmarkView(*this).DeviationJacobian(p_world, direction_world);
+  return LandmarkView(*this).Near(p_world).DeviationJacobian(p_world, direction_world);
 }
 
 void Landmark::SetPlane(const Eigen::Vector3d& normal, double distance) {
@@ -54,6 +64,8 @@ void Landmark::SetPlane(const Eigen::Vector3d& normal, double distance) {
       parameters[0] = std::atan2(normal.y(), normal.x());
       parameters[1] = distance;
       return;
+    case PlaneModel::kCylinder:
+      LOG(FATAL) << "landmark " << id << " is a cylinder";
     case PlaneModel::kGeneral:
       break;
   }
@@ -63,7 +75,7 @@ void Landmark::SetPlane(const Eigen::Vector3d& normal, double distance) {
   parameters[2] = distance - normal.dot(chart.anchor);
 }
 
-Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters() const {
+Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters(const Eigen::Vector3d& p_world) const {
   Eigen::Matrix<double, 4, 3> by_parameters = Eigen::Matrix<double, 4, 3>::Zero();
   VisitPlaneModel(model, chart, [&](const auto& plane) {
     constexpr int kSize = std::decay_t<decltype(plane)>::kSize;
@@ -71,7 +83,7 @@ Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters() const {
     T jets[kSize];
     for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[static_cast<size_t>(i)], i);
     T of_plane[4];
-    plane.Evaluate(jets, of_plane, of_plane + 3);
+    EvaluateNear(plane, jets, p_world.data(), of_plane, of_plane + 3);
     for (int i = 0; i < 4; ++i) {
       by_parameters.template block<1, kSize>(i, 0) = of_plane[i].v.transpose();
     }
@@ -96,6 +108,21 @@ Landmark MakeGeneralLandmark(const Eigen::Vector3d& normal_world,
   landmark.chart.anchor = p_world;
   landmark.extent =
       PatchExtent(p_world, landmark.chart.axes.col(0), landmark.chart.axes.col(1));
+  return landmark;
+}
+
+Landmark MakeCylinderLandmark(const Eigen::Vector3d& normal_world,
+                              double curvature,
+                              const Eigen::Vector3d& p_world) {
+  Landmark landmark;
+  landmark.model = PlaneModel::kCylinder;
+  landmark.chart.anchor = p_world;
+  landmark.parameters[0] = std::atan2(normal_world.y(), normal_world.x());
+  landmark.parameters[Cylinder::kCurvatureAt] = curvature;
+  landmark.extent = PatchExtent(p_world,
+                                Eigen::Vector3d::UnitZ().cross(landmark.Normal()),
+                                Eigen::Vector3d::UnitZ(),
+                                curvature);
   return landmark;
 }
 

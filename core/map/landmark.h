@@ -19,7 +19,8 @@ inline constexpr double kMaxCornerCosine = 0.7;
 // stated: it has two degrees of freedom.
 inline constexpr double kExpectedDeviation = 2.0;
 
-// A plane of the building that is being estimated, and what is known of it.
+// A surface of the building that is being estimated, and what is known of it: a plane, or an
+// upright cylinder.
 struct Landmark {
   int id = 0;
   PlaneModel model = PlaneModel::kVertical;
@@ -52,28 +53,43 @@ struct Landmark {
   // An oblique false plane across a corner, which short segments suggest, lies elsewhere as
   // soon as the rig does.
   bool AgreesWithin(double mean_deviation) const;
-  // An empty extent with its axes on the plane as it is estimated now.
+  // An empty extent with its axes on the surface as it is estimated now.
   PatchExtent EmptyExtent() const;
   // How much of it has been seen, m: of a vertical plane its width.
   double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
   int num_parameters() const { return PlaneModelSize(model); }
-  // The unit normal and the distance d of n.x = d.
-  Eigen::Vector4d Plane() const;
+  bool IsCurved() const { return model == PlaneModel::kCylinder; }
+  // Of a cylinder, in 1/m, negative where the axis lies on the side that was seen; else 0.
+  double Curvature() const { return IsCurved() ? parameters[Cylinder::kCurvatureAt] : 0.0; }
+  // The unit normal and the distance d of n.x = d; of a cylinder, of the plane that stands for
+  // it near a point (factors/manifold/plane_model.h).
+  Eigen::Vector4d PlaneNear(const Eigen::Vector3d& p_world) const;
+  // Those of a plane; of a cylinder at its chart's anchor.
+  Eigen::Vector4d Plane() const { return PlaneNear(chart.anchor); }
   Eigen::Vector3d Normal() const { return Plane().head<3>(); }
+  Eigen::Vector3d NormalNear(const Eigen::Vector3d& p_world) const {
+    return PlaneNear(p_world).head<3>();
+  }
   double Distance() const { return Plane()[3]; }
+  // Of a cylinder to first order, and of the right sign everywhere.
   double SignedDistance(const Eigen::Vector3d& p_world) const {
-    const Eigen::Vector4d plane = Plane();
+    const Eigen::Vector4d plane = PlaneNear(p_world);
     return plane.head<3>().dot(p_world) - plane[3];
   }
   // The derivative of n.p - d (at a point, per metre along a direction) by the parameters;
   // columns beyond num_parameters() are zero.
   Eigen::Matrix<double, 2, 3> DeviationJacobian(const Eigen::Vector3d& p_world,
                                                 const Eigen::Vector3d& direction_world) const;
-  // Sets the parameters to those of a plane of its model, n.x = d.
+  // Becomes the surface that another landmark is; what was seen of it stays.
+  void TakeShapeOf(const Landmark& other);
+  // Sets the parameters to those of a plane of its model, n.x = d. CHECKs that it is one.
   void SetPlane(const Eigen::Vector3d& normal, double distance);
-  // The derivatives of the normal (rows 0 to 2) and the distance by the parameters; columns
-  // beyond num_parameters() are zero.
-  Eigen::Matrix<double, 4, 3> PlaneByParameters() const;
+  // The derivatives of the normal (rows 0 to 2) and the distance of PlaneNear by the
+  // parameters; columns beyond num_parameters() are zero.
+  Eigen::Matrix<double, 4, 3> PlaneByParameters(const Eigen::Vector3d& p_world) const;
+  Eigen::Matrix<double, 4, 3> PlaneByParameters() const {
+    return PlaneByParameters(chart.anchor);
+  }
 };
 
 // A horizontal landmark through a point; sign +1 seen from above.
@@ -81,6 +97,10 @@ Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world);
 // A general landmark through a point, which is the anchor of its chart.
 Landmark MakeGeneralLandmark(const Eigen::Vector3d& normal_world,
                              const Eigen::Vector3d& p_world);
+// A cylinder through a point, which is the anchor of its chart, with its normal there.
+Landmark MakeCylinderLandmark(const Eigen::Vector3d& normal_world,
+                              double curvature,
+                              const Eigen::Vector3d& p_world);
 // A vertical landmark through a point with the given horizontal normal.
 Landmark MakeVerticalLandmark(const Eigen::Vector3d& normal_world,
                               const Eigen::Vector3d& p_world);

@@ -11,10 +11,26 @@ LandmarkView::LandmarkView(const Landmark& of)
       half_u(0.5 * (of.extent.max_corner() - of.extent.min_corner()).x() * of.extent.u_axis()),
       half_v(0.5 * (of.extent.max_corner() - of.extent.min_corner()).y() * of.extent.v_axis()),
       is_vertical(of.model == PlaneModel::kVertical),
+      is_curved(of.IsCurved()),
+      curvature(of.Curvature()),
       heading_fixed(of.heading_fixed),
       plane_by_parameters(of.PlaneByParameters()),
       covariance(of.covariance) {
+  if (is_curved) {
+    half_u = radius_m * Eigen::Vector3d::UnitX();
+    half_v = radius_m * Eigen::Vector3d::UnitY();
+  }
   if (heading_fixed) plane_by_parameters.col(0).setZero();
+}
+
+LandmarkView LandmarkView::Near(const Eigen::Vector3d& p_world) const {
+  LandmarkView near = *this;
+  if (!is_curved) return near;
+  const Eigen::Vector4d plane = landmark->PlaneNear(p_world);
+  near.normal = plane.head<3>();
+  near.distance = plane[3];
+  near.plane_by_parameters = landmark->PlaneByParameters(p_world);
+  return near;
 }
 
 Eigen::Matrix<double, 2, 3> LandmarkView::DeviationJacobian(

@@ -7,7 +7,8 @@
 namespace plumbline {
 
 // A landmark as the tests of many observations look at it: the values that they need, computed
-// once. Valid as long as the landmark does not change.
+// once. Valid as long as the landmark does not change. Of a cylinder it is the plane that
+// stands for it near a point, at first its chart's anchor: see Near.
 struct LandmarkView {
   const Landmark* landmark;
   Eigen::Vector3d normal;
@@ -16,17 +17,24 @@ struct LandmarkView {
   // planes, and the sphere rules out most others without a look at the landmark itself.
   Eigen::Vector3d centre_world;
   double radius_m;
-  // Halves of the sides of the bounding rectangle, as vectors in the world.
+  // Halves of the sides of the bounding rectangle, as vectors in the world; of a cylinder
+  // those of a square around it, seen from above.
   Eigen::Vector3d half_u;
   Eigen::Vector3d half_v;
-  bool is_vertical;
+  bool is_vertical;  // a plane that is
+  bool is_curved;    // a cylinder is, though it may hardly bend
+  double curvature;  // Landmark::Curvature
   bool heading_fixed;
   // The derivatives of normal and distance by the parameters; what the gauge holds is zero.
   Eigen::Matrix<double, 4, 3> plane_by_parameters;
   Eigen::Matrix3d covariance;
 
   explicit LandmarkView(const Landmark& of);
+  // The view of the surface as it is near the point: of a plane, the same one.
+  LandmarkView Near(const Eigen::Vector3d& p_world) const;
+  // Of a cylinder that of the landmark, wherever the view is near.
   double SignedDistance(const Eigen::Vector3d& p_world) const {
+    if (is_curved) return landmark->SignedDistance(p_world);
     return normal.dot(p_world) - distance;
   }
   // Variance of the signed distance of a point (m^2), the point taken as given.

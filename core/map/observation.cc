@@ -219,6 +219,10 @@ Observation ObserveBeams(const ScanLine& scan_line,
     BeamBlock one;
     one.size = 1;
     one.since_start[0] = beam - segment.first_beam;
+    const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
+    one.x[0] = direction.x();
+    one.y[0] = direction.y();
+    one.measured[0] = scan_line.ranges[static_cast<size_t>(beam)];
     set_lines(&one);
     return ScanPlaneLine{{one.normal_x[0], one.normal_y[0]}, one.distance[0]};
   };
@@ -308,6 +312,46 @@ Observation MakeObservationOn(const PlaneTrace& trace,
     set(0, *beams, &beams->normal_x);
     set(1, *beams, &beams->normal_y);
     set(2, *beams, &beams->distance);
+  };
+  Observation observation = ObserveBeams(scan_line, scanner, segment, set_lines, keep_points);
+  Describe(segment, scan_line, &observation);
+  return observation;
+}
+
+Observation MakeObservationOnArc(const Landmark& cylinder,
+                                 const ScanMotion& motion,
+                                 const ScanLine& scan_line,
+                                 const Scanner& scanner,
+                                 const Segment& segment,
+                                 bool keep_points) {
+  const int64_t first_ns =
+      scan_line.BeamTime(segment.first_beam) + NanosecondsFromSeconds(scanner.time_offset_s);
+  constexpr double kMaxOffArc = 0.3;  // m
+  const double bend = 0.5 * cylinder.Curvature();
+  const auto set_line = [&](size_t i, BeamBlock* beams) {
+    const ScanPlacement placement = motion.At(
+        first_ns + std::llround(beams->since_start[i] * scan_line.time_increment_s * 1e9));
+    const Eigen::Vector2d direction(beams->x[i], beams->y[i]);
+    const Eigen::Vector3d direction_world = placement.leftCols<2>() * direction;
+    const Eigen::Vector3d scanner_world = placement.col(2);
+    // height + slope r + bow r^2 = 0
+    const double height = cylinder.SignedDistance(scanner_world);
+    const double slope = cylinder.NormalNear(scanner_world).dot(direction_world);
+    const double bow = bend * direction_world.head<2>().squaredNorm();
+    const double root2 = slope * slope - 4.0 * bow * height;
+    double range = beams->measured[i];
+    const double met = 2.0 * height / (std::sqrt(std::max(0.0, root2)) - slope);
+    // A beam that runs along the arc meets it anywhere.
+    if (root2 > 0.0 && std::abs(met - range) < kMaxOffArc) range = met;
+    const Eigen::Vector3d at = scanner_world + range * direction_world;
+    const Eigen::Vector2d normal =
+        (placement.leftCols<2>().transpose() * cylinder.NormalNear(at)).normalized();
+    beams->normal_x[i] = normal.x();
+    beams->normal_y[i] = normal.y();
+    beams->distance[i] = range * normal.dot(direction);
+  };
+  const auto set_lines = [&](BeamBlock* beams) {
+    for (size_t i = 0; i < beams->size; ++i) set_line(i, beams);
   };
   Observation observation = ObserveBeams(scan_line, scanner, segment, set_lines, keep_points);
   Describe(segment, scan_line, &observation);

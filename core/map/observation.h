@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
+#include "core/map/landmark.h"
 #include "core/segmentation/segmentation.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
@@ -74,6 +75,15 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Scanner& scanner,
                               const Segment& segment,
                               bool keep_points);
+
+// As MakeObservationOn, with the beams taken to where they meet a cylinder; motion: the scan
+// plane's, in the world.
+Observation MakeObservationOnArc(const Landmark& cylinder,
+                                 const ScanMotion& motion,
+                                 const ScanLine& scan_line,
+                                 const Scanner& scanner,
+                                 const Segment& segment,
+                                 bool keep_points);
 
 // The weights that take the whitening in the scan plane to that of point-to-plane distances.
 // With c the length of the plane normal's part in the scan plane, a distance's standard

@@ -64,8 +64,7 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 }  // namespace
 
 void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
-  const Eigen::Vector2d a = axes_.Project(a_world);
-  const Eigen::Vector2d b = axes_.Project(b_world);
+  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
   ForEachCell(a, b, [&](const Cell& cell) { cells_.Add(cell, 1); });
   AddCorner(a);
   AddCorner(b);
@@ -82,8 +81,7 @@ void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
 bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
                          const Eigen::Vector3d& b_world,
                          double max_gap_m) const {
-  const Eigen::Vector2d a = axes_.Project(a_world);
-  const Eigen::Vector2d b = axes_.Project(b_world);
+  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
   const Eigen::Array2d gap = Eigen::Array2d::Constant(max_gap_m);
   if ((a.cwiseMax(b).array() + gap < min_.array()).any() ||
       (a.cwiseMin(b).array() - gap > max_.array()).any()) {
@@ -123,9 +121,8 @@ bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
   // A straight piece comes to a cell once.
   if (cells_.Count(CellAt(axes_.Project(a_world))) > 1) return true;
   std::vector<Cell> own;
-  ForEachCell(axes_.Project(a_world), axes_.Project(b_world), [&](const Cell& cell) {
-    own.push_back(cell);
-  });
+  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
+  ForEachCell(a, b, [&](const Cell& cell) { own.push_back(cell); });
   const auto is_others = [&](const Cell& cell) {
     return cells_.Count(cell) > std::count(own.begin(), own.end(), cell);
   };

@@ -25,8 +25,9 @@ class PatchExtent {
   PatchExtent() = default;
   PatchExtent(const Eigen::Vector3d& anchor_world,
               const Eigen::Vector3d& u_axis,
-              const Eigen::Vector3d& v_axis)
-      : axes_{anchor_world, u_axis, v_axis} {}
+              const Eigen::Vector3d& v_axis,
+              double curvature = 0.0)
+      : axes_{anchor_world, u_axis, v_axis, curvature} {}
 
   // Marks the straight piece from a to b as seen.
   void AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world);
@@ -59,6 +60,10 @@ class PatchExtent {
   // Whether the bounding rectangle comes within reach_m of the point.
   bool IsWithinReach(const Eigen::Vector3d& p_world, double reach_m) const {
     const Eigen::Vector3d from_anchor = p_world - axes_.anchor;
+    if (axes_.curvature != 0.0) {
+      const double sphere_m = reach_m + radius_m();
+      return (p_world - Centre()).squaredNorm() <= sphere_m * sphere_m;
+    }
     const Eigen::Array2d p(axes_.u.dot(from_anchor), axes_.v.dot(from_anchor));
     const double away2 =
         (min_.array() - p).max(p - max_.array()).max(0.0).matrix().squaredNorm();
@@ -97,6 +102,7 @@ class PatchExtent {
     visit(axes_.anchor);
     visit(axes_.u);
     visit(axes_.v);
+    visit(axes_.curvature);
     cells_.VisitMembers(visit);
     visit(hull_points_);
     visit(min_);

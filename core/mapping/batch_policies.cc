@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/association/association.h"
+#include "core/association/bend_test.h"
 #include "core/association/plane_kind.h"
 #include "core/association/plane_merging.h"
 #include "core/association/plane_through_lines.h"
@@ -110,7 +111,9 @@ std::vector<int> MergePlanes(const Rig& rig,
   // A landmark that was itself merged away passes its share on.
   std::vector<int> target(state->landmarks.size());
   std::iota(target.begin(), target.end(), 0);
-  for (const auto& [into, from] : FindMergeablePlanes(rig, *state, options, 0)) {
+  std::vector<std::pair<int, int>> pairs = FindMergeablePlanes(rig, *state, options, 0);
+  for (const auto& pair : FindMergeableCylinders(rig, *state, options)) pairs.push_back(pair);
+  for (const auto& [into, from] : pairs) {
     const int end = target[static_cast<size_t>(into)];
     if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
     target[static_cast<size_t>(from)] = end;
@@ -177,15 +180,57 @@ int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapSt
     const std::optional<Landmark> decided =
         DecideKind(fit, fit.centre_world + landmark.Normal());
     if (!decided || decided->model == PlaneModel::kGeneral) continue;
-    landmark.model = decided->model;
-    landmark.chart = decided->chart;
-    landmark.parameters = decided->parameters;
-    landmark.covariance = decided->covariance;
-    landmark.extent = decided->extent;
+    landmark.TakeShapeOf(*decided);
     is_changed[static_cast<size_t>(id)] = true;
   }
   RebuildLandmarks(rig, is_changed, state);
   return ReleaseObservations(is_none, state);
+}
+
+namespace {
+
+// Whether a cylinder turns so little where it was seen that it may as well be a plane.
+bool MayBeStraight(const Landmark& landmark) {
+  constexpr double kMaxTurn = 0.5;  // rad
+  return landmark.IsCurved() && std::abs(landmark.Curvature()) * landmark.Width() < kMaxTurn;
+}
+
+}  // namespace
+
+int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state) {
+  constexpr int kMaxSegments = 300;  // of a wall, spread over all that were seen
+  std::vector<BendTest> tests;
+  for (const Landmark& wall : state->landmarks) {
+    tests.emplace_back(wall, options.surface_flatness_m);
+  }
+  std::vector<int> num_met(state->landmarks.size(), 0);
+  SharedPoses poses(rig, state->trajectory);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0) continue;
+    const auto id = static_cast<size_t>(observation.landmark_id);
+    const Landmark& wall = state->landmarks[id];
+    const bool is_straight = wall.model == PlaneModel::kVertical && !wall.heading_fixed;
+    if (!is_straight && !MayBeStraight(wall)) continue;
+    const int step = 1 + wall.num_segments / kMaxSegments;
+    if (num_met[id]++ % step != 0) continue;
+    tests[id].Add(observation, poses.Of(observation), Matrix6d::Zero());
+  }
+  std::vector<bool> is_changed(state->landmarks.size(), false);
+  int num_changed = 0;
+  for (Landmark& wall : state->landmarks) {
+    if (num_met[static_cast<size_t>(wall.id)] == 0) continue;
+    std::optional<Landmark> shape = tests[static_cast<size_t>(wall.id)].Solve();
+    if (shape.has_value() == wall.IsCurved()) continue;
+    if (!shape) {
+      const Eigen::Vector3d centre = wall.extent.Centre();
+      shape = MakeVerticalLandmark(wall.NormalNear(centre).normalized(), centre);
+    }
+    wall.TakeShapeOf(*shape);
+    is_changed[static_cast<size_t>(wall.id)] = true;
+    num_changed += wall.num_segments;
+  }
+  RebuildLandmarks(rig, is_changed, state);
+  return num_changed;
 }
 
 int DropWeakPlanes(const PlaneOptions& options, MapState* state) {

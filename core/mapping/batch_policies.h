@@ -39,6 +39,11 @@ int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapSt
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
 int DropPassedThrough(const Rig& rig, MapState* state);
 
+// Makes walls cylinders whose segments show that they bend (BendTest), all but the one that
+// fixes the gauge, and cylinders walls where they do not. Returns how many segments lie on
+// them.
+int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state);
+
 // Drops general planes whose segments do not determine their normals, or another one than they
 // have; those that their segments show to be upright or level become vertical or horizontal.
 int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapState* state);

@@ -56,6 +56,16 @@ void Move(const Rigid3d& to_from, Landmark* landmark) {
     landmark->extent = PatchExtent(anchor, tangents.col(0), tangents.col(1));
     return;
   }
+  if (landmark->IsCurved()) {
+    const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
+    landmark->chart.anchor = to_from * landmark->chart.anchor;
+    landmark->parameters[0] = std::atan2(normal.y(), normal.x());
+    landmark->extent = PatchExtent(anchor,
+                                   to_from.rotation * landmark->extent.u_axis(),
+                                   Eigen::Vector3d::UnitZ(),
+                                   landmark->Curvature());
+    return;
+  }
   const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
   const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal);
   landmark->parameters[0] = std::atan2(normal.y(), normal.x());
@@ -122,7 +132,7 @@ int MergeCommonSurfaces(size_t num_before, MapState* state) {
   int num_merged = 0;
   for (size_t b = num_before; b < state->landmarks.size(); ++b) {
     const Landmark& surface = state->landmarks[b];
-    if (surface.num_segments == 0) continue;
+    if (surface.num_segments == 0 || surface.IsCurved()) continue;
     const Eigen::Vector3d normal = surface.Normal();
     const Eigen::Vector3d centre = surface.extent.Centre();
     const Eigen::Vector3d on_plane = centre - surface.SignedDistance(centre) * normal;

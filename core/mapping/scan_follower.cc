@@ -143,7 +143,12 @@ std::optional<ModelFrame> ScanFollower::FindFrame(const std::vector<Observation>
 bool ScanFollower::HoldsPosition() const {
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
   for (const Landmark& landmark : state_->landmarks) {
-    normals += landmark.Normal() * landmark.Normal().transpose();
+    // An arc's are those at its ends.
+    const PatchExtent& extent = landmark.extent;
+    for (const Eigen::Vector2d& at : {extent.min_corner(), extent.max_corner()}) {
+      const Eigen::Vector3d normal = landmark.NormalNear(extent.ToWorld(at));
+      normals += 0.5 * normal * normal.transpose();
+    }
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(normals, Eigen::EigenvaluesOnly);

@@ -33,6 +33,8 @@ std::vector<std::string> ParameterNames(const PlanePatch& plane) {
       return {"d"};
     case PlaneType::kVertical:
       return {"angle", "d"};
+    case PlaneType::kCylinder:
+      return {"turn_u", "radius", "d_centre"};
     case PlaneType::kGeneral:
       break;
   }
@@ -73,6 +75,15 @@ Eigen::RowVectorXd PlaneCovariance::DistanceRow(size_t plane,
       row.segment<2>(offset) = (point - patch.centre).transpose() * tangents;
       row[offset + 2] = -1.0;
       break;
+    case PlaneType::kCylinder: {
+      // The axis moves along with the centre and the radius.
+      const Eigen::Vector3d normal = patch.NormalAt(point);
+      const double side = std::copysign(1.0, patch.curvature);
+      row[offset] = side * patch.Radius() * normal.dot(tangents.col(0));
+      row[offset + 1] = side * (normal.dot(patch.normal) - 1.0);
+      row[offset + 2] = -normal.dot(patch.normal);
+      break;
+    }
   }
   return row;
 }
@@ -80,7 +91,9 @@ Eigen::RowVectorXd PlaneCovariance::DistanceRow(size_t plane,
 Eigen::MatrixXd PlaneCovariance::NormalRows(size_t plane) const {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, covariance_.cols());
   const PlanePatch& patch = planes_[plane];
-  const int num_turns = static_cast<int>(ParameterNames(patch).size()) - 1;
+  const int num_turns = patch.type == PlaneType::kHorizontal ? 0
+                        : patch.type == PlaneType::kGeneral  ? 2
+                                                             : 1;
   rows.middleCols(offsets_[plane], num_turns) =
       PlaneTangents(patch.normal).leftCols(num_turns);
   return rows;

@@ -76,6 +76,7 @@ class PlaneReader {
     plane.sigma_angle_rad = Sigma("sigma_angle_deg") * kRadiansPerDegree;
     plane.sigma_distance_m = Sigma("sigma_distance_m");
     plane.centre = Vector("centre", Field("centre"));
+    if (plane.type == PlaneType::kCylinder) ReadCylinder(&plane);
     const Json& outline = Field("outline");
     if (!outline.is_array()) Fail("outline", "an array of points");
     for (const Json& corner : outline) plane.outline.push_back(Vector("outline", corner));
@@ -90,6 +91,17 @@ class PlaneReader {
  private:
   [[noreturn]] void Fail(const std::string& key, const std::string& expected) const {
     throw Error(location_ + ": '" + key + "' must be " + expected);
+  }
+
+  void ReadCylinder(PlanePatch* plane) const {
+    const double radius = Number("radius", Field("radius"));
+    if (!(radius > 0.0)) Fail("radius", "positive");
+    const Eigen::Vector3d axis = Vector("axis_point", Field("axis_point"));
+    const double side = plane->normal.dot(plane->centre - axis);
+    plane->curvature = std::copysign(1.0 / radius, side);
+    plane->sigma_radius_m = Sigma("sigma_radius_m");
+    plane->radius_turn_correlation =
+        Number("radius_turn_correlation", Field("radius_turn_correlation"));
   }
 
   const Json& Field(const std::string& key) const {
@@ -138,11 +150,13 @@ class PlaneReader {
 
   PlaneType Type() const {
     const Json& json = Field("type");
-    for (PlaneType type :
-         {PlaneType::kHorizontal, PlaneType::kVertical, PlaneType::kGeneral}) {
+    for (PlaneType type : {PlaneType::kHorizontal,
+                           PlaneType::kVertical,
+                           PlaneType::kGeneral,
+                           PlaneType::kCylinder}) {
       if (json.is_string() && json.get<std::string>() == PlaneTypeName(type)) return type;
     }
-    Fail("type", "horizontal, vertical or general");
+    Fail("type", "horizontal, vertical, general or cylinder");
   }
 
   std::string location_;

@@ -61,6 +61,12 @@ std::string PlaneText(const PlanePatch& plane) {
   add("distance", NumberText(plane.distance));
   add("sigma_angle_deg", NumberText(plane.sigma_angle_rad * kDegreesPerRadian));
   add("sigma_distance_m", NumberText(plane.sigma_distance_m));
+  if (plane.IsCurved()) {
+    add("radius", NumberText(plane.Radius()));
+    add("sigma_radius_m", NumberText(plane.sigma_radius_m));
+    add("axis_point", VectorText(plane.AxisPoint()));
+    add("radius_turn_correlation", NumberText(plane.radius_turn_correlation));
+  }
   add("centre", VectorText(plane.centre));
   add("outline", "[" + outline + "]");
   add("num_points", std::to_string(plane.num_points));
@@ -79,6 +85,21 @@ std::string ColourText(int id) {
     return std::to_string(static_cast<int>(std::lround(64.0 + 191.0 * ramp)));
   };
   return channel(0.0) + " " + channel(4.0) + " " + channel(2.0);
+}
+
+// The plane polygons of an outline, by the positions of their corners.
+std::vector<std::vector<int>> FacesOf(const PlanePatch& plane) {
+  const int size = static_cast<int>(plane.outline.size());
+  std::vector<std::vector<int>> faces;
+  if (plane.IsCurved()) {
+    for (int i = 0; i + 1 < size / 2; ++i) {
+      faces.push_back({i, i + 1, size - 2 - i, size - 1 - i});
+    }
+    return faces;
+  }
+  faces.emplace_back();
+  for (int i = 0; i < size; ++i) faces.back().push_back(i);
+  return faces;
 }
 
 }  // namespace
@@ -136,16 +157,20 @@ std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
   for (const PlanePatch& plane : planes) {
     if (plane.outline.size() < 3) continue;
     const std::string colour = ColourText(plane.id);
-    faces += std::to_string(plane.outline.size());
+    const int first = num_vertices;
     for (const Eigen::Vector3d& corner : plane.outline) {
       char position[128];
       std::snprintf(
           position, sizeof(position), "%.6g %.6g %.6g ", corner.x(), corner.y(), corner.z());
       vertices += position + colour + "\n";
-      faces += " " + std::to_string(num_vertices++);
+      ++num_vertices;
     }
-    faces += " " + colour + " " + std::to_string(plane.id) + "\n";
-    ++num_faces;
+    for (const std::vector<int>& face : FacesOf(plane)) {
+      faces += std::to_string(face.size());
+      for (const int corner : face) faces += " " + std::to_string(first + corner);
+      faces += " " + colour + " " + std::to_string(plane.id) + "\n";
+      ++num_faces;
+    }
   }
   // Colours stand with the corners too: few viewers show those of faces.
   return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(num_vertices) +

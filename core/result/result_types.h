@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -26,12 +27,14 @@ struct StampedCovariance {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-enum class PlaneType { kHorizontal, kVertical, kGeneral };
+enum class PlaneType { kHorizontal, kVertical, kGeneral, kCylinder };
 
-std::string PlaneTypeName(PlaneType type);  // "horizontal", "vertical", "general"
+// "horizontal", "vertical", "general", "cylinder"
+std::string PlaneTypeName(PlaneType type);
 
 // PlanePatch is a plane n.x = d in the world (model) frame with the outline of its part that
-// was seen. The normal points to the side that was seen.
+// was seen. The normal points to the side that was seen. Of an upright cylinder, normal and
+// distance are those of its tangent plane at the centre.
 struct PlanePatch {
   int id = 0;
   PlaneType type = PlaneType::kVertical;
@@ -39,16 +42,27 @@ struct PlanePatch {
   double distance = 0.0;          // m
   double sigma_angle_rad = 0.0;   // of the normal; 0 where the type fixes it
   double sigma_distance_m = 0.0;  // along the normal, at the centre
+  // Of a cylinder, 1/m, negative where its axis lies on the side that was seen; else 0.
+  double curvature = 0.0;
+  double sigma_radius_m = 0.0;  // of a cylinder
+  // Of its radius with the turn of its normal at the centre, which a heading shares.
+  double radius_turn_correlation = 0.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector3d> outline;  // closed polygon, first corner not repeated
+  // Closed polygon, first corner not repeated. Of a cylinder its lower rim from one end to the
+  // other, and its upper one back through as many corners.
+  std::vector<Eigen::Vector3d> outline;
   int64_t num_points = 0;
   int num_segments = 0;
   int64_t first_time_ns = 0;
   int64_t last_time_ns = 0;
 
-  double SignedDistance(const Eigen::Vector3d& p_world) const {
-    return normal.dot(p_world) - distance;
-  }
+  bool IsCurved() const { return curvature != 0.0; }
+  // Of a cylinder: its radius, and the point of its axis at the height of the centre.
+  double Radius() const { return 1.0 / std::abs(curvature); }
+  Eigen::Vector3d AxisPoint() const { return centre - normal / curvature; }
+  // The unit normal at a point on it.
+  Eigen::Vector3d NormalAt(const Eigen::Vector3d& p_world) const;
+  double SignedDistance(const Eigen::Vector3d& p_world) const;
 };
 
 // Verdict says how far a finished map may be trusted: it agrees with all that was measured;

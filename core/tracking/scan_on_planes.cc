@@ -48,7 +48,8 @@ bool WallsLeaveOpen(const MapState& state,
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
     if (landmark.model == PlaneModel::kHorizontal || landmark.Width() < min_width_m) continue;
-    const Eigen::Vector2d normal = landmark.Normal().head<2>();
+    // An arc's normals point into many directions: the one in its middle is as good as any.
+    const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
     information +=
         normal * normal.transpose() /
         (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);

@@ -185,6 +185,8 @@ YamlNode YamlNode::ReadText(const std::string& text, const std::string& name) {
   return YamlNode(std::move(state));
 }
 
+bool YamlNode::IsMapping() const { return state_->node.IsMap(); }
+
 bool YamlNode::Has(const std::string& key) const {
   if (!state_->node.IsMap()) Fail(state_->What() + " must be a mapping (key: value)");
   state_->known_keys.insert(key);

@@ -27,6 +27,7 @@ class YamlNode {
   static YamlNode ReadFile(const std::string& path);
   static YamlNode ReadText(const std::string& text, const std::string& name);
 
+  bool IsMapping() const;
   bool Has(const std::string& key) const;             // marks the key as known
   YamlNode operator[](const std::string& key) const;  // Error when the key is missing
   std::vector<YamlNode> Elements() const;             // of a sequence

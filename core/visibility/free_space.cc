@@ -106,7 +106,11 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   std::vector<CellGrid> passages(state.landmarks.size());
   LoopClosureOptions no_gap;
   no_gap.enabled = true;
-  const std::vector<LandmarkView> planes = ViewsWithinGap(state.landmarks, 0, no_gap);
+  std::vector<LandmarkView> planes = ViewsWithinGap(state.landmarks, 0, no_gap);
+  planes.erase(std::remove_if(planes.begin(),
+                              planes.end(),
+                              [](const LandmarkView& plane) { return plane.is_curved; }),
+               planes.end());
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const LandmarkView& plane : planes) boxes.push_back(PlanBox(plane));
   PlanGrid grid(boxes);

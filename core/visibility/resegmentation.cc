@@ -99,7 +99,8 @@ std::vector<LandmarkView> ViewsOfLine(const ScanSlab& slab,
   };
   std::vector<LandmarkView> views;
   for_each([&](const LandmarkView& view) {
-    if (slab.Touches(view) || is_own(view)) views.push_back(view);
+    // Where planes meet arcs is left to the segmentation.
+    if (!view.is_curved && (slab.Touches(view) || is_own(view))) views.push_back(view);
   });
   return views;
 }
@@ -241,6 +242,14 @@ void RecordingResegmenter::AddSubMinimumSegment(
 bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
                                         const Ends& ends,
                                         Observation* observation) {
+  // Where an arc's chords end follows from noise alone: they keep their beams.
+  const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation->landmark_id)];
+  if (landmark.IsCurved()) {
+    if (!counts_ && observation->taken_to != observation->landmark_id) {
+      resegmenter_.TakeToArc(scan_line, landmark, observation);
+    }
+    return false;
+  }
   BeamRange range;
   const bool is_another = resegmenter_.ExcludeOccluded(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.

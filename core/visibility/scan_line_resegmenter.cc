@@ -289,12 +289,13 @@ bool ScanLineResegmenter::ExcludeOccluded(const ScanLine& scan_line,
   return is_another;
 }
 
-void ScanLineResegmenter::Replace(const ScanLine& scan_line,
-                                  const BeamRange& range,
-                                  const Matrix6d& pose_covariance,
-                                  Observation* observation) {
-  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const auto& excluded = observation->excluded_beams;
+namespace {
+
+// The beams of an observation in the range that count, as a segment; its last beam lies before
+// its first where none is left.
+Segment SegmentOf(const Observation& observation,
+                  const ScanLineResegmenter::BeamRange& range) {
+  const auto& excluded = observation.excluded_beams;
   const auto counts = [&](int beam) {
     return !std::binary_search(excluded.begin(), excluded.end(), beam);
   };
@@ -302,13 +303,9 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
   segment.first_beam = range.first;
   segment.last_beam = range.last;
   while (segment.first_beam <= range.last && !counts(segment.first_beam)) ++segment.first_beam;
+  if (segment.first_beam > range.last) return segment;
   while (segment.last_beam > segment.first_beam && !counts(segment.last_beam)) {
     --segment.last_beam;
-  }
-  if (segment.first_beam > range.last) {  // none is left
-    observation->landmark_id = -1;
-    observation->num_points = 0;
-    return;
   }
   for (const int beam : excluded) {
     if (beam > segment.first_beam && beam < segment.last_beam) {
@@ -317,9 +314,34 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
   }
   segment.num_points = segment.last_beam - segment.first_beam + 1 -
                        static_cast<int>(segment.excluded_beams.size());
-  segment.normal = {-observation->tangent().y(), observation->tangent().x()};
-  segment.sigma_offset_m = observation->sigma_offset_m;
-  segment.sigma_direction_rad = observation->sigma_direction_rad;
+  segment.normal = {-observation.tangent().y(), observation.tangent().x()};
+  segment.sigma_offset_m = observation.sigma_offset_m;
+  segment.sigma_direction_rad = observation.sigma_direction_rad;
+  return segment;
+}
+
+// Takes over what does not follow from the beams; the new one is on the surface's trace.
+void TakeOver(const Observation& before, Observation* after) {
+  after->scan_index = before.scan_index;
+  after->scan_line_index = before.scan_line_index;
+  after->landmark_id = before.landmark_id;
+  after->taken_to = before.landmark_id;
+  after->revision = before.revision + 1;
+}
+
+}  // namespace
+
+void ScanLineResegmenter::Replace(const ScanLine& scan_line,
+                                  const BeamRange& range,
+                                  const Matrix6d& pose_covariance,
+                                  Observation* observation) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const Segment segment = SegmentOf(*observation, range);
+  if (segment.num_points == 0) {  // none is left
+    observation->landmark_id = -1;
+    observation->num_points = 0;
+    return;
+  }
   const LandmarkView* own = Find(observation->landmark_id);
   if (own == nullptr) {  // out of the scan line's reach, as where the estimate spins
     observation->landmark_id = -1;
@@ -328,11 +350,7 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
   const PlaneTrace trace = poses_.Of(*observation).motion.TraceOf(own->normal, own->distance);
   Observation resegmented =
       MakeObservationOn(trace, scan_line, scanner, segment, !observation->points.empty());
-  resegmented.scan_index = observation->scan_index;
-  resegmented.scan_line_index = observation->scan_line_index;
-  resegmented.landmark_id = observation->landmark_id;
-  resegmented.taken_to = observation->landmark_id;
-  resegmented.revision = observation->revision + 1;
+  TakeOver(*observation, &resegmented);
   // With other beams the observation may lie on its plane no more. (A single beam has no line
   // to test.)
   if (resegmented.num_points > 1 &&
@@ -342,6 +360,23 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
     resegmented.landmark_id = -1;
   }
   *observation = std::move(resegmented);
+}
+
+void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
+                                    const Landmark& cylinder,
+                                    Observation* observation) {
+  const Segment segment =
+      SegmentOf(*observation, {observation->first_beam, observation->last_beam});
+  if (segment.num_points == 0) return;
+  Observation on_arc =
+      MakeObservationOnArc(cylinder,
+                           poses_.Of(*observation).motion,
+                           scan_line,
+                           rig_.scanners[static_cast<size_t>(scan_line.scanner_index)],
+                           segment,
+                           !observation->points.empty());
+  TakeOver(*observation, &on_arc);
+  *observation = std::move(on_arc);
 }
 
 }  // namespace plumbline

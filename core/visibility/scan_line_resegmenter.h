@@ -82,6 +82,11 @@ class ScanLineResegmenter {
                const Matrix6d& pose_covariance,
                Observation* observation);
 
+  // Makes the observation of a cylinder anew from its own beams, each where it meets the arc.
+  void TakeToArc(const ScanLine& scan_line,
+                 const Landmark& cylinder,
+                 Observation* observation);
+
  private:
   struct TracedEnd;
   struct Bounds;

@@ -33,7 +33,6 @@ struct PointFunctor {
     T distance;
     EvaluateRotation(q, measurement.u, world_from_body.coeffs().data());
     EvaluatePosition(p, measurement.u, position.data());
-    plane.Evaluate(plane_params, normal.data(), &distance);
 
     const Vector point_scanner(
         T(measurement.point_scanner.x()), T(measurement.point_scanner.y()), T(0.0));
@@ -41,6 +40,7 @@ struct PointFunctor {
         Eigen::Map<const Eigen::Quaternion<T>>(body_from_scanner_q) * point_scanner +
         Eigen::Map<const Vector>(body_from_scanner_t);
     const Vector point_world = world_from_body * point_body + position;
+    EvaluateNear(plane, plane_params, point_world.data(), normal.data(), &distance);
     *residual =
         measurement.whitening * (normal.dot(point_world) - distance) + T(measurement.offset);
     return true;

@@ -4,6 +4,7 @@
 #include <ceres/jet.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "factors/manifold/manifolds.h"
@@ -32,6 +33,8 @@ class SegmentCost final : public ceres::CostFunction {
               const SegmentWeights& weights)
       : root_(weights.scale * measurement.root()),
         offset_(weights.offset * measurement.offset()),
+        centroid_(measurement.centroid),
+        tangent_(measurement.tangent),
         nodes_(nodes),
         num_nodes_(measurement.num_nodes),
         num_control_points_(num_control_points),
@@ -48,7 +51,11 @@ class SegmentCost final : public ceres::CostFunction {
     sizes->insert(sizes->end(), {4, 3, Plane::kSize});
     distance_root_.resize(root_.rows(), kNumNodes);
     for (int k = 0; k < kNumNodes; ++k) distance_root_.col(k) = root_.col(3 * k + 2);
-    set_num_residuals(static_cast<int>(root_.rows()));
+    bend_.resize(root_.rows() + 1);
+    bend_ << measurement.bend(), measurement.bend_rest;
+    bend_ *= weights.scale;
+    rest_offset_ = weights.offset * measurement.bend_offset;
+    set_num_residuals(static_cast<int>(root_.rows()) + (Plane::kIsCurved ? 1 : 0));
   }
 
   bool Evaluate(double const* const* parameters,
@@ -100,13 +107,17 @@ class SegmentCost final : public ceres::CostFunction {
   }
 
   void EvaluateResiduals(const Blocks& blocks, double* residuals) const {
-    double normal[3], distance;
-    plane_.Evaluate(blocks.plane, normal, &distance);
+    double normal[3], distance, point[3];
     const double no_tangent[3] = {0.0, 0.0, 0.0};
     Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
     for (int k = 0; k < num_nodes_; ++k) {
       const SplinePose pose = Pose(blocks, k, nullptr);
-      NodeGeometry<double, double>(pose.world_from_body.toRotationMatrix(),
+      const Eigen::Matrix3d world_from_body = pose.world_from_body.toRotationMatrix();
+      double axes[3][3];
+      ScannerAxes(blocks, axes);
+      Centroid<double, double>(world_from_body, no_tangent, pose.position.data(), axes, point);
+      EvaluateNear(plane_, blocks.plane, point, normal, &distance);
+      NodeGeometry<double, double>(world_from_body,
                                    no_tangent,
                                    pose.position.data(),
                                    blocks.body_from_scanner.col(0).data(),
@@ -117,6 +128,7 @@ class SegmentCost final : public ceres::CostFunction {
                                    &g[3 * k]);
     }
     WriteResiduals(g, residuals);
+    AddBow(blocks, residuals, nullptr);
   }
 
   // Derivatives of g with respect to [ rotation tangent and position of the node's own pose |
@@ -129,13 +141,15 @@ class SegmentCost final : public ceres::CostFunction {
     constexpr int kSize = kExtrinsicsAt + (kExtrinsics ? 6 : 0);
     using T = ceres::Jet<double, kSize>;
     using E = std::conditional_t<kExtrinsics, T, double>;
-    T plane_params[Plane::kSize], normal[3], distance, opposite_tangent[3], position[3],
-        g_jet[3];
+    T plane_params[Plane::kSize], normal[3], distance, opposite_tangent[3], tangent[3],
+        position[3], point[3], g_jet[3];
     for (int i = 0; i < Plane::kSize; ++i) {
       plane_params[i] = T(blocks.plane[i], kPoseSize + i);
     }
-    plane_.Evaluate(plane_params, normal, &distance);
-    for (int i = 0; i < 3; ++i) opposite_tangent[i] = -T(0.0, i);
+    for (int i = 0; i < 3; ++i) {
+      tangent[i] = T(0.0, i);
+      opposite_tangent[i] = -tangent[i];
+    }
     E axes[3][3];  // x, y axis and origin of the scanner
     ScannerAxes(blocks, axes);
 
@@ -145,8 +159,11 @@ class SegmentCost final : public ceres::CostFunction {
     std::array<SplinePoseJacobian, kNumNodes> splines;
     for (int k = 0; k < num_nodes_; ++k) {
       const SplinePose pose = Pose(blocks, k, &splines[k]);
+      const Eigen::Matrix3d world_from_body = pose.world_from_body.toRotationMatrix();
       for (int i = 0; i < 3; ++i) position[i] = T(pose.position[i], 3 + i);
-      NodeGeometry<T, E>(pose.world_from_body.toRotationMatrix(),
+      Centroid<T, E>(world_from_body, tangent, position, axes, point);
+      EvaluateNear(plane_, plane_params, point, normal, &distance);
+      NodeGeometry<T, E>(world_from_body,
                          opposite_tangent,
                          position,
                          axes[0],
@@ -175,6 +192,44 @@ class SegmentCost final : public ceres::CostFunction {
     WriteJacobian<Plane::kSize>(root_,
                                 g_derivative.template middleCols<Plane::kSize>(kPoseSize),
                                 jacobians[first + 2]);
+    AddBow(blocks, residuals, jacobians[first + 2]);
+  }
+
+  // The segment's centroid in the world, where the surface bends; else it is not needed.
+  // tangent: turns the body.
+  template <typename T, typename E>
+  void Centroid(const Eigen::Matrix3d& world_from_body,
+                const T tangent[3],
+                const T position[3],
+                const E axes[3][3],
+                T point[3]) const {
+    if constexpr (Plane::kIsCurved) {
+      E in_body[3], from_body[3];
+      for (int i = 0; i < 3; ++i) {
+        in_body[i] = centroid_.x() * axes[0][i] + centroid_.y() * axes[1][i] + axes[2][i];
+      }
+      for (int i = 0; i < 3; ++i) from_body[i] = Dot(in_body, world_from_body.row(i));
+      TurnSlightly(tangent, from_body, point);
+      for (int i = 0; i < 3; ++i) point[i] += position[i];
+    }
+  }
+
+  // The bow of the segment itself, where the surface bends (SegmentMeasurement). That it
+  // becomes flatter as the rig tilts is of second order.
+  void AddBow(const Blocks& blocks, double* residuals, double* plane_jacobian) const {
+    if constexpr (Plane::kIsCurved) {
+      const SplinePose pose = Pose(blocks, num_nodes_ == 1 ? 0 : 1, nullptr);
+      const Eigen::Vector3d along =
+          pose.world_from_body * (blocks.body_from_scanner.template leftCols<2>() * tangent_);
+      const double level2 = along.head<2>().squaredNorm();
+      residuals[bend_.size() - 1] = rest_offset_;
+      for (Eigen::Index row = 0; row < bend_.size(); ++row) {
+        const double bow = level2 * bend_[row];
+        residuals[row] += blocks.plane[Plane::kCurvatureAt] * bow;
+        if (plane_jacobian == nullptr) continue;
+        plane_jacobian[row * Plane::kSize + Plane::kCurvatureAt] += bow;
+      }
+    }
   }
 
   static void ScannerAxes(const Blocks& blocks, double axes[3][3]) {
@@ -207,22 +262,30 @@ class SegmentCost final : public ceres::CostFunction {
       double* const position_jacobian = jacobians[num_control_points_ + j];
       if (rotation_jacobian == nullptr && position_jacobian == nullptr) continue;
       RowMajor<9, 3> rotation = RowMajor<9, 3>::Zero();
-      RowMajor<kNumNodes, 3> position = RowMajor<kNumNodes, 3>::Zero();
+      // Of a plane the distances alone depend on the position.
+      constexpr int kPerNode = Plane::kIsCurved ? 3 : 1;
+      using ByPosition = RowMajor<kNumNodes * kPerNode, 3>;
+      ByPosition position = ByPosition::Zero();
       for (int k = 0; k < num_nodes_; ++k) {
         const int index = j - nodes_[k].first;
         if (index < 0 || index >= kSplineOrder) continue;
         rotation.middleRows<3>(3 * k) =
             g_derivative.template block<3, 3>(3 * k, 0).lazyProduct(
                 splines[k].rotation_wrt_control[index]);
-        position.row(k) = g_derivative.template block<1, 3>(3 * k + 2, 3) *
-                          splines[k].position_weights[index];
+        position.template middleRows<kPerNode>(kPerNode * k) =
+            g_derivative.template block<kPerNode, 3>(3 * k + 3 - kPerNode, 3) *
+            splines[k].position_weights[index];
       }
       if (rotation_jacobian != nullptr) {
         const RowMajor<9, 4> ambient =
             rotation.lazyProduct(RotationMinusJacobian(blocks.q[j]));
         WriteJacobian<4>(root_, ambient, rotation_jacobian);
       }
-      WriteJacobian<3>(distance_root_, position, position_jacobian);
+      if constexpr (Plane::kIsCurved) {
+        WriteJacobian<3>(root_, position, position_jacobian);
+      } else {
+        WriteJacobian<3>(distance_root_, position, position_jacobian);
+      }
     }
   }
 
@@ -242,11 +305,16 @@ class SegmentCost final : public ceres::CostFunction {
       }
       for (int col = 0; col < kCols; ++col) jacobian[col] = sum[col];
     }
+    if constexpr (Plane::kIsCurved) std::fill_n(jacobian, kCols, 0.0);  // the bow's rest
   }
 
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor, kMaxResiduals, 9> root_;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResiduals, 1> offset_;
-  // The columns of root_ for the distances g_k(2), all that depends on the position.
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResiduals + 1, 1> bend_;  // the rest last
+  double rest_offset_ = 0.0;
+  Eigen::Vector2d centroid_;
+  Eigen::Vector2d tangent_;
+  // The columns of root_ for the distances g_k(2).
   Eigen::Matrix<double, Eigen::Dynamic, kNumNodes, Eigen::RowMajor, kMaxResiduals, kNumNodes>
       distance_root_;
   std::array<SplineNode, kNumNodes> nodes_;

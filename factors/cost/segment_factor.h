@@ -22,10 +22,12 @@ namespace plumbline {
 //       + weights.offset b
 // At most nine residuals, m = num_control_points between 4 and 6.
 // Blocks: [ q_0 .. q_{m-1} | p_0 .. p_{m-1} | body_from_scanner q, t | plane ]
-// g is differentiated automatically with respect to the pose at each node, the extrinsics and
-// the plane; the chain rule through the spline follows in closed form. Jacobians of
-// quaternions are those of unit quaternions: zero along q itself. chart: what of the plane's
-// parametrisation is constant.
+// On a cylinder g is that of the plane which stands for it near the segment's centroid, and
+// the residuals gain the bow of the segment, k level^2 c (SegmentMeasurement), with the share
+// of the segment's direction that is level. g is differentiated automatically with respect to
+// the pose at each node, the extrinsics and the plane; the chain rule through the spline
+// follows in closed form. Jacobians of quaternions are those of unit quaternions: zero along q
+// itself. chart: what of the plane's parametrisation is constant.
 std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
     const SegmentMeasurement& measurement,
     const std::array<SplineNode, 3>& nodes,

@@ -9,7 +9,6 @@
 namespace plumbline {
 namespace {
 
-using DoubleRows = Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10>;
 // What a row says of the three nodes.
 using NodeRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
@@ -30,17 +29,20 @@ PackedSegment::PackedSegment(const SegmentMeasurement& measurement, const Segmen
       first_node_ns_(measurement.node_times_ns[0]),
       half_span_ns_(
           static_cast<int32_t>(measurement.node_times_ns[1] - measurement.node_times_ns[0])),
-      constant_(static_cast<float>(measurement.constant)) {
+      constant_(static_cast<float>(measurement.constant)),
+      bend_rest_(static_cast<float>(measurement.bend_rest)),
+      bend_offset_(static_cast<float>(measurement.bend_offset)) {
   CHECK_EQ(measurement.node_times_ns[1] - measurement.node_times_ns[0], half_span_ns_);
   CHECK_EQ(measurement.node_times_ns[2] - measurement.node_times_ns[1], half_span_ns_);
   CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
   const Eigen::Matrix3d to_own = frame.Matrix().inverse().transpose();
-  DoubleRows rows = measurement.rows;
+  SegmentMeasurement::Rows rows = measurement.rows;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     Eigen::Map<NodeRows> of_nodes(rows.row(i).data());
     of_nodes = of_nodes * to_own;
   }
-  const Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rounded =
+  constexpr int kColumns = SegmentMeasurement::kColumns;
+  const Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns> rounded =
       rows.cast<float>();
   rows_ = CompactArray<float>(rounded.data(), static_cast<size_t>(rounded.size()));
 }
@@ -50,6 +52,10 @@ SegmentMeasurement PackedSegment::Unpack() const {
   measurement.node_times_ns = node_times_ns();
   measurement.num_nodes = num_nodes();
   measurement.constant = constant_;
+  measurement.bend_rest = bend_rest_;
+  measurement.bend_offset = bend_offset_;
+  measurement.centroid = frame_.origin.cast<double>();
+  measurement.tangent = frame_.tangent.cast<double>();
   const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();
   measurement.rows = rows().cast<double>();
   for (Eigen::Index i = 0; i < measurement.rows.rows(); ++i) {

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 // Where a segment lies in the scan plane, near enough: what is measured in it is exact in it,
-// rounded as it is.
+// rounded as it is. On a surface that bends its origin has to be the segment's centroid.
 struct SegmentFrame {
   Eigen::Vector2f origin = Eigen::Vector2f::Zero();  // scanner frame, m
   Eigen::Vector2f tangent = Eigen::Vector2f::UnitX();
@@ -30,15 +30,16 @@ struct SegmentFrame {
 // their line. Rounded in x and y, residuals would be wrong by 3e-8 of the range.
 class PackedSegment {
  public:
-  using Rows = Eigen::Matrix<float, Eigen::Dynamic, 10, Eigen::RowMajor>;
+  static constexpr int kColumns = SegmentMeasurement::kColumns;
+  using Rows = Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor>;
 
   PackedSegment() = default;
   PackedSegment(const SegmentMeasurement& measurement, const SegmentFrame& frame);
 
   const SegmentFrame& frame() const { return frame_; }
-  // [ U F^-T | b ].
+  // [ U F^-T | b | c ].
   Eigen::Map<const Rows> rows() const {
-    return {rows_.begin(), static_cast<Eigen::Index>(rows_.size()) / 10, 10};
+    return {rows_.begin(), static_cast<Eigen::Index>(rows_.size()) / kColumns, kColumns};
   }
   int64_t first_node_ns() const { return first_node_ns_; }
   std::array<int64_t, 3> node_times_ns() const {
@@ -47,6 +48,8 @@ class PackedSegment {
   }
   int num_nodes() const { return half_span_ns_ == 0 ? 1 : 3; }
   double constant() const { return constant_; }
+  double bend_rest() const { return bend_rest_; }
+  double bend_offset() const { return bend_offset_; }
   // In the scanner's frame.
   SegmentMeasurement Unpack() const;
 
@@ -59,6 +62,8 @@ class PackedSegment {
     visit(first_node_ns_);
     visit(half_span_ns_);
     visit(constant_);
+    visit(bend_rest_);
+    visit(bend_offset_);
   }
 
  private:
@@ -67,6 +72,8 @@ class PackedSegment {
   int64_t first_node_ns_ = 0;
   int32_t half_span_ns_ = 0;  // up to 2 s
   float constant_ = 0.0F;
+  float bend_rest_ = 0.0F;
+  float bend_offset_ = 0.0F;
 };
 
 }  // namespace plumbline

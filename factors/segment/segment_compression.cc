@@ -47,16 +47,16 @@ Eigen::Array<double, num_powers, 1> SumByPower(const double* tau,
 // rows that are left can not matter: the entries of the vector that they multiply are at most
 // one.
 struct Root {
-  // [ root | offset ], root^T offset = gradient
-  Eigen::Matrix<double, 9, 10, Eigen::RowMajor> rows;
+  // [ root | offset | bend | 0 ], root^T [ offset | bend ] = gradients
+  Eigen::Matrix<double, 9, 12, Eigen::RowMajor> rows;
   int num_rows = 0;
 };
 
-// Columns: of the matrix with the gradient's entry below. An even number of rows, so that all
-// of a column goes through vector instructions.
-using MatrixAndGradient = Eigen::Matrix<double, 10, 9>;
+// Columns: of the matrix with both gradients' entries below, and a zero. An even number of
+// rows, so that all of a column goes through vector instructions.
+using MatrixAndGradients = Eigen::Matrix<double, 12, 9>;
 
-Root Eliminate(MatrixAndGradient matrix) {
+Root Eliminate(MatrixAndGradients matrix) {
   // Of a column less than this share is left: it is a combination of the others.
   constexpr double kTolerance = 1e-14;
   constexpr double kBound = 3.0;  // of the vector's norm
@@ -71,7 +71,7 @@ Root Eliminate(MatrixAndGradient matrix) {
       if (pivot < 0 || matrix(k, k) > matrix(pivot, pivot)) pivot = k;
     }
     if (pivot < 0 || (root.num_rows > 0 && kBound * std::sqrt(rest2) <= kMaxLoss)) break;
-    const Eigen::Matrix<double, 10, 1> row =
+    const Eigen::Matrix<double, 12, 1> row =
         matrix.col(pivot) / std::sqrt(matrix(pivot, pivot));
     root.rows.row(root.num_rows) = row.transpose();
     for (int k = 0; k < 9; ++k) matrix.col(k) -= row[k] * row;
@@ -201,13 +201,22 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
   add(kOne, w2);
   add(kAlong, [&](size_t i) { return w2(i) * a(i); });
   add(kAlong2, [&](size_t i) { return w2(i) * a(i) * a(i); });
+  const auto add_with_along2 = [&](int row, const auto& value) {
+    const auto sums = SumByPower<3>(tau.data(), end, value);
+    with_along2_.row(row) += sums.matrix().transpose();
+  };
+  const auto sum = [&](const auto& value) { return SumByPower<1>(tau.data(), end, value)[0]; };
+  add_with_along2(0, [&](size_t i) { return w2(i) * a(i) * a(i) * a(i); });
+  along4_ += sum([&](size_t i) { return w2(i) * a(i) * a(i) * a(i) * a(i); });
+  offset_with_along2_ += sum([&](size_t i) { return w2(i) * o(i) * a(i) * a(i); });
   add_with_offset(0, [&](size_t i) { return w2(i) * o(i) * a(i); });
   add_with_offset(2, [&](size_t i) { return w2(i) * o(i); });
-  offset2_ += SumByPower<1>(tau.data(), end, [&](size_t i) { return w2(i) * o(i) * o(i); })[0];
+  offset2_ += sum([&](size_t i) { return w2(i) * o(i) * o(i); });
   if (most_across < kNegligible) return;
   add(kAcross, [&](size_t i) { return w2(i) * b(i); });
   add(kAlongAcross, [&](size_t i) { return w2(i) * a(i) * b(i); });
   add(kAcross2, [&](size_t i) { return w2(i) * b(i) * b(i); });
+  add_with_along2(1, [&](size_t i) { return w2(i) * a(i) * a(i) * b(i); });
   add_with_offset(1, [&](size_t i) { return w2(i) * o(i) * b(i); });
 }
 
@@ -227,6 +236,34 @@ Matrix9d SegmentMoments::Matrix() const {
     }
   }
   return matrix;
+}
+
+Eigen::Matrix3d SegmentMoments::WithBend() const {
+  const double centre = CentreAlong();
+  Eigen::Matrix3d with_bend;
+  for (int j = 0; j < 3; ++j) {
+    const std::array<double, 6>& s = products_[static_cast<size_t>(j)];
+    const Eigen::Vector3d with_along2(with_along2_(0, j), with_along2_(1, j), s[kAlong2]);
+    const Eigen::Vector3d with_along(s[kAlong2], s[kAlongAcross], s[kAlong]);
+    const Eigen::Vector3d alone(s[kAlong], s[kAcross], s[kOne]);
+    with_bend.col(j) =
+        0.5 * (with_along2 - 2.0 * centre * with_along + centre * centre * alone);
+  }
+  return with_bend;
+}
+
+double SegmentMoments::Bend2() const {
+  const double c = CentreAlong();
+  const std::array<double, 6>& s = products_[0];
+  const double sum = along4_ - 4.0 * c * with_along2_(0, 0) + 6.0 * c * c * s[kAlong2] -
+                     4.0 * c * c * c * s[kAlong] + c * c * c * c * s[kOne];
+  return 0.25 * sum;
+}
+
+double SegmentMoments::OffsetWithBend() const {
+  const double c = CentreAlong();
+  return 0.5 *
+         (offset_with_along2_ - 2.0 * c * with_offset_(0, 0) + c * c * with_offset_(2, 0));
 }
 
 // (x, y, 1) . h = (a, b, 1) . (frame h)
@@ -253,10 +290,12 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   const double rate = kMaxRotationRate * half_span_s;
   const double speed = kMaxSpeed * half_span_s;
   const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
-  Eigen::Matrix<double, 10, 1> scale;
-  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend, 1.0;
-  MatrixAndGradient matrix;
-  matrix << Matrix(), Eigen::Map<const Vector9d>(with_offset_.data()).transpose();
+  Eigen::Matrix<double, 12, 1> scale;
+  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend, 1.0, 1.0, 1.0;
+  const Eigen::Matrix3d with_bend = WithBend();
+  MatrixAndGradients matrix;
+  matrix << Matrix(), Eigen::Map<const Vector9d>(with_offset_.data()).transpose(),
+      Eigen::Map<const Vector9d>(with_bend.data()).transpose(), Vector9d::Zero().transpose();
   const Root root = Eliminate(scale.asDiagonal() * matrix * scale.head<9>().asDiagonal());
   const int64_t own_middle_ns = NodesOfSpan(start_ns_, end_ns_)[1];
   const Eigen::Matrix3d to_nodes =
@@ -265,11 +304,23 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   // In a row of nine: (a, b, 1) by power of tau, or (x, y, 1) by node.
   using Nine = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Nine unscale = Eigen::Map<const Nine>(scale.data()).cwiseInverse();
-  measurement.rows = root.rows.topRows(root.num_rows);
+  measurement.rows = root.rows.topLeftCorner(root.num_rows, SegmentMeasurement::kColumns);
   for (int i = 0; i < root.num_rows; ++i) {
     Eigen::Map<Nine> row(measurement.rows.row(i).data());
     row = to_nodes * row.cwiseProduct(unscale) * frame;
   }
+  // Rounding leaves of the whole what is no rest.
+  constexpr double kRounding = 1e-10;
+  const double bend2 = Bend2();
+  const double rest2 = bend2 - measurement.bend().squaredNorm();
+  if (rest2 > kRounding * bend2) {
+    measurement.bend_rest = std::sqrt(rest2);
+    measurement.bend_offset =
+        (OffsetWithBend() - measurement.bend().dot(measurement.offset())) /
+        measurement.bend_rest;
+  }
+  measurement.centroid = Centroid();
+  measurement.tangent = along_;
   measurement.constant = std::max(0.0, offset2_ - measurement.offset().squaredNorm());
   return measurement;
 }

@@ -21,16 +21,28 @@ namespace plumbline {
 // segment's line, along its beam. Left within (x_i, y_i), this noise of the range would stand
 // in the residual and in its lever arm both; their product does not average out and turns the
 // plane (errors in variables), by more than the bound allows for after a dozen walls.
+//
+// Where the surface bends, with the curvature k along the segment, a point that lies a from
+// the segment's centroid is off the plane through the centroid by k a^2 / 2 as well: e_i gains
+// w_i k a_i^2 / 2, and the rows k c. What of it no g can imitate is a row of its own, without
+// U: k bend_rest + bend_offset.
 struct SegmentMeasurement {
   // Three instants, equally far from each other. A segment whose points were all taken within
   // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
-  Eigen::Matrix<double, Eigen::Dynamic, 10, Eigen::RowMajor, 9, 10> rows;  // [ U | b ]
-  double constant = 0.0;  // sum of squares that no g changes
+  static constexpr int kColumns = 11;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns>;
+  Rows rows;              // [ U | b | c ]
+  double constant = 0.0;  // sum of squares that no g changes, where the surface does not bend
+  double bend_rest = 0.0;
+  double bend_offset = 0.0;                            // its square is part of constant
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  // scanner frame, m
+  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  // of the segment, scanner frame
 
   auto root() const { return rows.leftCols<9>(); }
   auto offset() const { return rows.col(9); }
+  auto bend() const { return rows.col(10); }
 };
 
 // What the plane in question makes of a measurement's whitening:

@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-// Sums over a segment's points of m m^T, m o and o^2, from which its measurement follows; o is
-// a point's offset, whitened with w, and
+// Sums over a segment's points of m m^T, m o, o^2 and w m a^2, from which its measurement
+// follows; o is a point's offset, whitened with w, and
 //   m = w (a, b, 1, tau a, tau b, tau, tau^2 a, tau^2 b, tau^2)
 // with a and b along and across the segment, from its middle, and tau from -1 to 1. In these
 // coordinates the columns are as independent of each other as they can be: b is next to
@@ -48,6 +48,13 @@ class SegmentMoments {
 
   Eigen::Matrix<double, 9, 9> Matrix() const;
   Eigen::Matrix3d Frame() const;
+  // a at the centroid.
+  double CentreAlong() const { return products_[0][kAlong] / products_[0][kOne]; }
+  // Sums of w m c with c = a^2 / 2, a from the centroid; rows: a, b, 1.
+  Eigen::Matrix3d WithBend() const;
+  // The sums of w c^2 and w o c.
+  double Bend2() const;
+  double OffsetWithBend() const;
 
   Eigen::Vector2d middle_;
   Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();
@@ -59,6 +66,10 @@ class SegmentMoments {
   std::array<std::array<double, 6>, 5> products_{};  // by the power of tau
   Eigen::Matrix3d with_offset_ =
       Eigen::Matrix3d::Zero();  // columns: by the power of tau; rows: a, b, 1
+  // As with_offset_, for w a^2; for 1 it is in products_.
+  Eigen::Matrix<double, 2, 3> with_along2_ = Eigen::Matrix<double, 2, 3>::Zero();
+  double along4_ = 0.0;              // sum of w a^4
+  double offset_with_along2_ = 0.0;  // sum of w o a^2
   double offset2_ = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/geometry/angles.h"
+#include "core/map/plane_axes.h"
 
 namespace plumbline {
 namespace {
@@ -16,16 +17,23 @@ double AngleBetweenDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegreesPerRadian;
 }
 
-// The outline in coordinates of a plane with the given normal, on walls (along, up). Planar:
-// a strip of height one, so that only the extent along the wall matters.
-Polygon ProjectOutline(const PlanePatch& patch, const Eigen::Vector3d& normal, bool planar) {
+// The outline in coordinates of a plane like the face, on walls (along, up), along the arc of
+// a cylinder. Planar: a strip of height one, so that only the extent along the wall matters.
+Polygon ProjectOutline(const PlanePatch& patch, const PlanePatch& face, bool planar) {
+  const Eigen::Vector3d& normal = face.normal;
   const Eigen::Vector3d helper = std::abs(normal.z()) < 0.9 ? Eigen::Vector3d::UnitZ().eval()
                                                             : Eigen::Vector3d::UnitY().eval();
   const Eigen::Vector3d u = helper.cross(normal).normalized();
   const Eigen::Vector3d v = normal.cross(u);
   Polygon polygon;
+  const PlaneAxes axes{face.centre, u, v, face.curvature};
   for (const Eigen::Vector3d& corner : patch.outline) {
-    polygon.emplace_back(u.dot(corner), v.dot(corner));
+    polygon.push_back(axes.Project(corner));
+    if (!face.IsCurved() || polygon.size() < 2) continue;
+    // An outline goes on where it may pass the arc's far side.
+    const double last = polygon[polygon.size() - 2].x();
+    polygon.back().x() =
+        last + std::remainder(polygon.back().x() - last, 2.0 * M_PI * face.Radius());
   }
   if (!planar || polygon.empty()) return polygon;
   const auto [low, high] =
@@ -91,12 +99,21 @@ struct Overlap {
 
 Overlap ComputeOverlap(const PlanePatch& a,
                        const PlanePatch& b,
-                       const Eigen::Vector3d& normal,
+                       const PlanePatch& face,
                        bool planar) {
   if (a.outline.empty() || b.outline.empty()) return {};
-  const Polygon polygon_a = ProjectOutline(a, normal, planar);
-  const Polygon polygon_b = ProjectOutline(b, normal, planar);
+  const Polygon polygon_a = ProjectOutline(a, face, planar);
+  const Polygon polygon_b = ProjectOutline(b, face, planar);
   return {ShareInside(polygon_a, polygon_b), ShareInside(polygon_b, polygon_a)};
+}
+
+// Whether both are planes, or cylinders of about the same radius, seen from the same side.
+bool AreBentAlike(const PlanePatch& a,
+                  const PlanePatch& b,
+                  const PlaneMatchingOptions& options) {
+  if (!a.IsCurved() && !b.IsCurved()) return true;
+  const double ratio = b.curvature != 0.0 ? a.curvature / b.curvature : 0.0;
+  return ratio < options.max_radius_ratio && ratio * options.max_radius_ratio > 1.0;
 }
 
 // Overlap of an estimate with a face; none where orientation or position exclude the match.
@@ -104,14 +121,17 @@ Overlap MatchOverlap(const PlanePatch& estimate,
                      const PlanePatch& face,
                      bool planar,
                      const PlaneMatchingOptions& options) {
-  if (AngleBetweenDeg(estimate.normal, face.normal) > options.max_angle_deg) return {};
+  if (!AreBentAlike(estimate, face, options)) return {};
+  const Eigen::Vector3d normal = face.NormalAt(estimate.centre);
+  if (AngleBetweenDeg(estimate.normal, normal) > options.max_angle_deg) return {};
   if (std::abs(face.SignedDistance(estimate.centre)) > options.max_distance_m) return {};
-  const Overlap overlap = ComputeOverlap(estimate, face, face.normal, planar);
+  const Overlap overlap = ComputeOverlap(estimate, face, face, planar);
   return overlap.OfSmaller() >= options.min_overlap ? overlap : Overlap{};
 }
 
 bool Coplanar(const PlanePatch& a, const PlanePatch& b, const PlaneMatchingOptions& options) {
-  return AngleBetweenDeg(a.normal, b.normal) <= options.coplanar_angle_deg &&
+  return AreBentAlike(a, b, options) &&
+         AngleBetweenDeg(a.NormalAt(b.centre), b.normal) <= options.coplanar_angle_deg &&
          std::abs(a.SignedDistance(b.centre)) <= options.coplanar_distance_m;
 }
 
@@ -157,8 +177,7 @@ bool IsDoubleOf(const ShownFaces& a,
   const auto shared =
       std::find_first_of(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end());
   if (shared == a.faces.end()) return false;
-  const Overlap overlap =
-      ComputeOverlap(*a.estimate, *b.estimate, faces[*shared].normal, planar);
+  const Overlap overlap = ComputeOverlap(*a.estimate, *b.estimate, faces[*shared], planar);
   return overlap.OfSmaller() >= options.min_overlap;
 }
 
@@ -172,7 +191,9 @@ PlaneMatch MakeMatch(const ShownFaces& shown, const std::vector<PlanePatch>& fac
   match.status = MatchStatus::kMatched;
   for (const size_t face : shown.faces) match.face_ids.push_back(faces[face].id);
   const PlanePatch& best = faces[shown.faces.front()];
-  match.angle_deg = AngleBetweenDeg(estimate.normal, best.normal);
+  match.angle_deg = AngleBetweenDeg(estimate.normal, best.NormalAt(estimate.centre));
+  match.sigma_radius_m = estimate.sigma_radius_m;
+  if (best.IsCurved()) match.radius_error_m = estimate.Radius() - best.Radius();
   match.distance_m = best.SignedDistance(estimate.centre);
   return match;
 }
@@ -196,6 +217,13 @@ void SummariseErrors(const std::vector<ShownFaces>& all_shown, PlaneEvaluation* 
     if (match.status == MatchStatus::kWrong) continue;
     angles.push_back(match.angle_deg);
     distances.push_back(std::abs(match.distance_m));
+    if (match.radius_error_m) {
+      const double error_m = std::abs(*match.radius_error_m);
+      const double true_m = all_shown[i].estimate->Radius() - *match.radius_error_m;
+      evaluation->radius_max_m = std::max(evaluation->radius_max_m, error_m);
+      evaluation->radius_max_percent =
+          std::max(evaluation->radius_max_percent, 100.0 * error_m / true_m);
+    }
     if (match.sigma_distance_m > 0.0) {
       whitened_distances.push_back(match.distance_m / match.sigma_distance_m);
     }

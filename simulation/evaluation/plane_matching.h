@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,10 @@ namespace plumbline {
 // An estimated plane counts as the image of a true face within these bounds. They are
 // generous: they decide what is the same wall, not whether it was measured well.
 struct PlaneMatchingOptions {
-  double max_angle_deg = 2.0;   // between the normals, which have to face the same way
-  double max_distance_m = 0.1;  // of the estimate's centre from the true face's plane
-  double min_overlap = 0.1;     // share of the smaller outline that lies in the other
+  double max_angle_deg = 2.0;     // between the normals, which have to face the same way
+  double max_distance_m = 0.1;    // of the estimate's centre from the true face's plane
+  double min_overlap = 0.1;       // share of the smaller outline that lies in the other
+  double max_radius_ratio = 1.1;  // of a cylinder's radius to the true one, or the other way
   // True faces within these two bounds are one plane, which a single estimate may cover.
   double coplanar_angle_deg = 0.2;
   double coplanar_distance_m = 0.01;
@@ -38,6 +40,9 @@ struct PlaneMatch {
   double distance_m = 0.0;       // signed, of its centre from the best fitting face
   double sigma_angle_deg = 0.0;  // as the estimate states them
   double sigma_distance_m = 0.0;
+  // Of cylinders: estimate minus truth, and as it is stated.
+  std::optional<double> radius_error_m;
+  double sigma_radius_m = 0.0;
 };
 
 // Errors of all planes of a map.
@@ -52,6 +57,8 @@ struct PlaneEvaluation {
   double angle_max_deg = 0.0;
   double distance_rmse_m = 0.0;
   double distance_max_m = 0.0;
+  double radius_max_m = 0.0;        // the largest error of a cylinder's radius, by size
+  double radius_max_percent = 0.0;  // and of its share of the true one
   // Root mean square of the errors over their stated standard deviations, where one is stated:
   // near 1 for a trustworthy covariance. Angles are those of vertical planes, which have one
   // degree of freedom.

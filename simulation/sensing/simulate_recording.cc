@@ -9,8 +9,8 @@
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
-#include "simulation/sensing/recording_writer.h"
 #include "simulation/sensing/recorder.h"
+#include "simulation/sensing/recording_writer.h"
 
 namespace plumbline {
 namespace {
@@ -26,6 +26,7 @@ TruthPlanes::TruthPlanes(const Building& building) {
     patch.type = face.type;
     patch.normal = face.normal;
     patch.distance = face.distance;
+    patch.curvature = face.curvature;
     patch.centre = face.Centroid();
     patch.outline = face.outline;
   }
@@ -58,6 +59,7 @@ std::vector<PlanePatch> TruthPlanes::Patches() const {
     if (2 * num_from_behind_[i] <= patch.num_points) continue;
     patch.normal = -patch.normal;
     patch.distance = -patch.distance;
+    patch.curvature = -patch.curvature;
     std::reverse(patch.outline.begin(), patch.outline.end());
   }
   return seen;

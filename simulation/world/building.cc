@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -110,6 +111,30 @@ double Rounded(double coordinate) {
   return std::round(coordinate / kCoordinateStep) * kCoordinateStep;
 }
 
+// The rectangles above an arc's edges, whose free side is to the left.
+struct PieceOnCircle {
+  size_t circle = 0;
+  Eigen::Vector2d a;
+  Eigen::Vector2d b;
+  Layer layer;
+};
+
+// The circle that an edge is a chord of, one that ReadFloorPlan has made.
+std::optional<size_t> CircleOf(const Eigen::Vector2d& a,
+                               const Eigen::Vector2d& b,
+                               const std::vector<PlanCircle>& circles) {
+  constexpr double kMaxSagitta = 2e-4;  // m
+  for (size_t i = 0; i < circles.size(); ++i) {
+    const auto off = [&](const Eigen::Vector2d& p) {
+      return std::abs((p - circles[i].centre).norm() - circles[i].radius_m);
+    };
+    if (off(a) < kSamePlane && off(b) < kSamePlane && off(0.5 * (a + b)) < kMaxSagitta) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
 // Adds the rectangle above the edge from a to b, whose free side is to the left.
 void AddWallPiece(const Eigen::Vector2d& a,
                   const Eigen::Vector2d& b,
@@ -150,7 +175,9 @@ void CheckEdges(const Polygon2& loop, const std::string& location) {
 }
 
 std::vector<PlaneOfFaces> VerticalPlanes(const std::vector<Layer>& layers,
-                                         const std::string& location) {
+                                         const std::vector<PlanCircle>& circles,
+                                         const std::string& location,
+                                         std::vector<PieceOnCircle>* on_circles) {
   std::vector<PlaneOfFaces> planes;
   for (const Layer& layer : layers) {
     for (const PolygonWithHoles& polygon : layer.free_space.Polygons()) {
@@ -159,12 +186,64 @@ std::vector<PlaneOfFaces> VerticalPlanes(const std::vector<Layer>& layers,
       for (const Polygon2& loop : loops) {
         CheckEdges(loop, location);
         for (size_t i = 0; i < loop.size(); ++i) {
-          AddWallPiece(loop[i], loop[(i + 1) % loop.size()], layer, &planes);
+          const Eigen::Vector2d& a = loop[i];
+          const Eigen::Vector2d& b = loop[(i + 1) % loop.size()];
+          const std::optional<size_t> circle = CircleOf(a, b, circles);
+          if (circle) {
+            on_circles->push_back({*circle, a, b, layer});
+          } else {
+            AddWallPiece(a, b, layer, &planes);
+          }
         }
       }
     }
   }
   return planes;
+}
+
+// Adds a face for the pieces on one circle that follow each other.
+void AddCylinders(const std::vector<PieceOnCircle>& pieces,
+                  const std::vector<PlanCircle>& circles,
+                  std::vector<Face>* faces) {
+  for (size_t first = 0; first < pieces.size();) {
+    size_t end = first + 1;
+    while (end < pieces.size() && pieces[end].circle == pieces[first].circle &&
+           pieces[end].layer.bottom == pieces[first].layer.bottom &&
+           (pieces[end].a - pieces[end - 1].b).norm() < kSamePlane) {
+      ++end;
+    }
+    const PlanCircle& circle = circles[pieces[first].circle];
+    const Layer& layer = pieces[first].layer;
+    const auto at = [](const Eigen::Vector2d& p, double z) {
+      return Eigen::Vector3d(p.x(), p.y(), z);
+    };
+    Face& face = faces->emplace_back();
+    face.id = static_cast<int>(faces->size()) - 1;
+    face.type = PlaneType::kCylinder;
+    const Eigen::Vector2d middle = pieces[first + (end - first) / 2].a;
+    const Eigen::Vector2d along = pieces[first].b - pieces[first].a;
+    const Eigen::Vector2d from_centre = pieces[first].a - circle.centre;
+    const double side = -along.y() * from_centre.x() + along.x() * from_centre.y();
+    face.curvature = std::copysign(1.0 / circle.radius_m, side);
+    face.normal = at((middle - circle.centre) * face.curvature, 0.0);
+    face.distance = face.normal.head<2>().dot(middle);
+    face.middle = at(middle, 0.5 * (layer.bottom + layer.top));
+    for (size_t i = first; i < end; ++i) face.outline.push_back(at(pieces[i].a, layer.bottom));
+    face.outline.push_back(at(pieces[end - 1].b, layer.bottom));
+    face.outline.push_back(at(pieces[end - 1].b, layer.top));
+    for (size_t i = end; i > first; --i)
+      face.outline.push_back(at(pieces[i - 1].a, layer.top));
+    // The free space lies to the left: seen from there, the edges run from right to left.
+    std::reverse(face.outline.begin(), face.outline.end());
+    for (size_t i = first; i < end; ++i) {
+      const Eigen::Vector3d a = at(pieces[i].a, layer.bottom);
+      const Eigen::Vector3d b = at(pieces[i].b, layer.bottom);
+      const Eigen::Vector3d up(0.0, 0.0, layer.top - layer.bottom);
+      face.triangles.push_back({b, a, a + up});
+      face.triangles.push_back({b, a + up, b + up});
+    }
+    first = end;
+  }
 }
 
 void AddFaces(const PlaneOfFaces& plane, PlaneType type, std::vector<Face>* faces) {
@@ -192,6 +271,7 @@ double Face::Area() const {
 
 Eigen::Vector3d Face::Centroid() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (curvature != 0.0) return middle;
   for (const auto& [a, b, c] : triangles) {
     sum += (b - a).cross(c - a).norm() / 2 * (a + b + c) / 3;
   }
@@ -211,9 +291,12 @@ Building MakeBuilding(const FloorPlan& plan) {
   AddFaces(HorizontalPlane(plan.ceiling_height, false, layers.back().free_space),
            PlaneType::kHorizontal,
            faces);
-  for (const PlaneOfFaces& plane : VerticalPlanes(layers, plan.location)) {
+  std::vector<PieceOnCircle> on_circles;
+  for (const PlaneOfFaces& plane :
+       VerticalPlanes(layers, plan.circles, plan.location, &on_circles)) {
     AddFaces(plane, PlaneType::kVertical, faces);
   }
+  AddCylinders(on_circles, plan.circles, faces);
   for (size_t i = 0; i + 1 < layers.size(); ++i) {
     PlanarRegion underside = layers[i].free_space;
     underside.Subtract(layers[i + 1].free_space);

@@ -15,12 +15,17 @@ namespace plumbline {
 // rounding leaves, far below what a building file tells apart.
 inline constexpr double kSamePlane = 1e-6;
 
-// A face is a connected piece of a plane that borders free space: what the mapper should find.
+// A face is a connected piece of a plane that borders free space, or an upright cylinder's:
+// what the mapper should find.
 struct Face {
   int id = 0;  // position in Building::faces
   PlaneType type = PlaneType::kVertical;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // into the free space
   double distance = 0.0;                              // normal . p = distance
+  // Of a cylinder: 1/m, negative where its axis lies in the free space. Its normal and
+  // distance are those in its middle, its triangles facets.
+  double curvature = 0.0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of a cylinder, on it
   // Closed polygons on the plane; counter-clockwise, holes clockwise, seen from free space.
   std::vector<Eigen::Vector3d> outline;
   std::vector<std::vector<Eigen::Vector3d>> holes;

@@ -1,6 +1,7 @@
 #include "simulation/world/floor_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/geometry/angles.h"
 #include "core/util/yaml_node.h"
@@ -15,12 +16,56 @@ Eigen::Vector2d ReadPoint(const YamlNode& node) {
   return {xy[0], xy[1]};
 }
 
-std::vector<Polygon2> ReadPolygons(const YamlNode& list) {
+// Adds the corners of an arc that begins at the polygon's last corner: a chord of each stays
+// within kSagitta of it. The circle is taken down.
+void ReadArc(const YamlNode& node, Polygon2* polygon, std::vector<PlanCircle>* circles) {
+  constexpr double kSagitta = 1e-4;      // m
+  constexpr double kMinBend = 1e-3;      // of the three points
+  constexpr double kMaxRadius = 1000.0;  // m
+  if (polygon->empty()) node.Fail("the first corner can not be an arc");
+  const Eigen::Vector2d from = polygon->back();
+  const Eigen::Vector2d by = ReadPoint(node["through"]) - from;
+  const Eigen::Vector2d to = ReadPoint(node["to"]) - from;
+  node.RejectUnreadKeys();
+  const double area2 = by.x() * to.y() - by.y() * to.x();
+  if (!(std::abs(area2) > kMinBend * by.norm() * to.norm())) {
+    node.Fail("the arc's three points lie on a line");
+  }
+  PlanCircle circle;
+  const Eigen::Vector2d to_centre(by.squaredNorm() * to.y() - to.squaredNorm() * by.y(),
+                                  to.squaredNorm() * by.x() - by.squaredNorm() * to.x());
+  circle.centre = from + to_centre / (2.0 * area2);
+  circle.radius_m = (from - circle.centre).norm();
+  if (circle.radius_m > kMaxRadius) node.Fail("the arc's radius is more than 1000 m");
+  const auto angle_of = [&](const Eigen::Vector2d& p) {
+    return std::atan2(p.y() - circle.centre.y(), p.x() - circle.centre.x());
+  };
+  // Counter-clockwise where the three points turn left.
+  const double side = area2 > 0.0 ? 1.0 : -1.0;
+  const double begin = angle_of(from);
+  double turn = side * (angle_of(from + to) - begin);
+  while (turn <= 0.0) turn += 2.0 * M_PI;
+  const double step = 2.0 * std::acos(1.0 - kSagitta / circle.radius_m);
+  const int num_steps = static_cast<int>(std::ceil(turn / step));
+  for (int i = 1; i < num_steps; ++i) {
+    const double angle = begin + side * turn * i / num_steps;
+    polygon->push_back(circle.centre +
+                       circle.radius_m * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  if ((from + to - polygon->front()).norm() > 1e-9) polygon->push_back(from + to);
+  circles->push_back(circle);
+}
+
+std::vector<Polygon2> ReadPolygons(const YamlNode& list, std::vector<PlanCircle>* circles) {
   std::vector<Polygon2> polygons;
   for (const YamlNode& node : list.Elements()) {
     Polygon2 polygon;
     for (const YamlNode& corner : node["corners"].Elements()) {
-      polygon.push_back(ReadPoint(corner));
+      if (corner.IsMapping()) {
+        ReadArc(corner, &polygon, circles);
+      } else {
+        polygon.push_back(ReadPoint(corner));
+      }
     }
     node.RejectUnreadKeys();
     if (polygon.size() < 3) node.Fail("a polygon needs at least three corners");
@@ -102,9 +147,9 @@ FloorPlan ReadFloorPlan(const std::string& path) {
   plan.ceiling_height = root["ceiling_height_m"].AsDouble(-1000.0, 1000.0);
   const double height = plan.ceiling_height - plan.floor_height;
   if (height < 0.1) root["ceiling_height_m"].Fail("the ceiling must be above the floor");
-  plan.outlines = ReadPolygons(root["outlines"]);
+  plan.outlines = ReadPolygons(root["outlines"], &plan.circles);
   if (plan.outlines.empty()) root["outlines"].Fail("the building has no outline");
-  if (root.Has("solids")) plan.solids = ReadPolygons(root["solids"]);
+  if (root.Has("solids")) plan.solids = ReadPolygons(root["solids"], &plan.circles);
   if (root.Has("walls")) {
     for (const YamlNode& node : root["walls"].Elements()) {
       plan.walls.push_back(ReadWall(node, height));

@@ -26,14 +26,21 @@ struct Wall {
   Polygon2 Footprint(double begin_m, double end_m) const;
 };
 
+// A circle that arcs of polygons lie on.
+struct PlanCircle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius_m = 0.0;
+};
+
 // FloorPlan is one storey as a building file describes it. Heights and positions are metres in
 // the building's frame, which is the world of the simulation.
 struct FloorPlan {
   std::string location;  // "file:line", for messages
   double floor_height = 0.0;
   double ceiling_height = 0.0;
-  std::vector<Polygon2> outlines;  // seen from inside; together they are what is not outdoors
-  std::vector<Polygon2> solids;    // blocks and pillars, seen from outside
+  std::vector<Polygon2> outlines;   // seen from inside; together they are what is not outdoors
+  std::vector<Polygon2> solids;     // blocks and pillars, seen from outside
+  std::vector<PlanCircle> circles;  // of the polygons' arcs, which are corners close together
   std::vector<Wall> walls;
   std::vector<Furniture> furniture;
 };

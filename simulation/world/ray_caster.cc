@@ -45,10 +45,15 @@ RayTarget MakeTarget(const Face& face, const std::array<Eigen::Vector3d, 3>& tri
   RayTarget target;
   target.normal = face.normal;
   target.distance = face.distance;
+  if (face.curvature != 0.0) {  // each facet has its own
+    const Eigen::Vector3d side = triangle[1] - triangle[0];
+    target.normal = side.cross(triangle[2] - triangle[0]).normalized();
+    target.distance = target.normal.dot(triangle[0]);
+  }
   target.face_id = face.id;
   target.glass = face.glass;
   Eigen::Matrix3d sides;
-  sides << triangle[1] - triangle[0], triangle[2] - triangle[0], face.normal;
+  sides << triangle[1] - triangle[0], triangle[2] - triangle[0], target.normal;
   const Eigen::Matrix3d dual = sides.inverse();
   target.u_axis = dual.row(0);
   target.v_axis = dual.row(1);

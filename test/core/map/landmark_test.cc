@@ -38,6 +38,24 @@ TEST(PatchExtentTest, KnowsWhatHasBeenSeen) {
   EXPECT_TRUE(extent.IsNear({0.0, 9.0, 1.3}, {0.1, 9.0, 1.3}, 0.0));
 }
 
+// On a cylinder u runs along the arc, whichever side its axis lies on.
+TEST(PatchExtentTest, FollowsAnArc) {
+  for (const double curvature : {-0.25, 0.25}) {
+    PatchExtent extent(
+        {1.0, 2.0, 0.0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), curvature);
+    const Eigen::Vector3d axis = extent.anchor() + Eigen::Vector3d::UnitY() / curvature;
+    for (const double u : {-9.0, -2.0, 0.0, 3.0, 12.0}) {
+      const Eigen::Vector3d p = extent.ToWorld({u, 0.7});
+      EXPECT_NEAR((p - axis).head<2>().norm(), 4.0, 1e-12);
+      EXPECT_LT((extent.axes().Project(p) - Eigen::Vector2d(u, 0.7)).norm(), 1e-12);
+    }
+    // Across the far side of the full circle the way from one end to the other is short.
+    const double half = 4.0 * M_PI;
+    extent.AddSegment(extent.ToWorld({half - 0.3, 1.0}), extent.ToWorld({half + 0.3, 1.0}));
+    EXPECT_LT(extent.max_corner().x() - extent.min_corner().x(), 0.7);
+  }
+}
+
 // To the size of the grid's cells, which the tests stay away from.
 TEST(PatchExtentTest, NearIsWithinTheGap) {
   const PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {4.0, 0.0, 1.0});
@@ -286,6 +304,37 @@ TEST(LandmarkTest, DeviationJacobianAgreesWithFiniteDifferences) {
         expected /= 2.0 * kStep;
       }
       EXPECT_LT((jacobian.col(i) - expected).norm(), 1e-8);
+    }
+  }
+}
+
+// Near each of its points a cylinder is its tangent plane, and its derivatives are those of
+// its signed distance.
+TEST(LandmarkTest, ACylinderIsAPlaneNearAPoint) {
+  Landmark cylinder = MakeCylinderLandmark({0.6, 0.8, 0.0}, -0.25, {3.0, -1.0, 1.0});
+  cylinder.parameters[2] = 0.01;
+  const double gradient = std::sqrt(1.0 - 2.0 * 0.25 * 0.01);
+  const Eigen::Vector2d axis(3.0 + 4.0 * 0.6, -1.0 + 4.0 * 0.8);
+  for (const double angle : {0.3, 2.0, 4.5}) {
+    const Eigen::Vector2d outwards(std::cos(angle), std::sin(angle));
+    Eigen::Vector3d p;
+    p << axis + 4.0 * gradient * outwards, 7.0;
+    EXPECT_NEAR(cylinder.SignedDistance(p), 0.0, 1e-12);
+    EXPECT_NEAR(cylinder.NormalNear(p).head<2>().dot(outwards), -gradient, 1e-12);
+    p.head<2>() -= 0.2 * outwards;
+    const Eigen::Vector3d direction(0.0, 1.0, 0.0);
+    const Eigen::Matrix<double, 2, 3> jacobian = cylinder.DeviationJacobian(p, direction);
+    for (size_t i = 0; i < 3; ++i) {
+      constexpr double kStep = 1e-6;
+      Landmark moved = cylinder;
+      moved.parameters[i] += kStep;
+      const auto column = static_cast<Eigen::Index>(i);
+      EXPECT_NEAR(jacobian(0, column),
+                  (moved.SignedDistance(p) - cylinder.SignedDistance(p)) / kStep,
+                  1e-5);
+      EXPECT_NEAR(jacobian(1, column),
+                  (moved.NormalNear(p) - cylinder.NormalNear(p)).dot(direction) / kStep,
+                  1e-5);
     }
   }
 }

@@ -140,6 +140,27 @@ TEST_F(ResultReaderTest, NamesTheByteWhereJsonBreaks) {
   EXPECT_EQ(PlanesError("[5]"), path_ + ": element 0 is not an object");
 }
 
+// The axis on the side that was seen, and on the other one.
+TEST_F(ResultReaderTest, ReadsTheCylindersThatWereWritten) {
+  for (const double curvature : {-0.25, 0.8}) {
+    PlanePatch written = MakePlane();
+    written.type = PlaneType::kCylinder;
+    written.normal = {0.6, 0.8, 0.0};
+    written.curvature = curvature;
+    written.sigma_radius_m = 0.003;
+    written.radius_turn_correlation = -0.4;
+    WriteBytes(path_, FormatPlanes({written}));
+    const std::vector<PlanePatch> planes = ReadPlanes(path_);
+    ASSERT_EQ(planes.size(), 1u);
+    EXPECT_EQ(planes[0].type, PlaneType::kCylinder);
+    EXPECT_NEAR(planes[0].curvature, curvature, 1e-12);
+    EXPECT_EQ(planes[0].sigma_radius_m, 0.003);
+    EXPECT_EQ(planes[0].radius_turn_correlation, -0.4);
+    EXPECT_LT((planes[0].AxisPoint() - written.AxisPoint()).norm(), 1e-12);
+    EXPECT_NEAR(planes[0].SignedDistance(written.centre + 0.1 * written.normal), 0.1, 1e-12);
+  }
+}
+
 TEST_F(ResultReaderTest, NamesThePlaneAndKeyAtFault) {
   const nlohmann::json good = nlohmann::json::parse(FormatPlanes({MakePlane()}))[0];
   for (const auto& [key, value] : good.items()) {
@@ -159,7 +180,9 @@ TEST_F(ResultReaderTest, NamesThePlaneAndKeyAtFault) {
     return PlanesError(nlohmann::json::array({json}).dump());
   };
   EXPECT_EQ(error_with("type", "oblique"),
-            path_ + ": element 0 (plane 12): 'type' must be horizontal, vertical or general");
+            path_ +
+                ": element 0 (plane 12): 'type' must be horizontal, vertical, general or "
+                "cylinder");
   EXPECT_THAT(error_with("normal", {1.0, 1.0, 0.0}),
               HasSubstr("'normal' must be a unit vector"));
   EXPECT_THAT(error_with("normal", {1.0, 0.0}), HasSubstr("made of three numbers"));

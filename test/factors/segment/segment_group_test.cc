@@ -17,12 +17,14 @@ namespace {
 
 constexpr int kNumControlPoints = 5;
 
-// Three planes, a rig of two scanners and segments with arbitrary roots on them.
+// Three planes and a cylinder, a rig of two scanners and segments with arbitrary roots on
+// them.
 struct Scene {
   std::vector<SegmentGroup::Scanner> scanners;
   std::vector<SegmentGroup::Plane> planes = {{PlaneModel::kHorizontal, {-1.0}},
                                              {PlaneModel::kVertical, {}},
-                                             {PlaneModel::kGeneral, {}}};
+                                             {PlaneModel::kGeneral, {}},
+                                             {PlaneModel::kCylinder, {}}};
   std::vector<Eigen::VectorXd> plane_parameters;
   std::deque<PackedSegment> measurements;
   std::vector<SegmentGroup::Segment> segments;
@@ -37,6 +39,8 @@ struct Scene {
     plane_parameters = {Eigen::VectorXd::Constant(1, 2.0), Eigen::Vector2d(0.4, -3.0)};
     planes[2].chart = random.Chart();
     plane_parameters.emplace_back(Eigen::Vector3d(0.3, -0.7, 1.5));
+    planes[3].chart.anchor = random.Vector(3.0);
+    plane_parameters.emplace_back(Eigen::Vector3d(-0.8, -0.3, 0.1));
     for (size_t i = 0; i < planes.size(); ++i) {
       blocks.AddEuclidean(plane_parameters[i]);
     }
@@ -44,11 +48,12 @@ struct Scene {
       SegmentMeasurement measurement;
       measurement.num_nodes = i % 4 == 0 ? 1 : 3;
       if (measurement.num_nodes == 3) measurement.node_times_ns = {0, 1, 2};
-      measurement.rows.setZero(2 + i % 6, 10);
+      measurement.rows.setZero(2 + i % 6, SegmentMeasurement::kColumns);
       for (double& value : measurement.rows.leftCols(3 * measurement.num_nodes).reshaped()) {
         value = random.Uniform(-1.0, 1.0);
       }
-      for (double& value : measurement.rows.col(9)) value = random.Uniform(-1.0, 1.0);
+      for (double& value : measurement.rows.rightCols<2>().reshaped())
+        value = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
       const Eigen::Vector2d origin(random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0));
       const Eigen::Vector2d tangent = random.Vector(1.0).head<2>().normalized();
@@ -57,7 +62,7 @@ struct Scene {
       const double u = random.Uniform(0.0, 0.8);
       segment.nodes = {SplineNode{0, u}, SplineNode{0, u + 0.1}, SplineNode{i % 2, u + 0.2}};
       segment.scanner = i % 2;
-      segment.plane = i % 3;
+      segment.plane = i % 4;
       // A group keeps them in single precision.
       segment.weights = {static_cast<float>(random.Uniform(0.5, 2.0)),
                          static_cast<float>(random.Uniform(0.5, 1.0))};
@@ -78,13 +83,16 @@ struct Expected {
 };
 
 Expected SumOfSegmentFactors(const Scene& scene, double huber_width) {
-  const Eigen::Index size = scene.blocks.size() == 0 ? 0 : 6 * kNumControlPoints + 1 + 2 + 3;
+  const Eigen::Index size =
+      scene.blocks.size() == 0 ? 0 : 6 * kNumControlPoints + 1 + 2 + 3 + 3;
   Expected expected;
   expected.gradient.setZero(size);
   expected.hessian.setZero(size, size);
-  const int plane_at[] = {
-      6 * kNumControlPoints, 6 * kNumControlPoints + 1, 6 * kNumControlPoints + 3};
-  const int plane_size[] = {1, 2, 3};  // tangents
+  const int plane_at[] = {6 * kNumControlPoints,
+                          6 * kNumControlPoints + 1,
+                          6 * kNumControlPoints + 3,
+                          6 * kNumControlPoints + 6};
+  const int plane_size[] = {1, 2, 3, 3};  // tangents
   for (const SegmentGroup::Segment& segment : scene.segments) {
     TestBlocks blocks;
     TestRandom random(11);
@@ -197,10 +205,18 @@ TEST(SegmentGroup, FollowsItsParameters) {
   EXPECT_NEAR(group.ModelAt(scene.blocks.pointers().data()).cost, before, 1e-9 * before);
 }
 
-// Positions enter the residuals linearly, so that the model of a plain sum of squares is exact
-// however far they move within its validity.
+// Positions enter the residuals of planes linearly, so that the model of a plain sum of
+// squares is exact however far they move within its validity.
 TEST(SegmentGroup, ModelHoldsNearItsLinearisation) {
   Scene scene(60);
+  scene.segments.erase(std::remove_if(scene.segments.begin(),
+                                      scene.segments.end(),
+                                      [&](const SegmentGroup::Segment& segment) {
+                                        const auto plane = static_cast<size_t>(segment.plane);
+                                        return scene.planes[plane].model ==
+                                               PlaneModel::kCylinder;
+                                      }),
+                       scene.segments.end());
   LinearisedGroup group(scene.Group(0.0));
   group.ModelAt(scene.blocks.pointers().data());
   scene.blocks[kNumControlPoints][0] += 0.005;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/geometry/matrix_types.h"
+#include "core/map/landmark.h"
+#include "core/map/observation.h"
+#include "core/map/observation_poses.h"
+
+namespace plumbline {
+
+// Whether a wall bends: the likelihood ratio of an upright cylinder and a plane through the
+// same segments, by offsets, slopes and bows of these. Where they do not bend, or can not
+// tell, the wall stays a plane, which has one unknown less.
+class BendTest {
+ public:
+  BendTest() = default;
+  // wall: vertical, or a cylinder that hardly turns on its width; the result's chart is about
+  // its anchor. flatness_m: of surfaces (AssociationOptions).
+  BendTest(const Landmark& wall, double flatness_m);
+
+  void Add(const Observation& observation,
+           const ObservationPoses& poses,
+           const Matrix6d& pose_covariance);
+
+  // The cylinder, its extent empty and its covariance for the poses given, where its curvature
+  // is beyond doubt and makes a bow that no unevenness does.
+  std::optional<Landmark> Solve() const;
+
+ private:
+  // The width on which points spread evenly would spread as these segments do, m.
+  double Width() const;
+
+  Landmark reference_;  // not bent
+  double flatness_m_ = 0.0;
+  Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
+  double square_ = 0.0;
+  int num_segments_ = 0;
+  int num_points_ = 0;
+  double along_ = 0.0;  // sums over points of their places along the wall, and of its square
+  double along2_ = 0.0;
+};
+
+}  // namespace plumbline
