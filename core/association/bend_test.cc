@@ -6,7 +6,6 @@
 
 #include "core/association/association.h"
 #include "core/association/line_deviation.h"
-#include "core/map/landmark_view.h"
 
 namespace plumbline {
 namespace {
@@ -17,52 +16,75 @@ constexpr double kMinSigmas = 6.0;
 // have.
 constexpr double kMinBow = 0.02;        // m
 constexpr double kMinFlatnesses = 4.0;  // in multiples of the unevenness
-constexpr double kMinRadius = 0.3;      // m
-constexpr double kMaxRadius = 200.0;    // m
+// Of a stair's riser, whose ends take up beams of the walls beside it, it was once the noise.
+constexpr double kMinNoises = 1.5;    // in multiples of a range's noise
+constexpr double kMinRadius = 0.3;    // m
+constexpr double kMaxRadius = 200.0;  // m
 // What is narrower stays a plane, or points.
-constexpr double kMinWidth = 0.8;  // m
-// Chi-square of a fit, over its degrees of freedom.
+constexpr double kMinWidth = 1.0;  // m
+// Chi-square of a fit, over its degrees of freedom: of a corner that was taken for one line it
+// is larger.
 constexpr double kMaxMeanChi2 = 2.0;
 // Below this, 1/m, rounding decides (a segment of a few beams has no bow).
 constexpr double kLeastInformation = 1e-6;
 
 }  // namespace
 
-BendTest::BendTest(const Landmark& wall, double flatness_m)
-    : reference_(MakeCylinderLandmark(
-          wall.NormalNear(wall.extent.anchor()), 0.0, wall.extent.anchor())),
-      flatness_m_(flatness_m) {}
-
-void BendTest::Add(const Observation& observation,
-                   const ObservationPoses& poses,
-                   const Matrix6d& pose_covariance) {
-  const LandmarkView view(reference_);
-  const LineDeviation deviation = DeviationFromPlane(observation, poses, view);
-  const BowedDeviation bowed = BowedDeviationFrom(observation, poses, view);
+void CylinderEquations::Add(const Observation& observation,
+                            const ObservationPoses& poses,
+                            const LandmarkView& cylinder,
+                            const Eigen::Matrix2d& of_pose,
+                            double flatness_m) {
+  const BowedDeviation bowed = BowedDeviationFrom(observation, poses, cylinder);
   Eigen::Matrix3d covariance =
       (bowed.information + kLeastInformation * Eigen::Matrix3d::Identity()).inverse();
   const Eigen::Vector3d value = covariance * bowed.right_side;
-  const double length_m = std::max(observation.length_m(), flatness_m_);
-  covariance.topLeftCorner<2, 2>() +=
-      FlatnessCovariance(length_m, flatness_m_) +
-      deviation.by_pose * pose_covariance * deviation.by_pose.transpose();
-  const double bow = 8.0 * flatness_m_ / (length_m * length_m);
+  const double length_m = std::max(observation.length_m(), flatness_m);
+  covariance.topLeftCorner<2, 2>() += FlatnessCovariance(length_m, flatness_m) + of_pose;
+  const double bow = 8.0 * flatness_m / (length_m * length_m);
   covariance(2, 2) += bow * bow;
   const Eigen::Matrix3d weight = covariance.inverse();
   information_ += bowed.by_surface.transpose() * weight * bowed.by_surface;
   right_side_ += bowed.by_surface.transpose() * (weight * value);
   square_ += value.dot(weight * value);
   ++num_segments_;
-  const Eigen::Vector3d centroid =
-      poses.motion.nodes()[1] * observation.centroid().homogeneous();
+}
+
+std::optional<CylinderEquations::Solution> CylinderEquations::Solve() const {
+  const Eigen::FullPivLU<Eigen::Matrix3d> solver(information_);
+  if (num_segments_ == 0 || !solver.isInvertible()) return std::nullopt;
+  Solution solution;
+  solution.covariance = solver.inverse();
+  solution.step = -(solution.covariance * right_side_);
+  solution.mean_chi2 =
+      (square_ + right_side_.dot(solution.step)) / std::max(1, 3 * num_segments_ - 3);
+  return solution;
+}
+
+BendTest::BendTest(const Landmark& wall, double flatness_m, double range_noise_m)
+    : reference_(MakeCylinderLandmark(
+          wall.NormalNear(wall.extent.anchor()), 0.0, wall.extent.anchor())),
+      flatness_m_(flatness_m),
+      range_noise_m_(range_noise_m) {}
+
+void BendTest::Add(const Observation& observation,
+                   const ObservationPoses& poses,
+                   const Matrix6d& pose_covariance) {
+  const LandmarkView view(reference_);
+  const LineDeviation deviation = DeviationFromPlane(observation, poses, view);
+  equations_.Add(observation,
+                 poses,
+                 view,
+                 deviation.by_pose * pose_covariance * deviation.by_pose.transpose(),
+                 flatness_m_);
+  const ScanPlacement& placement = poses.motion.nodes()[1];
+  const Eigen::Vector3d centroid = placement * observation.centroid().homogeneous();
   const double along = reference_.extent.u_axis().dot(centroid - reference_.chart.anchor);
-  const double level_m =
-      (poses.motion.nodes()[1].leftCols<2>() * (observation.end() - observation.start()))
-          .head<2>()
-          .norm();
+  const Eigen::Vector3d piece =
+      placement.leftCols<2>() * (observation.end() - observation.start());
   num_points_ += observation.num_points;
   along_ += observation.num_points * along;
-  along2_ += observation.num_points * (along * along + level_m * level_m / 12.0);
+  along2_ += observation.num_points * (along * along + piece.head<2>().squaredNorm() / 12.0);
 }
 
 double BendTest::Width() const {
@@ -71,27 +93,26 @@ double BendTest::Width() const {
 }
 
 std::optional<Landmark> BendTest::Solve() const {
-  if (num_segments_ == 0) return std::nullopt;
-  const Eigen::FullPivLU<Eigen::Matrix3d> solver(information_);
-  if (!solver.isInvertible()) return std::nullopt;
-  const Eigen::Matrix3d covariance = solver.inverse();
-  const Eigen::Vector3d step = -(covariance * right_side_);
+  const std::optional<CylinderEquations::Solution> solution = equations_.Solve();
+  if (!solution) return std::nullopt;
   constexpr int kAt = Cylinder::kCurvatureAt;
-  const double curvature = std::abs(step[kAt]);
-  if (!(curvature > kMinSigmas * std::sqrt(covariance(kAt, kAt)))) return std::nullopt;
-  // Of a corner that was taken for one line the fit is bad.
-  const double chi2 = square_ + right_side_.dot(step);
-  if (chi2 > kMaxMeanChi2 * std::max(1, 3 * num_segments_ - 3)) return std::nullopt;
+  const double curvature = std::abs(solution->step[kAt]);
+  if (!(curvature > kMinSigmas * std::sqrt(solution->covariance(kAt, kAt)))) {
+    return std::nullopt;
+  }
+  if (solution->mean_chi2 > kMaxMeanChi2) return std::nullopt;
   const double width_m = Width();
   if (width_m < kMinWidth) return std::nullopt;
   const double bow_m = curvature * width_m * width_m / 8.0;
-  if (bow_m < std::max(kMinBow, kMinFlatnesses * flatness_m_)) return std::nullopt;
+  if (bow_m < std::max({kMinBow, kMinFlatnesses * flatness_m_, kMinNoises * range_noise_m_})) {
+    return std::nullopt;
+  }
   if (curvature * kMinRadius > 1.0 || curvature * kMaxRadius < 1.0) return std::nullopt;
-  const double angle = reference_.parameters[0] + step[0];
+  const double angle = reference_.parameters[0] + solution->step[0];
   Landmark cylinder = MakeCylinderLandmark(
-      {std::cos(angle), std::sin(angle), 0.0}, step[kAt], reference_.chart.anchor);
-  cylinder.parameters[2] = step[2];
-  cylinder.covariance = covariance;
+      {std::cos(angle), std::sin(angle), 0.0}, solution->step[kAt], reference_.chart.anchor);
+  cylinder.parameters[2] = solution->step[2];
+  cylinder.covariance = solution->covariance;
   return cylinder;
 }
 

@@ -85,8 +85,10 @@ TypeEvidence JudgeType(const Observation& observation,
   return evidence;
 }
 
-TentativePlanes::TentativePlanes(bool planar, const MapperOptions& options)
-    : planar_(planar), options_(options), undecided_(options) {}
+TentativePlanes::TentativePlanes(bool planar,
+                                 const MapperOptions& options,
+                                 double range_noise_m)
+    : planar_(planar), options_(options), range_noise_m_(range_noise_m), undecided_(options) {}
 
 bool TentativePlanes::Matches(const TentativePlane& plane,
                               const Observation& observation,
@@ -155,7 +157,8 @@ void TentativePlanes::Offer(const Observation& observation,
     Start(observation, observation_index, poses, evidence, line);
     TentativePlane& plane = planes_.back();
     if (plane.landmark.model == PlaneModel::kVertical) {
-      plane.bend = BendTest(plane.landmark, options_.association.surface_flatness_m);
+      plane.bend =
+          BendTest(plane.landmark, options_.association.surface_flatness_m, range_noise_m_);
       plane.bend.Add(observation, poses, pose_covariance);
     }
   }

@@ -36,7 +36,8 @@ TypeEvidence JudgeType(const Observation& observation,
 // plane is a wall takes several scans, too. Planes of any direction come from UndecidedPlanes.
 class TentativePlanes {
  public:
-  TentativePlanes(bool planar, const MapperOptions& options);
+  // range_noise_m: of the scanners.
+  TentativePlanes(bool planar, const MapperOptions& options, double range_noise_m);
 
   // Gives the observation to the tentative planes that it agrees with, or starts a new one.
   // founds_wall: it is known to lie on a wall.
@@ -77,6 +78,7 @@ class TentativePlanes {
 
   bool planar_;
   const MapperOptions& options_;
+  double range_noise_m_;
   std::deque<TentativePlane> planes_;
   UndecidedPlanes undecided_;
 };

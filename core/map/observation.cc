@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/map/observation_poses.h"
 #include "core/util/time.h"
@@ -328,6 +329,7 @@ Observation MakeObservationOnArc(const Landmark& cylinder,
       scan_line.BeamTime(segment.first_beam) + NanosecondsFromSeconds(scanner.time_offset_s);
   constexpr double kMaxOffArc = 0.3;  // m
   const double bend = 0.5 * cylinder.Curvature();
+  std::optional<SegmentFrame> frame;
   const auto set_line = [&](size_t i, BeamBlock* beams) {
     const ScanPlacement placement = motion.At(
         first_ns + std::llround(beams->since_start[i] * scan_line.time_increment_s * 1e9));
@@ -344,15 +346,29 @@ Observation MakeObservationOnArc(const Landmark& cylinder,
     // A beam that runs along the arc meets it anywhere.
     if (root2 > 0.0 && std::abs(met - range) < kMaxOffArc) range = met;
     const Eigen::Vector3d at = scanner_world + range * direction_world;
-    const Eigen::Vector2d normal =
-        (placement.leftCols<2>().transpose() * cylinder.NormalNear(at)).normalized();
+    const Eigen::Vector2d in_plane =
+        placement.leftCols<2>().transpose() * cylinder.NormalNear(at);
+    const double cut = in_plane.norm();
+    const Eigen::Vector2d normal = in_plane / cut;
     beams->normal_x[i] = normal.x();
     beams->normal_y[i] = normal.y();
     beams->distance[i] = range * normal.dot(direction);
+    // A compressed segment bows along its tangent alone. What the arc's bow is beyond that
+    // goes into the offsets.
+    if (!frame) return;
+    const Eigen::Vector2d from_centroid = range * direction - frame->origin.cast<double>();
+    const double along = frame->tangent.cast<double>().dot(from_centroid);
+    const double level2 =
+        (placement.leftCols<2>() * frame->tangent.cast<double>()).head<2>().squaredNorm();
+    const double from_centroid2 =
+        (placement.leftCols<2>() * from_centroid).head<2>().squaredNorm();
+    beams->measured[i] +=
+        bend * (from_centroid2 - along * along * level2) / (cut * normal.dot(direction));
   };
   const auto set_lines = [&](BeamBlock* beams) {
     for (size_t i = 0; i < beams->size; ++i) set_line(i, beams);
   };
+  frame = ObserveBeams(scan_line, scanner, segment, set_lines, false).measurement.frame();
   Observation observation = ObserveBeams(scan_line, scanner, segment, set_lines, keep_points);
   Describe(segment, scan_line, &observation);
   return observation;

@@ -76,7 +76,8 @@ class Batch {
     std::vector<bool> is_merged(state_->landmarks.size(), false);
     for (const int id : merged_into) is_merged[static_cast<size_t>(id)] = true;
     if (!merged_into.empty()) RebuildLandmarks(rig_, is_merged, state_);
-    const int num_bent = BendWalls(rig_, options_.association, state_);
+    const int num_bent = BendWalls(rig_, options_.association, state_) +
+                         BendRowsOfChords(rig_, options_.association, state_);
     const int num_changed = Reassociate(rig_, options_, state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);

@@ -14,6 +14,7 @@
 #include "core/association/plane_kind.h"
 #include "core/association/plane_merging.h"
 #include "core/association/plane_through_lines.h"
+#include "core/association/rows_of_chords.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
@@ -201,7 +202,7 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
   constexpr int kMaxSegments = 300;  // of a wall, spread over all that were seen
   std::vector<BendTest> tests;
   for (const Landmark& wall : state->landmarks) {
-    tests.emplace_back(wall, options.surface_flatness_m);
+    tests.emplace_back(wall, options.surface_flatness_m, MaxRangeNoise(rig));
   }
   std::vector<int> num_met(state->landmarks.size(), 0);
   SharedPoses poses(rig, state->trajectory);
@@ -228,6 +229,22 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
     wall.TakeShapeOf(*shape);
     is_changed[static_cast<size_t>(wall.id)] = true;
     num_changed += wall.num_segments;
+  }
+  RebuildLandmarks(rig, is_changed, state);
+  return num_changed;
+}
+
+int BendRowsOfChords(const Rig& rig, const AssociationOptions& options, MapState* state) {
+  int num_changed = 0;
+  std::vector<bool> is_changed(state->landmarks.size(), false);
+  for (const RowOfChords& row : FindRowsOfChords(rig, options, *state)) {
+    const int into = *std::min_element(row.landmarks.begin(), row.landmarks.end());
+    for (const int id : row.landmarks) {
+      num_changed += state->landmarks[static_cast<size_t>(id)].num_segments;
+      if (id != into) MergeInto(into, id, state);
+    }
+    state->landmarks[static_cast<size_t>(into)].TakeShapeOf(row.cylinder);
+    is_changed[static_cast<size_t>(into)] = true;
   }
   RebuildLandmarks(rig, is_changed, state);
   return num_changed;

@@ -44,6 +44,10 @@ int DropPassedThrough(const Rig& rig, MapState* state);
 // them.
 int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state);
 
+// Makes rows of narrow walls cylinders that they are chords of (FindRowsOfChords). Returns how
+// many segments lie on them.
+int BendRowsOfChords(const Rig& rig, const AssociationOptions& options, MapState* state);
+
 // Drops general planes whose segments do not determine their normals, or another one than they
 // have; those that their segments show to be upright or level become vertical or horizontal.
 int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapState* state);

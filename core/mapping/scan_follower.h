@@ -37,7 +37,7 @@ class ScanFollower {
         planar_(planar),
         options_(options),
         scan_period_s_(scan_period_s),
-        tentative_planes_(planar, options),
+        tentative_planes_(planar, options, MaxRangeNoise(rig)),
         motion_prior_(options.trajectory) {}
 
   // Goes on from where another one stands, with a copy of its map.

@@ -245,7 +245,7 @@ bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
   // Where an arc's chords end follows from noise alone: they keep their beams.
   const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation->landmark_id)];
   if (landmark.IsCurved()) {
-    if (!counts_ && observation->taken_to != observation->landmark_id) {
+    if (observation->taken_to != observation->landmark_id) {
       resegmenter_.TakeToArc(scan_line, landmark, observation);
     }
     return false;

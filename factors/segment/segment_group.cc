@@ -12,28 +12,21 @@
 #include "factors/linear_algebra/square_root_marginalisation.h"
 #include "factors/manifold/manifolds.h"
 #include "factors/segment/segment_measurement.h"
+#include "factors/segment/segment_rows.h"
 #include "factors/spline/so3.h"
 #include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kNumNodes = 3;
+constexpr int kNumNodes = kNumSegmentNodes;
 constexpr int kMaxControlPoints = 9;
-constexpr int kPoseSize = 6;
-constexpr int kMaxPlaneSize = 3;
+constexpr int kPoseSize = kNodePoseSize;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
-constexpr int kLineSize = kNumNodes * kPoseSize;
+constexpr int kLineSize = kNodePosesSize;
 using LineVector = Eigen::Matrix<double, kLineSize, 1>;
 using LineMatrix = Eigen::Matrix<double, kLineSize, kLineSize, Eigen::RowMajor>;
-
-// The poses at the nodes of a scan line.
-struct NodePoses {
-  std::array<Eigen::Matrix3d, kNumNodes> world_from_body;
-  std::array<Eigen::Vector3d, kNumNodes> position;
-  std::array<SplinePoseJacobian, kNumNodes> splines;
-};
 
 // Normal equations of a scan line's segments in the poses at its nodes, [ rotation tangent |
 // position ] each, and in the planes' parameters.
@@ -45,10 +38,6 @@ struct LineSystem {
   std::vector<bool> sees_plane;
 };
 
-// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the
-// body's position, in the world's axes.
-using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumNodes>;
-
 ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& poses) {
   Eigen::Matrix3d in_body = scanner.body_from_scanner_rotation;
   in_body.col(2) = scanner.body_from_scanner_translation;
@@ -56,15 +45,6 @@ ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& po
   for (size_t k = 0; k < kNumNodes; ++k) nodes[k] = poses.world_from_body[k] * in_body;
   return nodes;
 }
-
-// A plane's normal and distance, differentiated by its parameters; columns beyond their number
-// are zero.
-struct PlaneDerivatives {
-  Eigen::Vector3d normal;
-  double distance = 0.0;
-  Eigen::Matrix<double, 3, kMaxPlaneSize> normal_by_plane;
-  Eigen::Matrix<double, 1, kMaxPlaneSize> distance_by_plane;
-};
 
 PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* parameters) {
   PlaneDerivatives derivatives;
@@ -86,153 +66,6 @@ PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* p
     derivatives.distance_by_plane.template head<kSize>() = distance.v.transpose();
   });
   return derivatives;
-}
-
-// A cylinder about a point, with the derivatives: what changes from segment to segment.
-struct CylinderDerivatives {
-  double curvature;
-  PlaneDerivatives near;
-};
-
-CylinderDerivatives DerivativesAt(const Cylinder& cylinder,
-                                  const double* parameters,
-                                  const Eigen::Vector3d& point) {
-  using T = ceres::Jet<double, Cylinder::kSize>;
-  T jets[Cylinder::kSize];
-  for (int i = 0; i < Cylinder::kSize; ++i) jets[i] = T(parameters[i], i);
-  T normal[3];
-  T distance;
-  cylinder.EvaluateAt(jets, point.data(), normal, &distance);
-  CylinderDerivatives derivatives;
-  derivatives.curvature = parameters[Cylinder::kCurvatureAt];
-  for (int i = 0; i < 3; ++i) {
-    derivatives.near.normal[i] = normal[i].a;
-    derivatives.near.normal_by_plane.row(i) = normal[i].v.transpose();
-  }
-  derivatives.near.distance = distance.a;
-  derivatives.near.distance_by_plane = distance.v.transpose();
-  return derivatives;
-}
-
-// A segment's whitened residuals and their derivatives by [ poses at the nodes | plane ];
-// kPlaneSize 0: the plane is held.
-template <int kPlaneSize>
-struct SegmentRows {
-  static constexpr int kColumns = kLineSize + kPlaneSize;
-  static constexpr int kMaxRows = 10;  // nine, and one for the bow
-  Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, kMaxRows, kColumns>
-      jacobian;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> residuals;
-};
-
-// What the bend of the surface adds: the normal that turns as the segment is moved, and the
-// bow of the segment itself (SegmentMeasurement).
-template <int kPlaneSize>
-void AddBend(const PackedSegment& measurement,
-             const SegmentWeights& by,
-             const ScannerAtNodes& scanner,
-             double curvature,
-             SegmentRows<kPlaneSize>* rows) {
-  const auto stored = measurement.rows();
-  const Eigen::Matrix3d frame = measurement.frame().Matrix();
-  for (int k = 0; k < measurement.num_nodes(); ++k) {
-    const Eigen::Matrix3d segment = scanner[static_cast<size_t>(k)] * frame;
-    for (Eigen::Index row = 0; row < stored.rows(); ++row) {
-      Eigen::Vector3d by_centroid =
-          by.scale * curvature *
-          (segment.leftCols<2>() *
-           stored.template block<1, 2>(row, 3 * k).transpose().template cast<double>());
-      by_centroid.z() = 0.0;
-      auto jacobian = rows->jacobian.row(row);
-      jacobian.template segment<3>(kPoseSize * k) +=
-          segment.col(2).cross(by_centroid).transpose();
-      jacobian.template segment<3>(kPoseSize * k + 3) += by_centroid.transpose();
-    }
-  }
-  const size_t middle = measurement.num_nodes() == 1 ? 0 : 1;
-  const double level2 = (scanner[middle] * frame).template block<2, 1>(0, 0).squaredNorm();
-  const Eigen::Index last = stored.rows();
-  rows->residuals.conservativeResize(last + 1);
-  rows->jacobian.conservativeResize(last + 1, Eigen::NoChange);
-  rows->residuals[last] = by.offset * measurement.bend_offset();
-  rows->jacobian.row(last).setZero();
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, SegmentRows<kPlaneSize>::kMaxRows, 1> bow(last +
-                                                                                        1);
-  bow << stored.col(10).template cast<double>(), measurement.bend_rest();
-  bow *= by.scale * level2;
-  rows->residuals += curvature * bow;
-  if constexpr (kPlaneSize > 0) {
-    rows->jacobian.col(kLineSize + Cylinder::kCurvatureAt) += bow;
-  }
-}
-
-// A row (a, b, c) of the compressed segment stands for c times the signed distance of one
-// point, v from the body's position: of v = a along + b across + c origin and c alone, with
-// the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
-// rotation's cross product with it.
-//
-// plane_at(point): the plane that the surface is at each node near the segment's centroid.
-template <int kPlaneSize, typename PlaneAt>
-void DifferentiateNear(const PlaneAt& plane_at,
-                       const PackedSegment& measurement,
-                       const SegmentWeights& by,
-                       const ScannerAtNodes& scanner,
-                       const NodePoses& poses,
-                       SegmentRows<kPlaneSize>* rows) {
-  const auto stored = measurement.rows();
-  const Eigen::Matrix3d frame = measurement.frame().Matrix();
-  rows->jacobian.setZero(stored.rows(), SegmentRows<kPlaneSize>::kColumns);
-  rows->residuals.setZero(stored.rows());
-  for (int k = 0; k < measurement.num_nodes(); ++k) {
-    const Eigen::Vector3d& position = poses.position[static_cast<size_t>(k)];
-    const Eigen::Matrix3d segment = scanner[static_cast<size_t>(k)] * frame;
-    const PlaneDerivatives& plane = plane_at(position, segment);
-    const double body_distance = plane.normal.dot(position) - plane.distance;
-    for (Eigen::Index row = 0; row < stored.rows(); ++row) {
-      const Eigen::Vector3d weights =
-          by.scale *
-          stored.template block<1, 3>(row, 3 * k).transpose().template cast<double>();
-      const Eigen::Vector3d v = segment * weights;
-      rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
-      auto jacobian = rows->jacobian.row(row);
-      jacobian.template segment<3>(kPoseSize * k) = v.cross(plane.normal).transpose();
-      jacobian.template segment<3>(kPoseSize * k + 3) = weights.z() * plane.normal.transpose();
-      if constexpr (kPlaneSize > 0) {
-        jacobian.template segment<kPlaneSize>(kLineSize) +=
-            (v + weights.z() * position).transpose() *
-                plane.normal_by_plane.template leftCols<kPlaneSize>() -
-            weights.z() * plane.distance_by_plane.template head<kPlaneSize>();
-      }
-    }
-  }
-  rows->residuals += by.offset * stored.col(9).template cast<double>();
-}
-
-template <typename Model, int kPlaneSize>
-void Differentiate(const Model& model,
-                   const PackedSegment& measurement,
-                   const SegmentWeights& by,
-                   const ScannerAtNodes& scanner,
-                   const NodePoses& poses,
-                   const double* parameters,
-                   const PlaneDerivatives& plane,
-                   SegmentRows<kPlaneSize>* rows) {
-  if constexpr (!Model::kIsCurved) {
-    const auto plane_at = [&](const Eigen::Vector3d&,
-                              const Eigen::Matrix3d&) -> const PlaneDerivatives& {
-      return plane;
-    };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
-  } else {
-    CylinderDerivatives at;
-    const auto plane_at = [&](const Eigen::Vector3d& position,
-                              const Eigen::Matrix3d& segment) -> const PlaneDerivatives& {
-      at = DerivativesAt(model, parameters, position + segment.col(2));
-      return at.near;
-    };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
-    AddBend(measurement, by, scanner, at.curvature, rows);
-  }
 }
 
 // Weighs the rows by Huber's loss of their norm; returns the cost.

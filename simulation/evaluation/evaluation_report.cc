@@ -74,6 +74,10 @@ Json ToJson(const PlaneEvaluation& planes) {
       entry["angle_deg"] = match.angle_deg;
       entry["distance_m"] = match.distance_m;
     }
+    if (match.radius_error_m) {
+      entry["radius_error_m"] = *match.radius_error_m;
+      entry["sigma_radius_m"] = match.sigma_radius_m;
+    }
     entry["sigma_angle_deg"] = match.sigma_angle_deg;
     entry["sigma_distance_m"] = match.sigma_distance_m;
     list.push_back(entry);
@@ -91,6 +95,8 @@ Json ToJson(const PlaneEvaluation& planes) {
            {{"rmse", planes.distance_rmse_m},
             {"max", planes.distance_max_m},
             {"over_sigma_rms", planes.distance_over_sigma_rms}}},
+          {"radius_error_max_m", planes.radius_max_m},
+          {"radius_error_max_percent", planes.radius_max_percent},
           {"missed_faces", planes.missed_face_ids},
           {"list", list}};
 }
@@ -137,6 +143,12 @@ void AppendPlane(std::string* text, const PlaneMatch& match) {
          1000.0 * match.distance_m,
          1000.0 * match.sigma_distance_m,
          faces.c_str());
+  if (match.radius_error_m) {
+    Append(text,
+           "         cylinder: radius off by %.3f mm, sigma %.3f mm\n",
+           1000.0 * *match.radius_error_m,
+           1000.0 * match.sigma_radius_m);
+  }
 }
 
 }  // namespace

@@ -17,6 +17,16 @@ double AngleBetweenDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegreesPerRadian;
 }
 
+// Moves a polygon along an arc by whole circles so that its middle is the nearest to the origin.
+void CentreOnArc(double circle_m, Polygon* polygon) {
+  double mean = 0.0;
+  for (const Eigen::Vector2d& p : *polygon) {
+    mean += p.x() / static_cast<double>(polygon->size());
+  }
+  const double shift = std::remainder(mean, circle_m) - mean;
+  for (Eigen::Vector2d& p : *polygon) p.x() += shift;
+}
+
 // The outline in coordinates of a plane like the face, on walls (along, up), along the arc of
 // a cylinder. Planar: a strip of height one, so that only the extent along the wall matters.
 Polygon ProjectOutline(const PlanePatch& patch, const PlanePatch& face, bool planar) {
@@ -35,6 +45,7 @@ Polygon ProjectOutline(const PlanePatch& patch, const PlanePatch& face, bool pla
     polygon.back().x() =
         last + std::remainder(polygon.back().x() - last, 2.0 * M_PI * face.Radius());
   }
+  if (face.IsCurved()) CentreOnArc(2.0 * M_PI * face.Radius(), &polygon);
   if (!planar || polygon.empty()) return polygon;
   const auto [low, high] =
       std::minmax_element(polygon.begin(), polygon.end(), [](const auto& a, const auto& b) {

@@ -41,7 +41,8 @@ class BendTestTest : public testing::Test {
           const Eigen::Vector2d centre = observation.centroid();
           test.emplace(
               MakeVerticalLandmark(-Eigen::Vector3d::UnitX(), {centre.x(), centre.y(), 0.0}),
-              kFlatness);
+              kFlatness,
+              kNoise);
         }
         test->Add(observation, poses, Matrix6d::Zero());
       }

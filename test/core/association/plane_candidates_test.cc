@@ -172,7 +172,7 @@ class TentativePlanesTest : public testing::Test {
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
-  TentativePlanes candidates_{false, options_};
+  TentativePlanes candidates_{false, options_, 0.03};
   double noise_share_ = 1.0;  // of the scanners' range noise
   std::mt19937_64 random_{3};
   int scan_ = 0;
@@ -300,7 +300,7 @@ TEST_F(TentativePlanesTest, HighAndNarrowIsSmall) {
   const Trajectory trajectory(kStart, 200 * kPeriod, pose);
   const ScenePlane front = {WallNormal(180.0), -2.0};
   const auto is_ready_after = [&](double width_m, double duration_s, bool needs_age = true) {
-    TentativePlanes planes(false, options_);
+    TentativePlanes planes(false, options_, 0.03);
     const int num_scans = static_cast<int>(duration_s / 0.025) + 1;
     for (int scan = 0; scan < num_scans; ++scan) {
       Observation observation = ObserveFront(front, width_m, scan);
