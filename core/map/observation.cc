@@ -319,6 +319,21 @@ Observation MakeObservationOn(const PlaneTrace& trace,
   return observation;
 }
 
+std::optional<double> RangeOnCylinder(const Landmark& cylinder,
+                                      const ScanPlacement& placement,
+                                      const Eigen::Vector2d& direction) {
+  const Eigen::Vector3d along = placement.leftCols<2>() * direction;
+  const Eigen::Vector3d scanner_world = placement.col(2);
+  // height + slope r + bow r^2 = 0
+  const double height = cylinder.SignedDistance(scanner_world);
+  const double slope = cylinder.NormalNear(scanner_world).dot(along);
+  const double bow = 0.5 * cylinder.Curvature() * along.head<2>().squaredNorm();
+  const double root2 = slope * slope - 4.0 * bow * height;
+  if (!(root2 > 0.0)) return std::nullopt;
+  const double range = 2.0 * height / (std::sqrt(root2) - slope);
+  return range > 0.0 ? std::make_optional(range) : std::nullopt;
+}
+
 Observation MakeObservationOnArc(const Landmark& cylinder,
                                  const ScanMotion& motion,
                                  const ScanLine& scan_line,
@@ -334,18 +349,12 @@ Observation MakeObservationOnArc(const Landmark& cylinder,
     const ScanPlacement placement = motion.At(
         first_ns + std::llround(beams->since_start[i] * scan_line.time_increment_s * 1e9));
     const Eigen::Vector2d direction(beams->x[i], beams->y[i]);
-    const Eigen::Vector3d direction_world = placement.leftCols<2>() * direction;
-    const Eigen::Vector3d scanner_world = placement.col(2);
-    // height + slope r + bow r^2 = 0
-    const double height = cylinder.SignedDistance(scanner_world);
-    const double slope = cylinder.NormalNear(scanner_world).dot(direction_world);
-    const double bow = bend * direction_world.head<2>().squaredNorm();
-    const double root2 = slope * slope - 4.0 * bow * height;
     double range = beams->measured[i];
-    const double met = 2.0 * height / (std::sqrt(std::max(0.0, root2)) - slope);
     // A beam that runs along the arc meets it anywhere.
-    if (root2 > 0.0 && std::abs(met - range) < kMaxOffArc) range = met;
-    const Eigen::Vector3d at = scanner_world + range * direction_world;
+    const std::optional<double> met = RangeOnCylinder(cylinder, placement, direction);
+    if (met && std::abs(*met - range) < kMaxOffArc) range = *met;
+    const Eigen::Vector3d at =
+        placement.col(2) + range * (placement.leftCols<2>() * direction);
     const Eigen::Vector2d in_plane =
         placement.leftCols<2>().transpose() * cylinder.NormalNear(at);
     const double cut = in_plane.norm();

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
@@ -75,6 +76,12 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Scanner& scanner,
                               const Segment& segment,
                               bool keep_points);
+
+// The range at which a beam along a unit vector of the scan plane meets a cylinder from the
+// side that was seen; nothing where it does not.
+std::optional<double> RangeOnCylinder(const Landmark& cylinder,
+                                      const ScanPlacement& placement,
+                                      const Eigen::Vector2d& direction);
 
 // As MakeObservationOn, with the beams taken to where they meet a cylinder; motion: the scan
 // plane's, in the world.

@@ -136,6 +136,9 @@ class RecordingResegmenter {
   // Selects the planes for the observations [first, last) of a scan line.
   void SetViews(const ScanLine& scan_line, size_t first, size_t last);
   bool ResegmentOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
+  // Takes the chord `at` of a scan line's observations [first, last) to its arc, and with it
+  // the beams between it and the chords of the same arc beside it.
+  void TakeToArc(const ScanLine& scan_line, size_t first, size_t last, size_t at);
   void AddSubMinimumSegments(const ScanLine& scan_line,
                              const Observation& nearby,
                              int first_beam,
@@ -242,14 +245,6 @@ void RecordingResegmenter::AddSubMinimumSegment(
 bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
                                         const Ends& ends,
                                         Observation* observation) {
-  // Where an arc's chords end follows from noise alone: they keep their beams.
-  const Landmark& landmark = state_->landmarks[static_cast<size_t>(observation->landmark_id)];
-  if (landmark.IsCurved()) {
-    if (observation->taken_to != observation->landmark_id) {
-      resegmenter_.TakeToArc(scan_line, landmark, observation);
-    }
-    return false;
-  }
   BeamRange range;
   const bool is_another = resegmenter_.ExcludeOccluded(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.
@@ -257,6 +252,27 @@ bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
     resegmenter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
   }
   return is_another;
+}
+
+void RecordingResegmenter::TakeToArc(const ScanLine& scan_line,
+                                     size_t first,
+                                     size_t last,
+                                     size_t at) {
+  Observation& observation = state_->observations[at];
+  const auto is_same_arc = [&](size_t other) {
+    return state_->observations[other].landmark_id == observation.landmark_id;
+  };
+  BeamRange range = {observation.first_beam, observation.last_beam};
+  if (at > first && is_same_arc(at - 1)) {
+    range.first = state_->observations[at - 1].last_beam + 1;
+  }
+  if (at + 1 < last && is_same_arc(at + 1)) {
+    range.last = state_->observations[at + 1].first_beam - 1;
+  }
+  resegmenter_.TakeToArc(scan_line,
+                         state_->landmarks[static_cast<size_t>(observation.landmark_id)],
+                         range,
+                         &observation);
 }
 
 int RecordingResegmenter::Resegment(const ScanLine& scan_line,
@@ -271,7 +287,11 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
   for (size_t i = 0; i < ends.size(); ++i) {
     Observation& observation = state_->observations[first + i];
     if (observation.landmark_id < 0) continue;
-    if (ResegmentOne(scan_line, ends[i], &observation)) ++num_changed;
+    if (state_->landmarks[static_cast<size_t>(observation.landmark_id)].IsCurved()) {
+      TakeToArc(scan_line, first, last, first + i);
+    } else if (ResegmentOne(scan_line, ends[i], &observation)) {
+      ++num_changed;
+    }
     if (observation.landmark_id < 0) continue;
     AddSubMinimumSegments(scan_line,
                           observations[first],

@@ -6,6 +6,7 @@
 
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
+#include "core/sensor/beam_instant.h"
 #include "core/visibility/beam_tests.h"
 #include "core/visibility/occlusion.h"
 
@@ -364,17 +365,30 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
 
 void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
                                     const Landmark& cylinder,
+                                    const BeamRange& range,
                                     Observation* observation) {
-  const Segment segment =
-      SegmentOf(*observation, {observation->first_beam, observation->last_beam});
-  if (segment.num_points == 0) return;
-  Observation on_arc =
-      MakeObservationOnArc(cylinder,
-                           poses_.Of(*observation).motion,
-                           scan_line,
-                           rig_.scanners[static_cast<size_t>(scan_line.scanner_index)],
-                           segment,
-                           !observation->points.empty());
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const ScanMotion& motion = poses_.Of(*observation).motion;
+  const double off_m = kOutlierSigmas * scanner.range_noise_m;
+  std::vector<int> off_arc;
+  for (int beam = range.first; beam <= range.last; ++beam) {
+    const double measured = scan_line.ranges[static_cast<size_t>(beam)];
+    const std::optional<double> met =
+        RangeOnCylinder(cylinder,
+                        motion.At(BeamInstant(scan_line, beam, rig_)),
+                        scan_line.BeamDirection(beam));
+    if (!met || !scanner.IsValidRange(measured) || !(std::abs(measured - *met) < off_m)) {
+      off_arc.push_back(beam);
+    }
+  }
+  observation->excluded_beams = off_arc;
+  const Segment segment = SegmentOf(*observation, range);
+  if (segment.num_points < options_.segmentation.min_points) {
+    observation->landmark_id = -1;
+    return;
+  }
+  Observation on_arc = MakeObservationOnArc(
+      cylinder, motion, scan_line, scanner, segment, !observation->points.empty());
   TakeOver(*observation, &on_arc);
   *observation = std::move(on_arc);
 }

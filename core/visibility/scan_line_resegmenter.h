@@ -82,9 +82,12 @@ class ScanLineResegmenter {
                const Matrix6d& pose_covariance,
                Observation* observation);
 
-  // Makes the observation of a cylinder anew from its own beams, each where it meets the arc.
+  // Makes the observation of a cylinder anew from the beams in the range, each where it meets
+  // the arc; those off it are left out. Lines through chords chose their beams by another
+  // measure: they took beams towards the chord from the bow's middle and its ends.
   void TakeToArc(const ScanLine& scan_line,
                  const Landmark& cylinder,
+                 const BeamRange& range,
                  Observation* observation);
 
  private:

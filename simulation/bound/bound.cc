@@ -28,6 +28,19 @@
 namespace plumbline {
 namespace {
 
+// Whether two faces are parts of one plane, or of one cylinder.
+bool AreOneSurface(const Face& a, const Face& b) {
+  if (a.curvature == 0.0 || b.curvature == 0.0) {
+    return a.curvature == b.curvature && (a.normal - b.normal).norm() < kSamePlane &&
+           std::abs(a.distance - b.distance) < kSamePlane;
+  }
+  const auto axis_of = [](const Face& face) -> Eigen::Vector2d {
+    return (face.middle - face.normal / face.curvature).head<2>();
+  };
+  return std::abs(a.curvature - b.curvature) < kSamePlane &&
+         (axis_of(a) - axis_of(b)).norm() < kSamePlane;
+}
+
 // Faces that are one plane get the same number.
 std::vector<int> PlaneOfFace(const Building& building) {
   std::vector<int> plane_of;
@@ -35,8 +48,7 @@ std::vector<int> PlaneOfFace(const Building& building) {
     int plane = face.id;
     for (const Face& other : building.faces) {
       if (other.id >= face.id) break;
-      if ((other.normal - face.normal).norm() < kSamePlane &&
-          std::abs(other.distance - face.distance) < kSamePlane) {
+      if (AreOneSurface(face, other)) {
         plane = plane_of[static_cast<size_t>(other.id)];
         break;
       }
@@ -46,7 +58,7 @@ std::vector<int> PlaneOfFace(const Building& building) {
   return plane_of;
 }
 
-// Consecutive beams on one plane.
+// Consecutive beams on one plane, or on a short piece of an arc.
 struct BeamRun {
   int plane = 0;  // a face's id
   Segment segment;
@@ -54,7 +66,10 @@ struct BeamRun {
 
 std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
                               const ScanLine& scan_line,
+                              const Building& building,
                               const std::vector<int>& plane_of_face) {
+  constexpr double kMaxTurn = 0.25;  // rad, on an arc
+  Eigen::Vector2d begin = Eigen::Vector2d::Zero();
   std::vector<BeamRun> runs;
   bool continues = false;
   for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
@@ -65,7 +80,12 @@ std::vector<BeamRun> FindRuns(const PerfectScanLine& perfect,
       continue;
     }
     const int plane = plane_of_face[static_cast<size_t>(hit->face_id)];
-    if (!continues || runs.back().plane != plane) {
+    const Eigen::Vector2d at = hit->range * scan_line.BeamDirection(beam);
+    const double curvature =
+        std::abs(building.faces[static_cast<size_t>(hit->face_id)].curvature);
+    const bool turns_on = curvature * (at - begin).norm() > kMaxTurn;
+    if (!continues || turns_on || runs.back().plane != plane) {
+      begin = at;
       runs.emplace_back();
       runs.back().plane = plane;
       runs.back().segment.first_beam = beam;
@@ -168,9 +188,16 @@ class BoundComputer {
     const Scanner& scanner =
         experiment_.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
+    const ScanMotion motion = MotionOf(scan_line, scanner, segment);
     // Single beams have no line of their own to be weighted by.
-    Observation observation = MakeObservationOn(
-        TraceOf(scan_line, scanner, segment, landmark), scan_line, scanner, segment, false);
+    Observation observation =
+        landmark.IsCurved()
+            ? MakeObservationOnArc(landmark, motion, scan_line, scanner, segment, false)
+            : MakeObservationOn(motion.TraceOf(landmark.Normal(), landmark.Distance()),
+                                scan_line,
+                                scanner,
+                                segment,
+                                false);
     observation.landmark_id = landmark_id;
     return observation;
   }
@@ -184,7 +211,8 @@ class BoundComputer {
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
     const Scanner& scanner = experiment_.rig.scanners[scanner_index];
     const ScanLine scan_line = AddNoise(perfect, scanner, noise, seed_.value_or(0));
-    std::vector<BeamRun> runs = FindRuns(perfect, scan_line, plane_of_face_);
+    std::vector<BeamRun> runs =
+        FindRuns(perfect, scan_line, experiment_.building, plane_of_face_);
     if (!state_) {
       first_lines_.emplace_back(scan_line, runs);
       if (!Start()) return;
@@ -282,7 +310,9 @@ class BoundComputer {
     Landmark landmark =
         face.type == PlaneType::kHorizontal ? MakeHorizontalLandmark(normal.z(), point)
         : face.type == PlaneType::kVertical ? MakeVerticalLandmark(normal, point)
-                                            : MakeGeneralLandmark(normal, point);
+        : face.type == PlaneType::kCylinder
+            ? MakeCylinderLandmark(normal, face.curvature, point)
+            : MakeGeneralLandmark(normal, point);
     landmark.id = static_cast<int>(state_->landmarks.size());
     landmark.first_scan = landmark.last_scan = scan_index;
     landmark_of_plane_[plane] = landmark.id;
@@ -291,10 +321,9 @@ class BoundComputer {
     return state_->landmarks.back().id;
   }
 
-  PlaneTrace TraceOf(const ScanLine& scan_line,
-                     const Scanner& scanner,
-                     const Segment& segment,
-                     const Landmark& landmark) const {
+  ScanMotion MotionOf(const ScanLine& scan_line,
+                      const Scanner& scanner,
+                      const Segment& segment) const {
     const std::array<int64_t, 3> times_ns =
         NodesOfSpan(BeamInstant(scan_line, segment.first_beam, experiment_.rig),
                     BeamInstant(scan_line, segment.last_beam, experiment_.rig));
@@ -303,8 +332,7 @@ class BoundComputer {
       world_from_scanner[k] =
           state_->trajectory.WorldFromBody(times_ns[k]) * scanner.body_from_scanner;
     }
-    return ScanMotion(times_ns, world_from_scanner)
-        .TraceOf(landmark.Normal(), landmark.Distance());
+    return {times_ns, world_from_scanner};
   }
 
   void Add(const ScanLine& scan_line, std::vector<BeamRun> runs) {
@@ -321,9 +349,12 @@ class BoundComputer {
       const Rigid3d world_from_scanner =
           state_->trajectory.WorldFromBody(BeamInstant(scan_line, middle, experiment_.rig)) *
           scanner.body_from_scanner;
+      const Eigen::Vector2d at = scan_line.ranges[static_cast<size_t>(segment.first_beam)] *
+                                 scan_line.BeamDirection(segment.first_beam);
       const Eigen::Vector3d normal =
           world_from_scanner.rotation.conjugate() *
-          state_->landmarks[static_cast<size_t>(landmark_id)].Normal();
+          state_->landmarks[static_cast<size_t>(landmark_id)].NormalNear(
+              world_from_scanner * Eigen::Vector3d(at.x(), at.y(), 0.0));
       if (normal.head<2>().norm() < 1e-3) continue;  // the scan plane runs along the plane
       segment.normal = normal.head<2>().normalized();
       Observation observation = Observe(scan_line, segment, landmark_id);
