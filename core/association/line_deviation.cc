@@ -1,6 +1,7 @@
 #include "core/association/line_deviation.h"
 
 #include <Eigen/LU>
+#include <optional>
 
 #include "core/map/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
@@ -13,7 +14,9 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   const ScanPlacement& placement = poses.motion.nodes()[1];
   const Eigen::Vector3d centroid_world = placement * observation.centroid().homogeneous();
   const Eigen::Vector3d tangent_world = placement.leftCols<2>() * observation.tangent();
-  const LandmarkView plane = surface.Near(centroid_world);
+  std::optional<LandmarkView> near;
+  const LandmarkView& plane =
+      surface.is_curved ? near.emplace(surface.Near(centroid_world)) : surface;
   const double bow = surface.curvature * tangent_world.head<2>().squaredNorm();
   const auto rows = observation.measurement.rows();
   const Eigen::Matrix3d to_segment = observation.measurement.frame().Matrix().transpose();
@@ -70,7 +73,9 @@ BowedDeviation BowedDeviationFrom(const Observation& observation,
   const ScanPlacement& placement = poses.motion.nodes()[1];
   const Eigen::Vector3d centroid_world = placement * observation.centroid().homogeneous();
   const Eigen::Vector3d tangent_world = placement.leftCols<2>() * observation.tangent();
-  const LandmarkView plane = surface.Near(centroid_world);
+  std::optional<LandmarkView> near;
+  const LandmarkView& plane =
+      surface.is_curved ? near.emplace(surface.Near(centroid_world)) : surface;
   const double level2 = tangent_world.head<2>().squaredNorm();
   const auto rows = observation.measurement.rows();
   const Eigen::Matrix3d to_segment = observation.measurement.frame().Matrix().transpose();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "core/consistency/sightings.h"
 #include "core/geometry/matrix_types.h"
@@ -40,7 +41,8 @@ void AddSegment(const Observation& observation,
                 Matrix6d* information) {
   const ScanPlacement placement = poses.motion.At(observation.middle_time_ns());
   const Eigen::Vector3d centre = placement * observation.centroid().homogeneous();
-  const LandmarkView plane = surface.Near(centre);
+  std::optional<LandmarkView> near;
+  const LandmarkView& plane = surface.is_curved ? near.emplace(surface.Near(centre)) : surface;
   const double cut = Cut(placement, plane);
   const Eigen::Vector3d along = placement.leftCols<2>() * observation.tangent();
   const Eigen::Vector3d lever = centre - poses.world_from_body.translation;

@@ -145,7 +145,9 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       const double information = 1.0 / (stddev_m * stddev_m);
       const Eigen::Vector3d centroid =
           poses.Of(observation).motion.nodes()[1] * observation.centroid().homogeneous();
-      const double along = planes[id].Near(centroid).normal.dot(direction);
+      const Eigen::Vector3d normal =
+          planes[id].is_curved ? planes[id].landmark->NormalNear(centroid) : planes[id].normal;
+      const double along = normal.dot(direction);
       a.information += along * along * information;
       a.usual_information += information / 3.0;
     }

@@ -199,7 +199,7 @@ bool MayBeStraight(const Landmark& landmark) {
 }  // namespace
 
 int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state) {
-  constexpr int kMaxSegments = 300;  // of a wall, spread over all that were seen
+  constexpr int kMaxSegments = 60;  // of a wall, spread over all that were seen
   std::vector<BendTest> tests;
   for (const Landmark& wall : state->landmarks) {
     tests.emplace_back(wall, options.surface_flatness_m, MaxRangeNoise(rig));
