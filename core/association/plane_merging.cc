@@ -70,43 +70,6 @@ struct Compared {
   }
 };
 
-}  // namespace
-
-std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
-                                                     const MapState& state,
-                                                     const MapperOptions& options,
-                                                     int since_scan) {
-  const double range_noise_m = MaxRangeNoise(rig);
-  std::vector<std::pair<int, int>> pairs;
-  std::vector<Compared> all;
-  std::vector<Compared> recent;
-  for (const Landmark& landmark : state.landmarks) {
-    if (landmark.num_segments == 0) continue;
-    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
-    if (all.back().is_recent) recent.push_back(all.back());
-  }
-  for (const Compared& newer_at : all) {
-    const Landmark& newer = *newer_at.landmark;
-    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
-      const Landmark& older = *older_at.landmark;
-      if (older.id >= newer.id) break;
-      if (!older_at.FacesLike(newer_at)) continue;
-      if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
-      const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
-      if (AreOnePlane(newer_is_smaller ? older : newer,
-                      newer_is_smaller ? newer : older,
-                      range_noise_m,
-                      options.association)) {
-        pairs.emplace_back(older.id, newer.id);
-        break;
-      }
-    }
-  }
-  return pairs;
-}
-
-namespace {
-
 // Whether two cylinders agree at both ends and in the middle of the smaller one, b.
 bool AreOneCylinder(const Landmark& a,
                     const Landmark& b,
@@ -134,30 +97,70 @@ bool AreOneCylinder(const Landmark& a,
   return a.extent.IsNear(b.extent, options.max_gap_m);
 }
 
-}  // namespace
-
-std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
-                                                        const MapState& state,
-                                                        const MapperOptions& options) {
-  const double range_noise_m = MaxRangeNoise(rig);
+// Pairs of landmarks of which the newer one was seen since a scan: (older, newer), each newer
+// one with its first match. may_be_one(a, b): quick; are_one(larger, smaller).
+template <typename MayBeOne, typename AreOne>
+std::vector<std::pair<int, int>> FindPairs(const MapState& state,
+                                           const MapperOptions& options,
+                                           int since_scan,
+                                           const MayBeOne& may_be_one,
+                                           const AreOne& are_one) {
   std::vector<std::pair<int, int>> pairs;
-  for (const Landmark& newer : state.landmarks) {
-    if (!newer.IsCurved() || newer.num_segments == 0) continue;
-    for (const Landmark& older : state.landmarks) {
+  std::vector<Compared> all;
+  std::vector<Compared> recent;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
+    if (all.back().is_recent) recent.push_back(all.back());
+  }
+  for (const Compared& newer_at : all) {
+    const Landmark& newer = *newer_at.landmark;
+    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
+      const Landmark& older = *older_at.landmark;
       if (older.id >= newer.id) break;
-      if (!older.IsCurved() || older.num_segments == 0) continue;
+      if (!may_be_one(older_at, newer_at)) continue;
       if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
       const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
-      if (AreOneCylinder(newer_is_smaller ? older : newer,
-                         newer_is_smaller ? newer : older,
-                         range_noise_m,
-                         options.association)) {
+      if (are_one(newer_is_smaller ? older : newer, newer_is_smaller ? newer : older)) {
         pairs.emplace_back(older.id, newer.id);
         break;
       }
     }
   }
   return pairs;
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
+                                                     const MapState& state,
+                                                     const MapperOptions& options,
+                                                     int since_scan) {
+  const double range_noise_m = MaxRangeNoise(rig);
+  return FindPairs(
+      state,
+      options,
+      since_scan,
+      [](const Compared& a, const Compared& b) { return a.FacesLike(b); },
+      [&](const Landmark& larger, const Landmark& smaller) {
+        return AreOnePlane(larger, smaller, range_noise_m, options.association);
+      });
+}
+
+std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
+                                                        const MapState& state,
+                                                        const MapperOptions& options) {
+  const double range_noise_m = MaxRangeNoise(rig);
+  return FindPairs(
+      state,
+      options,
+      0,
+      [](const Compared& a, const Compared& b) {
+        return a.landmark->IsCurved() && b.landmark->IsCurved();
+      },
+      [&](const Landmark& larger, const Landmark& smaller) {
+        return AreOneCylinder(larger, smaller, range_noise_m, options.association);
+      });
 }
 
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {

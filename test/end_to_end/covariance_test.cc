@@ -42,10 +42,10 @@ class CovarianceTest : public MappingTest {
     WriteRecording(Simulate(scenario));
     rig_ = ReadRig(Path("rig.yaml"));
     RecordingReader recording(Path("recording.bag"), rig_);
-    result_ = std::make_unique<MapResult>(std::move(
-        MapRecording(
-            rig_, options_, [](double) {}, &recording)
-            .front()));
+    result_ =
+        std::make_unique<MapResult>(std::move(MapRecording(
+                                                  rig_, options_, [](double) {}, &recording)
+                                                  .front()));
     MapState& state = result_->state;
     problem_ = std::make_unique<EstimationProblem>(
         rig_, result_->planar, &state.trajectory, &state.landmarks);

@@ -3,32 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
-#include <string>
 
 #include "core/result/result_reader.h"
 #include "simulation/evaluation/evaluation.h"
-#include "simulation/sensing/simulate_recording.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
 namespace {
 
-class SlopesTest : public MappingTest {
- protected:
-  Evaluation MapCase(const std::string& name, uint64_t seed) {
-    SimulateRecording(
-        std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/" + name + ".yaml",
-        seed,
-        directory_.string(),
-        [](double) {});
-    Map();
-    return Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});
-  }
-};
+class SlopesTest : public MappingTest {};
 
 TEST_F(SlopesTest, ARampBetweenTwoHallsIsMapped) {
-  const Evaluation evaluation = MapCase("halls_ramp", 5);
+  const Evaluation evaluation = RunCase("halls_ramp", 5);
   EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
   EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
   EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.2);
@@ -46,7 +32,7 @@ TEST_F(SlopesTest, ARampBetweenTwoHallsIsMapped) {
 
 // The level scanner sees the roof as it would see walls, from the first scan on.
 TEST_F(SlopesTest, AnAtticIsMapped) {
-  const Evaluation evaluation = MapCase("attic_35_deg", 6);
+  const Evaluation evaluation = RunCase("attic_35_deg", 6);
   EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
   EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
   EXPECT_EQ(evaluation.planes.num_wrong, 0);
@@ -54,7 +40,7 @@ TEST_F(SlopesTest, AnAtticIsMapped) {
 
 // A ramp of 1.4 degrees is taken for level, and the rig for turned while it is there.
 TEST_F(SlopesTest, AGentleRampIsDoubtful) {
-  MapCase("halls_gentle_ramp", 7);
+  RunCase("halls_gentle_ramp", 7);
   EXPECT_NE(summary_.consistency.verdict, Verdict::kConsistent);
 }
 

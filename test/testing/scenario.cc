@@ -161,6 +161,16 @@ Evaluation MappingTest::Run(const Scenario& scenario, uint64_t seed) {
   return EvaluateResult(recording);
 }
 
+Evaluation MappingTest::RunCase(const std::string& name, uint64_t seed) {
+  SimulateRecording(
+      std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/" + name + ".yaml",
+      seed,
+      directory_.string(),
+      [](double) {});
+  Map();
+  return Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});
+}
+
 std::string MappingTest::MapError() {
   const std::string message = ErrorOf([this] { Map(); });
   EXPECT_NE(message, "no error");

@@ -71,6 +71,9 @@ class MappingTest : public TemporaryDirectoryTest {
   // All of these at once, for scenarios without spoilt data.
   Evaluation Run(const Scenario& scenario, uint64_t seed = 1);
 
+  // A case of configs/experiments/robustness, simulated and mapped.
+  Evaluation RunCase(const std::string& name, uint64_t seed);
+
   // The message of the error that mapping ends with; fails unless it is one line and no file
   // is left in the result directory.
   std::string MapError();
