@@ -28,6 +28,9 @@ constexpr double kMaxMeanDeviation = 4.0;
 // plane that runs along a wall, as an upright one in a doorway, holds other surfaces'
 // segments: all of them would lie on the wall.
 constexpr double kMinCuttingSine = 0.1;
+// Of floors, ceilings and slopes: where two of them meet at a flat angle, a trace that grazes
+// both lies on either, and would tell the height to millimetres.
+constexpr double kMinCuttingSineOfSlopes = 0.2;
 
 // The centroid on the straight line between the ends, where they were measured.
 Eigen::Vector3d CentroidWorld(const Observation& observation,
@@ -47,7 +50,34 @@ double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
          pose_covariance.topLeftCorner<3, 3>().trace() * distance2;
 }
 
+double MinCuttingSine(const Landmark& landmark) {
+  const bool is_upright = landmark.model == PlaneModel::kVertical || landmark.IsCurved();
+  return is_upright ? kMinCuttingSine : kMinCuttingSineOfSlopes;
+}
+
 }  // namespace
+
+bool Grazes(const Observation& observation,
+            const ObservationPoses& poses,
+            const std::deque<Landmark>& landmarks,
+            double max_distance_m) {
+  const Eigen::Vector3d scan_normal =
+      poses.world_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d start =
+      poses.motion.ToWorld(observation.start(), observation.start_time_ns());
+  const Eigen::Vector3d end =
+      poses.motion.ToWorld(observation.end(), observation.end_time_ns());
+  return std::any_of(landmarks.begin(), landmarks.end(), [&](const Landmark& landmark) {
+    if (landmark.model == PlaneModel::kVertical || landmark.IsCurved() ||
+        landmark.num_segments == 0) {
+      return false;
+    }
+    const double min_sine = MinCuttingSine(landmark);
+    return scan_normal.cross(landmark.Normal()).squaredNorm() < min_sine * min_sine &&
+           std::abs(landmark.SignedDistance(start)) < max_distance_m &&
+           std::abs(landmark.SignedDistance(end)) < max_distance_m;
+  });
+}
 
 bool IsWithinGap(const Landmark& landmark, int scan_index, const LoopClosureOptions& options) {
   return options.enabled || (scan_index - landmark.last_scan <= options.max_gap_scans &&
@@ -188,9 +218,8 @@ void VisitHypotheses(const Observation& observation,
     std::optional<LandmarkView> near;
     if (view.is_curved) near = view.Near(centroid_world);
     const LandmarkView& plane = near ? *near : view;
-    if (scan_normal.cross(plane.normal).squaredNorm() < kMinCuttingSine * kMinCuttingSine) {
-      continue;
-    }
+    const double min_sine = MinCuttingSine(*view.landmark);
+    if (scan_normal.cross(plane.normal).squaredNorm() < min_sine * min_sine) continue;
     // Cheap first: a distance that no covariance can explain.
     const double offset = view.SignedDistance(centroid_world);
     const double max_variance = own_variance + plane.DistanceVariance(centroid_world);

@@ -101,6 +101,14 @@ std::vector<LandmarkView> ViewsWithin(const Reach& reach, const LandmarksWithinG
 // The covariance that the unevenness of real surfaces adds to a LineDeviation of this length.
 Eigen::Matrix2d FlatnessCovariance(double length_m, double flatness_m);
 
+// Whether the observation runs along a known floor, ceiling or slope that its scan plane hardly
+// cuts: within max_distance_m of it at both ends. Such a trace tells nothing, and looks like a
+// wall's.
+bool Grazes(const Observation& observation,
+            const ObservationPoses& poses,
+            const std::deque<Landmark>& landmarks,
+            double max_distance_m);
+
 // A landmark that an observation may lie on.
 struct Hypothesis {
   int id = -1;

@@ -33,6 +33,10 @@ namespace {
 // From scan to scan the rig's position is known to this even while nothing determines it.
 constexpr double kMaxRelativeStddev = 0.05;  // m
 
+// Traces so near to a slope that their scan plane grazes found no wall: sloped planes are known
+// to this at their far ends.
+constexpr double kOnGrazed = 0.15;  // m
+
 // A direction that no normal comes nearer to than a right angle less 20 degrees is open.
 constexpr double kMinHeldSine = 0.34;
 
@@ -417,7 +421,8 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
     if (observation.landmark_id >= 0) {
       Judge(observation);
       Accept(index, true);
-    } else if (observation.num_points > 0) {  // has beams left
+    } else if (observation.num_points > 0 &&  // has beams left
+               !Grazes(observation, poses_->Of(observation), state_->landmarks, kOnGrazed)) {
       tentative_planes_.Offer(observation,
                               index,
                               poses_->Of(observation),

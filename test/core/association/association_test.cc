@@ -301,5 +301,57 @@ TEST_F(AssociationTest, TakesTheMostProbable) {
   EXPECT_EQ(Find(), 1);
 }
 
+// A scanner that nods looks along a ceiling, which it cuts in a line before it.
+class GrazedCeilingTest : public AssociationTest {
+ protected:
+  // How the ceiling is seen by a scan plane pitched by so much.
+  void Look(double pitch_deg) {
+    const double pitch = pitch_deg * M_PI / 180.0;
+    Rigid3d world_from_body;
+    world_from_body.rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()));
+    trajectory_ = Trajectory(kStart, 1'000'000'000, world_from_body);
+    const ScenePlane ceiling = {-Eigen::Vector3d::UnitZ(), -1.0};
+    std::mt19937_64 random(1);
+    const ScanLine line = TakeScanLine(
+        {ceiling},
+        scanner_,
+        0,
+        kStart,
+        [&](int64_t) { return world_from_body; },
+        0.0,
+        &random);
+    observation_ = ObservePlane(line, scanner_, world_from_body, ceiling, 0, 90);
+    Landmark landmark = MakeHorizontalLandmark(-1.0, {0.0, 0.0, 1.0});
+    landmark.id = 0;
+    landmark.num_segments = 1;
+    for (double y = 1.0; y < 12.0; y += 0.5) {
+      landmark.extent.AddSegment({-3.0, y, 1.0}, {3.0, y, 1.0});
+    }
+    landmarks_ = {landmark};
+  }
+
+  bool IsGrazed() const {
+    return Grazes(observation_,
+                  ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
+                  landmarks_,
+                  0.15);
+  }
+};
+
+TEST_F(GrazedCeilingTest, HoldsNoPoseAndFoundsNoWall) {
+  Look(8.0);
+  EXPECT_EQ(Find(), -1);
+  EXPECT_TRUE(IsGrazed());
+  landmarks_.front().parameters[0] += 0.2;  // another one lies there
+  EXPECT_FALSE(IsGrazed());
+}
+
+TEST_F(GrazedCeilingTest, IsACeilingToATiltedScanner) {
+  Look(30.0);
+  EXPECT_EQ(Find(), 0);
+  EXPECT_FALSE(IsGrazed());
+}
+
 }  // namespace
 }  // namespace plumbline
