@@ -3,10 +3,13 @@
 #include <gflags/gflags.h>
 
 #include <cstdio>
+#include <string>
 
 #include "apps/app.h"
 #include "apps/progress.h"
 #include "core/mapping/map_job.h"
+#include "core/result/closing_table.h"
+#include "core/result/result_reader.h"
 
 // jemalloc reads this: it keeps free memory (but see core/util/free_memory.h), in huge pages.
 extern "C" {
@@ -44,14 +47,12 @@ namespace {
 constexpr int kContradictoryMap = 3;
 
 void Print(const plumbline::Summary& summary) {
-  std::printf(
-      "%d scans, %d planes, residual RMS %.1f mm, %.1f s at %.1f times real time, %s\n",
-      summary.scans,
-      summary.planes,
-      1e3 * summary.residual_rms_m,
-      summary.duration_s,
-      summary.real_time_factor,
-      plumbline::VerdictName(summary.consistency.verdict).c_str());
+  const std::string table =
+      plumbline::ClosingTable(summary,
+                              plumbline::ReadPlanes(FLAGS_output + "/planes.json"),
+                              plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
+                              FLAGS_output);
+  std::fputs(table.c_str(), stdout);
 }
 
 // Says of a map that must not be trusted that it must not.

@@ -1,0 +1,116 @@
+#include "core/result/closing_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "core/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+// printf to the end of a text.
+template <typename... Values>
+void Append(std::string* text, const char* format, Values... values) {
+  char line[300];
+  std::snprintf(line, sizeof(line), format, values...);
+  *text += line;
+}
+
+void AppendRow(std::string* text,
+               const char* what,
+               const std::string& value,
+               const char* unit,
+               const std::string& deviation) {
+  std::string row;
+  Append(&row, "  %-24s %10s %-4s %s", what, value.c_str(), unit, deviation.c_str());
+  *text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
+}
+
+std::string Number(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", digits, value);
+  return text;
+}
+
+// Median and largest of the standard deviations that are stated.
+std::string Deviations(std::vector<double> sigmas, const char* unit) {
+  sigmas.erase(std::remove_if(
+                   sigmas.begin(), sigmas.end(), [](double sigma) { return !(sigma > 0.0); }),
+               sigmas.end());
+  if (sigmas.empty()) return "not stated";
+  std::sort(sigmas.begin(), sigmas.end());
+  std::string text;
+  Append(&text,
+         "%.3g %s median, %.3g %s worst",
+         sigmas[sigmas.size() / 2],
+         unit,
+         sigmas.back(),
+         unit);
+  return text;
+}
+
+double Length(const std::vector<StampedPose>& trajectory) {
+  double length_m = 0.0;
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    length_m += (trajectory[i].world_from_body.translation -
+                 trajectory[i - 1].world_from_body.translation)
+                    .norm();
+  }
+  return length_m;
+}
+
+std::string Kinds(const std::vector<PlanePatch>& planes) {
+  std::map<PlaneType, int> numbers;
+  for (const PlanePatch& plane : planes) ++numbers[plane.type];
+  std::string text;
+  for (const auto& [type, number] : numbers) {
+    Append(&text, "%s%d %s", text.empty() ? "" : ", ", number, PlaneTypeName(type).c_str());
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ClosingTable(const Summary& summary,
+                         const std::vector<PlanePatch>& planes,
+                         const std::vector<StampedPose>& trajectory,
+                         const std::string& directory) {
+  std::string text;
+  AppendRow(&text, "what", "value", "unit", "stated standard deviation");
+  AppendRow(&text,
+            "recording",
+            Number(summary.duration_s, 1),
+            "s",
+            "mapped at " + Number(summary.real_time_factor, 1) + " times real time");
+  AppendRow(&text, "the rig's way", Number(Length(trajectory), 1), "m", "");
+  AppendRow(&text, "surfaces", std::to_string(planes.size()), "", Kinds(planes));
+  std::vector<double> distances_mm;
+  std::vector<double> angles_deg;
+  std::vector<double> radii_mm;
+  for (const PlanePatch& plane : planes) {
+    distances_mm.push_back(1e3 * plane.sigma_distance_m);
+    angles_deg.push_back(plane.sigma_angle_rad * kDegreesPerRadian);
+    if (plane.IsCurved()) radii_mm.push_back(1e3 * plane.sigma_radius_m);
+  }
+  AppendRow(&text, "  along their normals", "", "", Deviations(distances_mm, "mm"));
+  AppendRow(&text, "  of their normals", "", "", Deviations(angles_deg, "deg"));
+  if (!radii_mm.empty()) AppendRow(&text, "  radii", "", "", Deviations(radii_mm, "mm"));
+  AppendRow(&text, "residuals, RMS", Number(1e3 * summary.residual_rms_m, 1), "mm", "");
+  if (summary.parts.size() > 1) {
+    AppendRow(&text, "parts", std::to_string(summary.parts.size()), "", "this is the longest");
+  }
+  Append(&text, "Verdict: %s", VerdictName(summary.consistency.verdict).c_str());
+  if (!summary.warnings.empty()) {
+    Append(&text, ", %zu warnings (summary.json)", summary.warnings.size());
+  }
+  Append(
+      &text,
+      "\nWritten to %s: map.ply and map.pcd (points), planes.ply and planes.json (surfaces), "
+      "trajectory.tum, summary.json\n",
+      directory.c_str());
+  return text;
+}
+
+}  // namespace plumbline

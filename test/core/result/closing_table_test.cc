@@ -1,0 +1,52 @@
+#include "core/result/closing_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(ClosingTableTest, StatesFiguresVerdictAndFiles) {
+  Summary summary;
+  summary.duration_s = 47.73;
+  summary.real_time_factor = 13.42;
+  summary.residual_rms_m = 0.0221;
+  summary.consistency.verdict = Verdict::kDoubtful;
+  summary.warnings = {"a", "b"};
+  std::vector<PlanePatch> planes(3);
+  planes[0].type = PlaneType::kHorizontal;
+  planes[0].sigma_distance_m = 0.001;
+  planes[1].sigma_distance_m = 0.004;
+  planes[1].sigma_angle_rad = 0.02 * 3.14159265358979 / 180.0;
+  planes[2].type = PlaneType::kCylinder;
+  planes[2].curvature = -0.25;
+  planes[2].sigma_distance_m = 0.002;
+  planes[2].sigma_radius_m = 0.005;
+  std::vector<StampedPose> trajectory(3);
+  trajectory[1].world_from_body.translation.x() = 3.0;
+  trajectory[2].world_from_body.translation = {3.0, 4.0, 0.0};
+  const std::string text = ClosingTable(summary, planes, trajectory, "out/map");
+  EXPECT_THAT(text, HasSubstr("47.7 s"));
+  EXPECT_THAT(text, HasSubstr("13.4 times real time"));
+  EXPECT_THAT(text, HasSubstr("7.0 m"));
+  EXPECT_THAT(text, HasSubstr("1 horizontal, 1 vertical, 1 cylinder"));
+  EXPECT_THAT(text, HasSubstr("2 mm median, 4 mm worst"));
+  EXPECT_THAT(text, HasSubstr("0.02 deg median"));
+  EXPECT_THAT(text, HasSubstr("radii"));
+  EXPECT_THAT(text, HasSubstr("Verdict: doubtful, 2 warnings"));
+  EXPECT_THAT(text, HasSubstr("Written to out/map: map.ply"));
+  EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(ClosingTableTest, SaysWhereNothingIsStated) {
+  const std::string text = ClosingTable({}, {}, {}, "out");
+  EXPECT_THAT(text, HasSubstr("not stated"));
+  EXPECT_THAT(text, Not(HasSubstr("radii")));
+  EXPECT_THAT(text, Not(HasSubstr("warnings")));
+}
+
+}  // namespace
+}  // namespace plumbline
