@@ -97,13 +97,22 @@ def read_ply_vertices(path):
     return vertices
 
 
+def rim(plane):
+    """A cylinder from above: the corners of its rim, (N, 2)."""
+    return np.array(plane["outline"])[:len(plane["outline"]) // 2, :2]
+
+
 def wall_traces(planes):
-    """The vertical planes from above, as (N, 2, 2) end points."""
+    """The vertical planes from above, as (N, 2, 2) end points; cylinders piece by piece."""
     traces = []
     for plane in planes:
         normal = np.array(plane["normal"])
         outline = np.array(plane["outline"])
         if abs(normal[2]) > 0.3 or len(outline) == 0:
+            continue
+        if plane.get("type") == "cylinder":
+            corners = rim(plane)
+            traces.extend(np.stack([corners[:-1], corners[1:]], axis=1))
             continue
         along = np.array([-normal[1], normal[0]]) / np.hypot(normal[0], normal[1])
         steps = outline[:, :2] @ along
@@ -111,10 +120,35 @@ def wall_traces(planes):
     return np.array(traces).reshape(-1, 2, 2)
 
 
+def seen_pieces(cylinder, vertices):
+    """The pieces of a cylinder's rim that points lie on, as (N, 2, 2) end points."""
+    pieces = wall_traces([cylinder])
+    on_cylinder = vertices[vertices["plane_id"] == cylinder["id"]]
+    axis = np.array(cylinder["axis_point"][:2])
+
+    def angles(points):
+        first = pieces[0, 0] - axis
+        from_axis = points - axis
+        across = first[0] * from_axis[:, 1] - first[1] * from_axis[:, 0]
+        return np.arctan2(across, from_axis @ first)
+
+    if len(pieces) == 0 or len(on_cylinder) == 0:
+        return np.zeros((0, 2, 2))
+    middles = angles(pieces.mean(axis=1))
+    points = angles(np.column_stack([on_cylinder["x"], on_cylinder["y"]]))
+    order = np.argsort(middles)
+    at = np.clip(np.searchsorted(middles[order], points), 0, len(order) - 1)
+    counts = np.bincount(order[at], minlength=len(pieces))
+    return pieces[counts > 0]
+
+
 def seen_parts(planes, vertices):
     """The vertical planes from above, only where points lie on them: doors and gaps stay open."""
     parts = []
     for plane in planes:
+        if plane.get("type") == "cylinder":
+            parts.extend(seen_pieces(plane, vertices))
+            continue
         for start, end in wall_traces([plane]):
             on_plane = vertices[vertices["plane_id"] == plane["id"]]
             length = np.hypot(*(end - start))
@@ -206,6 +240,7 @@ def draw(arguments):
     path = read_trajectory(os.path.join(arguments.result, "trajectory.tum"))
     vertices = read_ply_vertices(os.path.join(arguments.result, "map.ply"))
     traces = wall_traces(planes)
+    num_walls = sum(len(wall_traces([plane])) > 0 for plane in planes)
     walls = seen_parts(planes, vertices) if "plane_id" in vertices.dtype.names else traces
 
     extent = np.vstack([traces.reshape(-1, 2), path[:, :2]])
@@ -237,7 +272,7 @@ def draw(arguments):
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    axes.set_title(make_title(summary, evaluation, len(traces)), fontsize=9, loc="left")
+    axes.set_title(make_title(summary, evaluation, num_walls), fontsize=9, loc="left")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=5.0, ncol=6,
                 frameon=False, fontsize=8)
     partial = arguments.output + ".partial"

@@ -2,6 +2,7 @@
 """Tests scripts/figures/floor_plan.py on a small result made here."""
 
 import json
+import math
 import os
 import pathlib
 import struct
@@ -10,7 +11,12 @@ import sys
 import tempfile
 import unittest
 
+import numpy
+
 SCRIPT = str(pathlib.Path(__file__).resolve().parents[3] / "scripts" / "figures" / "floor_plan.py")
+sys.path.insert(0, os.path.dirname(SCRIPT))
+import floor_plan  # pylint: disable=wrong-import-position
+
 PLY_HEADER = ("ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\n"
               "property float y\nproperty float z\nproperty double time\n"
               "property uchar scanner\nend_header\n")
@@ -68,6 +74,28 @@ class FloorPlanTest(unittest.TestCase):
                 pictures.append(file.read())
         self.assertTrue(pictures[0].startswith(b"\x89PNG"))
         self.assertEqual(pictures[0], pictures[1])
+
+    def test_draws_cylinders_along_their_arcs(self):
+        steps = [math.pi * i / 20 for i in range(21)]
+        rim = [[2 * math.cos(angle), 2 * math.sin(angle)] for angle in steps]
+        column = {"id": 3, "type": "cylinder", "normal": [0, 1, 0], "centre": [0, 2, 1],
+                  "axis_point": [0, 0, 1], "radius": 2, "num_points": 2,
+                  "outline": [p + [0] for p in rim] + [p + [2] for p in rim[::-1]]}
+        traces = floor_plan.wall_traces([column])
+        self.assertEqual(len(traces), 20)
+        for trace in traces:
+            for end in trace:
+                self.assertAlmostEqual(math.hypot(*end), 2.0)
+        # Points at 40 and 100 degrees, each on one piece of nine degrees.
+        points = numpy.zeros(2, [("x", float), ("y", float), ("plane_id", int)])
+        points["x"] = [2 * math.cos(math.radians(angle)) for angle in (40, 100)]
+        points["y"] = [2 * math.sin(math.radians(angle)) for angle in (40, 100)]
+        points["plane_id"] = 3
+        pieces = floor_plan.seen_parts([column], points)
+        self.assertEqual(len(pieces), 2)
+        self.write("planes.json", json.dumps([column]))
+        result = self.run_script()
+        self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_draws_without_truth_and_without_walls(self):
         os.remove(self.path("evaluation.json"))
