@@ -42,12 +42,19 @@ void Update(const LineDeviation& deviation, const Eigen::Matrix2d& noise, Landma
   landmark->covariance.topLeftCorner(size, size) = covariance;
 }
 
-// Makes a wall whose segments show that it bends a cylinder.
-void BendWhereShown(TentativePlane* plane) {
+// Makes a wall whose segments show that it bends a cylinder. While something moves, it waits
+// for some age: what a leaf that swings has smeared looks bent. Returns whether the tentative
+// plane may become a landmark.
+bool BendWhereShown(bool needs_age, const PlaneOptions& options, TentativePlane* plane) {
   std::optional<Landmark> cylinder = plane->bend.Solve();
-  if (!cylinder) return;
+  if (!cylinder) return true;
+  if (needs_age && SecondsBetween(plane->first_time_ns, plane->last_time_ns) <=
+                       options.min_age_of_small_s) {
+    return false;
+  }
   cylinder->extent.Merge(plane->landmark.extent);
   plane->landmark = std::move(*cylinder);
+  return true;
 }
 
 void Record(const Observation& observation,
@@ -236,8 +243,8 @@ std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,
     if (is_ready && it->landmark.model == PlaneModel::kVertical &&
         undecided_.AreOnNoWall(it->observations, min_scans)) {
       it = planes_.erase(it);
-    } else if (is_ready) {
-      if (it->landmark.model == PlaneModel::kVertical) BendWhereShown(&*it);
+    } else if (is_ready && (it->landmark.model != PlaneModel::kVertical ||
+                            BendWhereShown(needs_age, options_.planes, &*it))) {
       ready.push_back(std::move(*it));
       it = planes_.erase(it);
     } else {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/cell_grid.h"
-#include "core/map/plane_axes.h"
+#include "core/geometry/plane_axes.h"
 
 namespace plumbline {
 

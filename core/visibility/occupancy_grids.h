@@ -8,7 +8,7 @@
 #include "core/geometry/cell_grid.h"
 #include "core/geometry/scan_plane_motion.h"
 #include "core/map/landmark.h"
-#include "core/map/plane_axes.h"
+#include "core/geometry/plane_axes.h"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/geometry/angles.h"
-#include "core/map/plane_axes.h"
+#include "core/geometry/plane_axes.h"
 
 namespace plumbline {
 namespace {
