@@ -169,9 +169,14 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const Eigen::Vector3d tangent_world =
       world_from_scanner.rotation * Eigen::Vector3d(tangent.x(), tangent.y(), 0.0);
   const double level2 = tangent_world.head<2>().squaredNorm();
-  residual += weights.scale * landmark.Curvature() * level2 * rows.col(10);
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> bow =
+      weights.scale * level2 * rows.col(10);
+  residual += landmark.Curvature() * bow;
   basis.product = root.transpose() * root;
   basis.score = root.transpose() * residual;
+  if (landmark.IsCurved()) {
+    basis.plane_load.row(Cylinder::kCurvatureAt) = bow.transpose() * root;
+  }
   const Eigen::Matrix<double, 4, 3> by_parameters =
       landmark.IsCurved() ? landmark.PlaneByParameters(centroid_world)
                           : surfaces_[static_cast<size_t>(landmark.id)].by_parameters;

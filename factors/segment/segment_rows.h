@@ -109,8 +109,9 @@ void AddBend(const PackedSegment& measurement,
   rows->jacobian.conservativeResize(last + 1, Eigen::NoChange);
   rows->residuals[last] = by.offset * measurement.bend_offset();
   rows->jacobian.row(last).setZero();
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, SegmentRows<kPlaneSize>::kMaxRows, 1> bow(last +
-                                                                                        1);
+  using Column =
+      Eigen::Matrix<double, Eigen::Dynamic, 1, 0, SegmentRows<kPlaneSize>::kMaxRows, 1>;
+  Column bow(last + 1);
   bow << stored.col(10).template cast<double>(), measurement.bend_rest();
   bow *= by.scale * level2;
   rows->residuals += curvature * bow;
@@ -124,7 +125,8 @@ void AddBend(const PackedSegment& measurement,
 // the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
 // rotation's cross product with it.
 //
-// plane_at(point): the plane that the surface is at each node near the segment's centroid.
+// plane_at(body's position, segment's frame): the plane that the surface is near the segment's
+// centroid at a node.
 template <int kPlaneSize, typename PlaneAt>
 void DifferentiateNear(const PlaneAt& plane_at,
                        const PackedSegment& measurement,
@@ -162,6 +164,7 @@ void DifferentiateNear(const PlaneAt& plane_at,
   rows->residuals += by.offset * stored.col(9).template cast<double>();
 }
 
+// model, parameters: of the surface; plane: its derivatives, where it is one.
 template <typename Model, int kPlaneSize>
 void Differentiate(const Model& model,
                    const PackedSegment& measurement,
