@@ -2,14 +2,12 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "core/association/bend_test.h"
-#include "core/association/line_deviation.h"
 #include "core/geometry/angles.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"

@@ -126,6 +126,42 @@ void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
   }
 }
 
+ErrorPatterns::NearSurface ErrorPatterns::SurfaceNear(const Landmark& landmark,
+                                                      const Eigen::Vector3d& p_world) const {
+  return {landmark.PlaneNear(p_world),
+          landmark.IsCurved() ? landmark.PlaneByParameters(p_world)
+                              : surfaces_[static_cast<size_t>(landmark.id)].by_parameters,
+          landmark.Curvature()};
+}
+
+void ErrorPatterns::AddLoads(const Nodes& nodes,
+                             int k,
+                             const Eigen::Matrix3d& by_node,
+                             const Eigen::Matrix3d& axes,
+                             const Eigen::Vector2d& centroid,
+                             const NearSurface& surface,
+                             Basis* basis) const {
+  const Eigen::Vector3d normal = surface.plane.head<3>();
+  const Eigen::Vector3d to_centroid = axes * centroid.homogeneous();
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d lever = axes * by_node.col(j);
+    const double distance = by_node(2, j);
+    // Moved along an arc, the segment meets another normal.
+    Eigen::Vector3d bend = surface.curvature * (lever - distance * to_centroid);
+    bend.z() = 0.0;
+    AddPoseLoad(nodes,
+                k,
+                lever.cross(normal) + to_centroid.cross(bend),
+                distance * normal + bend,
+                nodes.at[0].first,
+                basis->pose_load.col(j));
+    const Eigen::Vector3d arm =
+        lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
+    basis->plane_load.col(j) += surface.by_parameters.topRows<3>().transpose() * arm -
+                                distance * surface.by_parameters.row(3).transpose();
+  }
+}
+
 ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
                                             const Nodes& nodes) const {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
@@ -135,8 +171,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const Eigen::Vector2d centroid = observation.centroid();
   const Eigen::Vector3d centroid_world =
       world_from_scanner * Eigen::Vector3d(centroid.x(), centroid.y(), 0.0);
-  const Eigen::Vector4d plane = landmark.PlaneNear(centroid_world);
-  const Eigen::Vector3d normal = plane.head<3>();
+  const NearSurface surface = SurfaceNear(landmark, centroid_world);
+  const Eigen::Vector3d normal = surface.plane.head<3>();
   const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
   const PackedSegment& segment = observation.measurement;
   const SegmentMeasurement::Rows rows = segment.rows().cast<double>();
@@ -161,7 +197,7 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
     Eigen::Matrix3d& axis = axes[static_cast<size_t>(k)];
     axis << rotation.leftCols<2>(), world_from_body.rotation * body_from_scanner.translation;
     Eigen::Vector3d g = axis.transpose() * normal;
-    g.z() += normal.dot(world_from_body.translation) - plane[3];
+    g.z() += normal.dot(world_from_body.translation) - surface.plane[3];
     residual += weights.scale * rows.middleCols<3>(3 * k) * (frame.transpose() * g);
     root += weights.scale * rows.middleCols<3>(3 * k);
   }
@@ -171,38 +207,16 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   const double level2 = tangent_world.head<2>().squaredNorm();
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> bow =
       weights.scale * level2 * rows.col(10);
-  residual += landmark.Curvature() * bow;
+  residual += surface.curvature * bow;
   basis.product = root.transpose() * root;
   basis.score = root.transpose() * residual;
   if (landmark.IsCurved()) {
     basis.plane_load.row(Cylinder::kCurvatureAt) = bow.transpose() * root;
   }
-  const Eigen::Matrix<double, 4, 3> by_parameters =
-      landmark.IsCurved() ? landmark.PlaneByParameters(centroid_world)
-                          : surfaces_[static_cast<size_t>(landmark.id)].by_parameters;
   for (int k = 0; k < num_nodes; ++k) {
-    // d(residuals) / d(g of the node), transposed, times each of the three patterns.
     const Eigen::Matrix3d by_node =
         frame * (weights.scale * rows.middleCols<3>(3 * k).transpose() * root);
-    for (int j = 0; j < 3; ++j) {
-      const Eigen::Vector3d lever = axes[static_cast<size_t>(k)] * by_node.col(j);
-      const double distance = by_node(2, j);
-      // Moved along an arc, the segment meets another normal.
-      const Eigen::Vector3d to_centroid =
-          axes[static_cast<size_t>(k)] * Eigen::Vector3d(centroid.x(), centroid.y(), 1.0);
-      Eigen::Vector3d bend = landmark.Curvature() * (lever - distance * to_centroid);
-      bend.z() = 0.0;
-      AddPoseLoad(nodes,
-                  k,
-                  lever.cross(normal) + to_centroid.cross(bend),
-                  distance * normal + bend,
-                  first,
-                  basis.pose_load.col(j));
-      const Eigen::Vector3d arm =
-          lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
-      basis.plane_load.col(j) += by_parameters.topRows<3>().transpose() * arm -
-                                 distance * by_parameters.row(3).transpose();
-    }
+    AddLoads(nodes, k, by_node, axes[static_cast<size_t>(k)], centroid, surface, &basis);
   }
   return basis;
 }

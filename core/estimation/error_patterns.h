@@ -107,13 +107,30 @@ class ErrorPatterns {
     Eigen::Matrix<double, 3, 2> axes;
   };
 
+  // A surface as it is near an observation.
+  struct NearSurface {
+    Eigen::Vector4d plane;  // normal and distance
+    Eigen::Matrix<double, 4, 3> by_parameters;
+    double curvature;
+  };
+
   bool Has(const Observation& observation) const;
+  NearSurface SurfaceNear(const Landmark& landmark, const Eigen::Vector3d& p_world) const;
   int num_probes() const {
     return static_cast<int>(coefficients_.cols()) - num_scanner_patterns_;
   }
   void Resize(int num_probes);
   const Nodes& NodesOf(const std::array<int64_t, 3>& times_ns);
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
+  // Adds what the three patterns do at a node. by_node: d(residuals) / d(g of the node),
+  // transposed, times each of them; axes: of the scan plane and its origin's lever, world.
+  void AddLoads(const Nodes& nodes,
+                int k,
+                const Eigen::Matrix3d& by_node,
+                const Eigen::Matrix3d& axes,
+                const Eigen::Vector2d& centroid,
+                const NearSurface& surface,
+                Basis* basis) const;
   void AddPoseLoad(const Nodes& nodes,
                    int k,
                    const Eigen::Vector3d& turn,

@@ -108,15 +108,19 @@ class SegmentCost final : public ceres::CostFunction {
 
   void EvaluateResiduals(const Blocks& blocks, double* residuals) const {
     double normal[3], distance, point[3];
+    if constexpr (!Plane::kIsCurved) plane_.Evaluate(blocks.plane, normal, &distance);
     const double no_tangent[3] = {0.0, 0.0, 0.0};
     Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
     for (int k = 0; k < num_nodes_; ++k) {
       const SplinePose pose = Pose(blocks, k, nullptr);
       const Eigen::Matrix3d world_from_body = pose.world_from_body.toRotationMatrix();
-      double axes[3][3];
-      ScannerAxes(blocks, axes);
-      Centroid<double, double>(world_from_body, no_tangent, pose.position.data(), axes, point);
-      EvaluateNear(plane_, blocks.plane, point, normal, &distance);
+      if constexpr (Plane::kIsCurved) {
+        double axes[3][3];
+        ScannerAxes(blocks, axes);
+        Centroid<double, double>(
+            world_from_body, no_tangent, pose.position.data(), axes, point);
+        plane_.EvaluateAt(blocks.plane, point, normal, &distance);
+      }
       NodeGeometry<double, double>(world_from_body,
                                    no_tangent,
                                    pose.position.data(),
@@ -150,6 +154,7 @@ class SegmentCost final : public ceres::CostFunction {
       tangent[i] = T(0.0, i);
       opposite_tangent[i] = -tangent[i];
     }
+    if constexpr (!Plane::kIsCurved) plane_.Evaluate(plane_params, normal, &distance);
     E axes[3][3];  // x, y axis and origin of the scanner
     ScannerAxes(blocks, axes);
 
@@ -161,8 +166,10 @@ class SegmentCost final : public ceres::CostFunction {
       const SplinePose pose = Pose(blocks, k, &splines[k]);
       const Eigen::Matrix3d world_from_body = pose.world_from_body.toRotationMatrix();
       for (int i = 0; i < 3; ++i) position[i] = T(pose.position[i], 3 + i);
-      Centroid<T, E>(world_from_body, tangent, position, axes, point);
-      EvaluateNear(plane_, plane_params, point, normal, &distance);
+      if constexpr (Plane::kIsCurved) {
+        Centroid<T, E>(world_from_body, tangent, position, axes, point);
+        plane_.EvaluateAt(plane_params, point, normal, &distance);
+      }
       NodeGeometry<T, E>(world_from_body,
                          opposite_tangent,
                          position,
@@ -195,23 +202,20 @@ class SegmentCost final : public ceres::CostFunction {
     AddBow(blocks, residuals, jacobians[first + 2]);
   }
 
-  // The segment's centroid in the world, where the surface bends; else it is not needed.
-  // tangent: turns the body.
+  // The segment's centroid in the world. tangent: turns the body.
   template <typename T, typename E>
   void Centroid(const Eigen::Matrix3d& world_from_body,
                 const T tangent[3],
                 const T position[3],
                 const E axes[3][3],
                 T point[3]) const {
-    if constexpr (Plane::kIsCurved) {
-      E in_body[3], from_body[3];
-      for (int i = 0; i < 3; ++i) {
-        in_body[i] = centroid_.x() * axes[0][i] + centroid_.y() * axes[1][i] + axes[2][i];
-      }
-      for (int i = 0; i < 3; ++i) from_body[i] = Dot(in_body, world_from_body.row(i));
-      TurnSlightly(tangent, from_body, point);
-      for (int i = 0; i < 3; ++i) point[i] += position[i];
+    E in_body[3], from_body[3];
+    for (int i = 0; i < 3; ++i) {
+      in_body[i] = centroid_.x() * axes[0][i] + centroid_.y() * axes[1][i] + axes[2][i];
     }
+    for (int i = 0; i < 3; ++i) from_body[i] = Dot(in_body, world_from_body.row(i));
+    TurnSlightly(tangent, from_body, point);
+    for (int i = 0; i < 3; ++i) point[i] += position[i];
   }
 
   // The bow of the segment itself, where the surface bends (SegmentMeasurement). That it

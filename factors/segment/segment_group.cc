@@ -46,26 +46,11 @@ ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& po
   return nodes;
 }
 
+// Of a plane, wherever it is seen.
 PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* parameters) {
-  PlaneDerivatives derivatives;
-  derivatives.normal_by_plane.setZero();
-  derivatives.distance_by_plane.setZero();
-  VisitPlaneModel(plane.model, plane.chart, [&](const auto& model) {
-    constexpr int kSize = std::decay_t<decltype(model)>::kSize;
-    using T = ceres::Jet<double, kSize>;
-    T jets[kSize];
-    for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[i], i);
-    T normal[3];
-    T distance;
-    model.Evaluate(jets, normal, &distance);
-    for (int i = 0; i < 3; ++i) {
-      derivatives.normal[i] = normal[i].a;
-      derivatives.normal_by_plane.template block<1, kSize>(i, 0) = normal[i].v.transpose();
-    }
-    derivatives.distance = distance.a;
-    derivatives.distance_by_plane.template head<kSize>() = distance.v.transpose();
+  return VisitPlaneModel(plane.model, plane.chart, [&](const auto& model) {
+    return DerivativesNear(model, parameters, plane.chart.anchor);
   });
-  return derivatives;
 }
 
 // Weighs the rows by Huber's loss of their norm; returns the cost.

@@ -41,29 +41,27 @@ struct PlaneDerivatives {
   Eigen::Matrix<double, 1, kMaxSurfaceSize> distance_by_plane;
 };
 
-// A cylinder about a point, with the derivatives: what changes from segment to segment.
-struct CylinderDerivatives {
-  double curvature;
-  PlaneDerivatives near;
-};
-
-inline CylinderDerivatives DerivativesAt(const Cylinder& cylinder,
-                                         const double* parameters,
-                                         const Eigen::Vector3d& point) {
-  using T = ceres::Jet<double, Cylinder::kSize>;
-  T jets[Cylinder::kSize];
-  for (int i = 0; i < Cylinder::kSize; ++i) jets[i] = T(parameters[i], i);
+// The plane that a surface is near a point.
+template <typename Model>
+PlaneDerivatives DerivativesNear(const Model& model,
+                                 const double* parameters,
+                                 const Eigen::Vector3d& point) {
+  constexpr int kSize = Model::kSize;
+  using T = ceres::Jet<double, kSize>;
+  T jets[kSize];
+  for (int i = 0; i < kSize; ++i) jets[i] = T(parameters[i], i);
   T normal[3];
   T distance;
-  cylinder.EvaluateAt(jets, point.data(), normal, &distance);
-  CylinderDerivatives derivatives;
-  derivatives.curvature = parameters[Cylinder::kCurvatureAt];
+  EvaluateNear(model, jets, point.data(), normal, &distance);
+  PlaneDerivatives derivatives;
+  derivatives.normal_by_plane.setZero();
+  derivatives.distance_by_plane.setZero();
   for (int i = 0; i < 3; ++i) {
-    derivatives.near.normal[i] = normal[i].a;
-    derivatives.near.normal_by_plane.row(i) = normal[i].v.transpose();
+    derivatives.normal[i] = normal[i].a;
+    derivatives.normal_by_plane.template block<1, kSize>(i, 0) = normal[i].v.transpose();
   }
-  derivatives.near.distance = distance.a;
-  derivatives.near.distance_by_plane = distance.v.transpose();
+  derivatives.distance = distance.a;
+  derivatives.distance_by_plane.template head<kSize>() = distance.v.transpose();
   return derivatives;
 }
 
@@ -181,14 +179,14 @@ void Differentiate(const Model& model,
     };
     DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
   } else {
-    CylinderDerivatives at;
+    PlaneDerivatives near;
     const auto plane_at = [&](const Eigen::Vector3d& position,
                               const Eigen::Matrix3d& segment) -> const PlaneDerivatives& {
-      at = DerivativesAt(model, parameters, position + segment.col(2));
-      return at.near;
+      near = DerivativesNear(model, parameters, position + segment.col(2));
+      return near;
     };
     DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
-    AddBend(measurement, by, scanner, at.curvature, rows);
+    AddBend(measurement, by, scanner, parameters[Model::kCurvatureAt], rows);
   }
 }
 
