@@ -15,8 +15,8 @@
 #include "core/association/plane_candidates.h"
 #include "core/association/plane_merging.h"
 #include "core/map/plane_patches.h"
-#include "core/mapping/hypothesis_follower.h"
 #include "core/mapping/part_joining.h"
+#include "core/mapping/recording_follower.h"
 #include "core/mapping/scan_follower.h"
 #include "core/sensor/scan_reader.h"
 #include "core/tracking/tracker.h"
@@ -30,131 +30,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
-// A start that leaves a direction of the position open is taken after this only.
-constexpr double kSureStartS = 1.0;
-
-// A part of the recording that could be followed.
-struct Part {
-  std::unique_ptr<HypothesisFollower> follower;
-  double start_s = 0.0;  // since the recording's start
-  double end_s = 0.0;
-  std::string ended_by;
-};
-
-// Takes the recording scan by scan, to its end, in as many parts as the scans allow.
-class RecordingFollower {
- public:
-  RecordingFollower(const Rig& rig,
-                    bool planar,
-                    const MapperOptions& options,
-                    RecordingReader* recording)
-      : rig_(rig), planar_(planar), options_(options), recording_(recording) {}
-
-  // Throws Error when there is no start, or the pose is lost before anything is mapped.
-  std::vector<Part> Run(const ProgressCallback& progress, const std::function<bool()>& stop) {
-    const double duration_s =
-        std::max(1e-9, SecondsBetween(recording_->start_ns(), recording_->end_ns()));
-    ScanReader scans(rig_, recording_);
-    Scan scan;
-    int64_t previous_end_ns = 0;
-    while (scans.Next(&scan)) {
-      const double now_s = SecondsBetween(recording_->start_ns(), scan.start_ns);
-      progress(kFollowingShare * now_s / duration_s);
-      if (stop && stop()) {
-        EndPart("stopped by the user");
-        break;
-      }
-      if (current_.follower != nullptr) {
-        const double gap_s = SecondsBetween(previous_end_ns, scan.start_ns);
-        if (gap_s > options_.max_gap_s) {
-          EndPart("no scans for " + FormatSeconds(gap_s) +
-                  ", a gap the motion can not be followed across");
-        }
-      }
-      if (current_.follower == nullptr && !Start(scan, now_s)) break;
-      if (current_.follower != nullptr) Follow(scan);
-      previous_end_ns = scan.end_ns;
-    }
-    if (current_.follower != nullptr) EndPart("");
-    if (!parts_.empty()) return std::move(parts_);
-    if (!lost_.empty()) throw Error(lost_);
-    throw Error("no start: none of the first " + std::to_string(num_skipped_) +
-                " scans shows " + (planar_ ? "a wall" : "floor or ceiling and a wall") +
-                " clearly enough");
-  }
-
-  int num_skipped() const { return num_skipped_; }  // scans before the first part
-  const std::vector<std::string>& left_out() const { return left_out_; }
-
- private:
-  // Starts a part with this scan where it shows the model frame; false when there is no use in
-  // looking any longer.
-  bool Start(const Scan& scan, double now_s) {
-    auto follower = std::make_unique<HypothesisFollower>(
-        rig_, planar_, options_, recording_->scan_period_s());
-    bool started = false;
-    std::optional<int64_t> knot_ns;
-    if (!parts_.empty()) {
-      knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();
-    }
-    try {
-      const bool must_hold = parts_.empty() && now_s < kSureStartS;
-      started = follower->Start(scan, must_hold, knot_ns);
-    } catch (const Error& error) {
-      lost_ = error.what();  // the scan shows the frame, but does not determine the pose
-    }
-    if (started) {
-      current_ = {std::move(follower), now_s, now_s, ""};
-      is_new_ = true;
-      return true;
-    }
-    if (!parts_.empty() || !lost_.empty()) return true;
-    ++num_skipped_;
-    return now_s <= options_.tracking.max_start_search_s;
-  }
-
-  void Follow(const Scan& scan) {
-    // A part's first scan has been taken in by Start.
-    if (is_new_) {
-      is_new_ = false;
-      return;
-    }
-    try {
-      current_.follower->Follow(scan);
-    } catch (const LostTrack& lost) {
-      current_.follower->follower().EndAtLastKnown();
-      EndPart(lost.what());
-    }
-  }
-
-  // Ends the current part, which is kept where it is long enough to be of use.
-  void EndPart(const std::string& why) {
-    const std::vector<int64_t>& times_ns = current_.follower->follower().scan_times_ns();
-    current_.end_s = SecondsBetween(recording_->start_ns(), times_ns.back());
-    current_.ended_by = why;
-    // A whole recording is mapped however short it is.
-    const bool is_whole = why.empty() && parts_.empty() && lost_.empty();
-    if (is_whole || current_.end_s - current_.start_s >= options_.tracking.min_part_s) {
-      parts_.push_back(std::move(current_));
-    } else if (!why.empty()) {
-      lost_ = why;
-      left_out_.push_back("what was followed from " + FormatSeconds(current_.start_s) +
-                          " to " + FormatSeconds(current_.end_s) + " is left out: " + why);
-    }
-    current_ = {};
-  }
-
-  const Rig& rig_;
-  bool planar_;
-  const MapperOptions& options_;
-  RecordingReader* recording_;
-  std::vector<Part> parts_;
-  Part current_;         // without a follower: none
-  bool is_new_ = false;  // the current part has a single scan
-  int num_skipped_ = 0;
-  std::string lost_;  // why the last part that was too short had ended
-  std::vector<std::string> left_out_;
-};
 
 // The planes of the last window estimate, as they are estimated now.
 PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const MapState& state) {
@@ -250,16 +125,17 @@ FollowedRecording FollowRecording(const Rig& rig,
                                   std::vector<std::pair<std::string, double>>* stages) {
   Stopwatch tracking_watch;
   RecordingFollower recording_follower(rig, planar, options, recording);
-  std::vector<Part> parts;
+  std::vector<FollowerOfPart> parts;
   {
     const Stopwatch::Running running(&tracking_watch);
-    parts = recording_follower.Run(progress, stop);
+    parts =
+        recording_follower.Run([&](double share) { progress(kFollowingShare * share); }, stop);
   }
   double segmentation_s = 0.0;
   FollowedRecording followed;
   followed.num_skipped = recording_follower.num_skipped();
   followed.left_out = recording_follower.left_out();
-  for (Part& part : parts) {
+  for (FollowerOfPart& part : parts) {
     ScanFollower& follower = part.follower->follower();
     segmentation_s += follower.segmentation_watch().seconds();
     FollowedPart& moved = followed.parts.emplace_back(std::move(follower.state()));
