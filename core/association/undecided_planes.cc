@@ -27,8 +27,13 @@ constexpr double kMaxUndecided = 20.0;  // s
 constexpr double kMinSide = 0.4;  // m
 // Traces of one scan that show a plane which is no wall.
 constexpr int kMinLinesAtStart = 3;
-// Those of a plane that is neither wall nor floor.
+// Those of a floor or a ceiling.
 constexpr int kMinLines = 12;
+// Those of a general plane, and the motion: a dozen traces on furniture or on the treads of a
+// stair lie on a slope by chance now and then, and it draws the rig off as a true one holds
+// it.
+constexpr int kMinLinesOfGeneral = 30;
+constexpr double kSweepOfGeneral = 0.3;  // m
 
 Eigen::Vector3d ToWorld(const Rigid3d& world_from_scanner, const Eigen::Vector2d& p) {
   return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -123,8 +128,11 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   const bool is_likely = landmark->model == PlaneModel::kVertical;
   if (!is_likely) {
     const bool is_start = min_scans <= 1;
-    if (seen.lines.num_lines() < (is_start ? kMinLinesAtStart : kMinLines)) return false;
-    if (!is_start && seen.Motion() < kSweepOfTwo) return false;
+    const bool is_general = landmark->model == PlaneModel::kGeneral;
+    const int min_lines = is_general ? kMinLinesOfGeneral : kMinLines;
+    if (seen.lines.num_lines() < (is_start ? kMinLinesAtStart : min_lines)) return false;
+    if (!is_start && seen.Motion() < (is_general ? kSweepOfGeneral : kSweepOfTwo))
+      return false;
   }
   seen.landmark = std::move(*landmark);
   for (const Trace& trace : plane->traces) {

@@ -8,6 +8,15 @@ namespace {
 
 // A horizontal direction is open where one scan's walls leave it this standard deviation.
 constexpr double kOpenStddev = 0.03;  // m
+// The height is open from less on: treads are 0.18 m apart, and a few beams at the edge of one
+// give a wrong speed, by which the next one is taken for another.
+constexpr double kOpenHeightStddev = 0.006;  // m
+
+// What an observation tells of the distance from its surface, 1/m^2.
+double InformationOf(const Observation& observation, double flatness_m) {
+  return 1.0 /
+         (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
+}
 
 }  // namespace
 
@@ -50,13 +59,27 @@ bool WallsLeaveOpen(const MapState& state,
     if (landmark.model == PlaneModel::kHorizontal || landmark.Width() < min_width_m) continue;
     // An arc's normals point into many directions: the one in its middle is as good as any.
     const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
-    information +=
-        normal * normal.transpose() /
-        (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
+    information += normal * normal.transpose() * InformationOf(observation, flatness_m);
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
   solver.computeDirect(information, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
+}
+
+bool HeightIsOpen(const MapState& state,
+                  int first_observation,
+                  int last_observation,
+                  double flatness_m) {
+  double information = 0.0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model == PlaneModel::kVertical || landmark.IsCurved()) continue;
+    const double up = landmark.Normal().z();
+    information += up * up * InformationOf(observation, flatness_m);
+  }
+  return information * kOpenHeightStddev * kOpenHeightStddev < 1.0;
 }
 
 std::vector<int> OnNarrowPlanes(const MapState& state,

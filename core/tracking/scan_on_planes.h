@@ -33,6 +33,12 @@ bool WallsLeaveOpen(const MapState& state,
                     double min_width_m,
                     double flatness_m);
 
+// Whether its floors, ceilings and slopes leave the rig's height open, by a stricter measure.
+bool HeightIsOpen(const MapState& state,
+                  int first_observation,
+                  int last_observation,
+                  double flatness_m);
+
 // Its observations on vertical planes of less than this width.
 std::vector<int> OnNarrowPlanes(const MapState& state,
                                 int first_observation,

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-// A horizontal direction is open where its standard deviation is larger: the next plane may
+// A direction is open where its standard deviation is larger: the next plane may
 // then be a wrong one as well.
 constexpr double kOpenStddev = 0.03;  // m
 // Cosine of the angle up to which a plane's normal speaks for a direction.
@@ -41,10 +41,10 @@ std::vector<int> ThinEvidence::Withhold(const MapState& state,
                                         const Eigen::Vector3d& predicted,
                                         const Eigen::Matrix3d& covariance,
                                         const Eigen::Vector3d& estimated) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(covariance.topLeftCorner<2, 2>());
-  if (solver.eigenvalues()[1] < kOpenStddev * kOpenStddev) return {};
-  const Eigen::Vector2d open = solver.eigenvectors().col(1);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  if (solver.eigenvalues()[2] < kOpenStddev * kOpenStddev) return {};
+  const Eigen::Vector3d open = solver.eigenvectors().col(2);
   std::vector<int> along;
   std::set<int> landmarks;
   int num_points = 0;
@@ -54,7 +54,7 @@ std::vector<int> ThinEvidence::Withhold(const MapState& state,
     if (observation.landmark_id < 0) continue;
     num_points += observation.num_points;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (std::abs(landmark.Normal().head<2>().dot(open)) < kAlong) continue;
+    if (std::abs(landmark.Normal().dot(open)) < kAlong) continue;
     num_along += observation.num_points;
     along.push_back(index);
     landmarks.insert(observation.landmark_id);
@@ -62,7 +62,7 @@ std::vector<int> ThinEvidence::Withhold(const MapState& state,
   if (landmarks.size() != 1 || num_along > kManyPoints * num_points) return {};
   const Sighting now = {state.observations[static_cast<size_t>(along.front())].end_time_ns(),
                         *landmarks.begin(),
-                        (estimated - predicted).head<2>().dot(open)};
+                        (estimated - predicted).dot(open)};
   if (!sightings_.empty() &&
       (sightings_.back().landmark_id != now.landmark_id ||
        SecondsBetween(sightings_.back().time_ns, now.time_ns) > kMaxPause)) {

@@ -347,10 +347,15 @@ void Tracker::Track(int first_observation,
     constraints.clear();
     estimate = BridgeByMotion(first_observation, last_observation);
   }
+  const bool height_is_open =
+      !planar_ && HeightIsOpen(*state_,
+                               first_observation,
+                               last_observation,
+                               options_.association.surface_flatness_m);
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
-  needs_points_ =
-      is_open_ || std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
+  needs_points_ = is_open_ || height_is_open ||
+                  std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(
       state_->pose_constraints.end(), constraints.begin(), constraints.end());
   // The scan becomes part of the prior, so that the next scan's system is as small.

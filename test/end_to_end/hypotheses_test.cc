@@ -16,7 +16,7 @@ class HypothesesTest : public MappingTest {};
 
 // Without a second hypothesis the rig is lost here.
 TEST_F(HypothesesTest, TheRigDoesNotFollowPeople) {
-  constexpr uint64_t kSeed = 113;
+  constexpr uint64_t kSeed = 114;
   SimulateRecording(
       std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/people_and_doors.yaml",
       kSeed,

@@ -51,15 +51,36 @@ class ThinEvidenceTest : public testing::Test {
   // How many observations are withheld where the rig would be shifted along the corridor,
   // whose position along it is known to sigma_m.
   size_t NumWithheld(double shift_m, double sigma_m) {
-    const Eigen::Vector3d variances(sigma_m * sigma_m, 1e-6, 1e-6);
+    return NumWithheldAlong(Eigen::Vector3d::UnitX(), shift_m, sigma_m);
+  }
+  // The same along another axis.
+  size_t NumWithheldAlong(const Eigen::Vector3d& axis, double shift_m, double sigma_m) {
+    const Eigen::Vector3d variances =
+        Eigen::Vector3d::Constant(1e-6) + sigma_m * sigma_m * axis;
     return thin_
         .Withhold(state_,
                   first_,
                   static_cast<int>(state_.observations.size()) - 1,
                   Eigen::Vector3d::Zero(),
                   variances.asDiagonal(),
-                  {shift_m, 0.0, 0.0})
+                  shift_m * axis)
         .size();
+  }
+
+  // Adds a floor, and returns its number.
+  size_t AddFloor(double height_m) {
+    Landmark landmark = MakeHorizontalLandmark(1.0, {0.0, 0.0, height_m});
+    landmark.num_segments = 1;
+    landmark.id = static_cast<int>(state_.landmarks.size());
+    state_.landmarks.push_back(std::move(landmark));
+    return state_.landmarks.size() - 1;
+  }
+
+  bool HeightOfScanIsOpen() const {
+    return HeightIsOpen(state_,
+                        first_,
+                        static_cast<int>(state_.observations.size()) - 1,
+                        options_.association.surface_flatness_m);
   }
 
   bool WallsLeaveScanOpen() const {
@@ -110,6 +131,29 @@ TEST_F(ThinEvidenceTest, WhoWalksIsNotBelieved) {
     See({300, 300, 16});
     EXPECT_EQ(NumWithheld(0.2 + kSpeed * kPeriod * scan, 0.05), 1u) << scan;
   }
+}
+
+// A few beams at the edge of a tread look like those on the next one.
+TEST_F(ThinEvidenceTest, OneTreadIsNotBelievedAtOnce) {
+  ASSERT_EQ(AddFloor(-1.5), 4u);
+  See({300, 300, 0, 0, 7});
+  EXPECT_EQ(NumWithheldAlong(Eigen::Vector3d::UnitZ(), 0.2, 0.05), 1u);
+  EXPECT_EQ(NumWithheldAlong(Eigen::Vector3d::UnitZ(), 0.2, 0.02), 0u);
+  See({300, 300, 0, 0, 60});
+  EXPECT_EQ(NumWithheldAlong(Eigen::Vector3d::UnitZ(), 0.2, 0.05), 0u);
+  AddFloor(1.1);
+  See({300, 300, 0, 0, 7, 7});
+  EXPECT_EQ(NumWithheldAlong(Eigen::Vector3d::UnitZ(), 0.2, 0.05), 0u);
+}
+
+TEST_F(ThinEvidenceTest, WallsLeaveTheHeightOpen) {
+  AddFloor(-1.5);
+  See({300, 300, 16, 16});
+  EXPECT_TRUE(HeightOfScanIsOpen());
+  See({300, 300, 0, 0, 30});
+  EXPECT_TRUE(HeightOfScanIsOpen());  // 5 mm, and as much for the floor's unevenness
+  state_.observations.back().sigma_offset_m = 0.002F;
+  EXPECT_FALSE(HeightOfScanIsOpen());
 }
 
 TEST_F(ThinEvidenceTest, WallsAlongTheCorridorLeaveItOpen) {
