@@ -93,7 +93,12 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
 }
 
 bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const {
-  const Eigen::Vector2d uv = axes_.Project(p_world);
+  Eigen::Vector2d uv = axes_.Project(p_world);
+  if (axes_.curvature != 0.0) {
+    // The way round an arc on which it was seen.
+    const double middle = 0.5 * (min_.x() + max_.x());
+    uv.x() = middle + std::remainder(uv.x() - middle, 2.0 * M_PI / std::abs(axes_.curvature));
+  }
   return Contains(uv, margin_m) && cells_.Count(CellAt(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "core/geometry/angles.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
 #include "core/visibility/beam_tests.h"
@@ -14,10 +16,30 @@ namespace {
 constexpr double kPassed = 0.5;  // m
 // Patches reach so far beyond what segments have shown of them.
 constexpr double kMargin = 0.02;  // m
+// Surfaces less than this apart are the same to a beam.
+constexpr double kSameSigmas = 3.0;
+// Surfaces that meet at less than this angle go over into each other.
+const double kMinSmoothCosine = std::cos(10.0 * kRadiansPerDegree);
+// A run of so many beams lies on its surface as a whole.
+constexpr int kLongRun = 8;
 // Beams on what lies behind a free edge make a patch larger by as much, and a little more.
 constexpr double kEdge = 0.07;  // m
 
 }  // namespace
+
+double BeamAssociation::RangeAlong(const LandmarkView& surface,
+                                   const Eigen::Vector2d& direction) const {
+  if (!surface.is_curved) return Trace(placement_, surface).RangeAlong(direction);
+  return RangeOnCylinder(*surface.landmark, placement_, direction)
+      .value_or(std::numeric_limits<double>::infinity());
+}
+
+Trace BeamAssociation::TraceAt(const LandmarkView& surface, int beam) const {
+  if (!surface.is_curved) return Trace(placement_, surface);
+  const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
+  const double range = std::min(RangeAlong(surface, direction), scanner_.max_range_m);
+  return Trace(placement_, surface.Near(placement_ * (range * direction).homogeneous()));
+}
 
 bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
                                 const Eigen::Vector3d& p_world,
@@ -32,17 +54,25 @@ bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
 bool BeamAssociation::EndsBefore(const LandmarkView& plane,
                                  const Eigen::Vector3d& p_world) const {
   bool ends = false;
-  planes_.ForEachWithin(p_world, kSeenReach, [&](const LandmarkView& other) {
+  const Eigen::Vector3d normal =
+      plane.is_curved ? plane.landmark->NormalNear(p_world) : plane.normal;
+  const auto ends_at = [&](const LandmarkView& other, const Eigen::Vector3d& other_normal) {
     if (ends || other.landmark == plane.landmark) return;
-    const double cosine = other.normal.dot(plane.normal);
+    const double cosine = other_normal.dot(normal);
     if (std::abs(cosine) > kMaxCornerCosine) return;
     const double in_front = other.SignedDistance(p_world);
     if (in_front <= 0.0) return;
     if (!other.landmark->extent.IsNear(p_world, p_world, kSeenReach)) return;
-    const Eigen::Vector3d outwards = (other.normal - cosine * plane.normal).normalized();
+    const Eigen::Vector3d outwards = (other_normal - cosine * normal).normalized();
     ends = IsSolidAt(plane, p_world - (in_front + kEdge) * outwards, kMargin) &&
            !IsSolidAt(plane, p_world + kSeenReach * outwards, 0.0);
-  });
+  };
+  planes_.ForEachWithin(
+      p_world, kSeenReach, [&](const LandmarkView& other) { ends_at(other, other.normal); });
+  for (const LandmarkView& other : planes_.cylinders()) {
+    if (std::abs(other.SignedDistance(p_world)) > kSeenReach) continue;
+    ends_at(other, other.landmark->NormalNear(p_world));
+  }
   return ends;
 }
 
@@ -52,7 +82,7 @@ bool BeamAssociation::IsSeenAt(const LandmarkView& plane, const Eigen::Vector2d&
 }
 
 bool BeamAssociation::GoesOn(const LandmarkView& plane, int beam, int step) const {
-  const Trace trace(placement_, plane);
+  const Trace trace = TraceAt(plane, beam);
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
   const Eigen::Vector2d p = trace.RangeAlong(direction) * direction;
   // Beams that turn counter-clockwise go along it so, seen from the side that it faces.
@@ -68,7 +98,8 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
   if (!scanner_.IsValidRange(measured)) return nullptr;
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-  const double off_m = kStrictSigmas * scanner_.range_noise_m;
+  const double off_m =
+      (kind_ == Kind::kWholeLine ? kOutlierSigmas : kStrictSigmas) * scanner_.range_noise_m;
   const LandmarkView* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
   ranges_.ForEachBetween(
@@ -77,7 +108,28 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
         nearest = range;
         first = &plane;
       });
-  return nearest > measured - off_m ? first : nullptr;
+  if (first == nullptr || !(nearest > measured - off_m)) return nullptr;
+  return GoesOverInto(*first, direction, nearest) ? nullptr : first;
+}
+
+bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
+                                   const Eigen::Vector2d& direction,
+                                   double range) const {
+  if (planes_.cylinders().empty()) return false;
+  const double off_m = kSameSigmas * scanner_.range_noise_m;
+  const Eigen::Vector3d normal =
+      surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
+  bool goes_over = false;
+  ranges_.ForEachBetween(
+      direction, range - off_m, range + off_m, [&](const LandmarkView& other, double at) {
+        if (other.landmark == surface.landmark) return;
+        if (!surface.is_curved && !other.is_curved) return;
+        const Eigen::Vector2d p = at * direction;
+        const double cosine =
+            normal.dot(other.landmark->NormalNear(placement_ * p.homogeneous()));
+        goes_over = goes_over || (cosine > kMinSmoothCosine && IsSeenAt(other, p));
+      });
+  return goes_over;
 }
 
 // Towards the beams of a plane that stands in front of it, the plane falls back behind that
@@ -87,11 +139,9 @@ bool BeamAssociation::IsMet(const LandmarkView& plane,
                             int end,
                             int step) const {
   if (beyond == nullptr || beyond == &plane) return false;
-  const Trace trace(placement_, plane);
-  const Trace other(placement_, *beyond);
   const auto behind = [&](int beam) {
     const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-    return trace.RangeAlong(direction) - other.RangeAlong(direction);
+    return RangeAlong(plane, direction) - RangeAlong(*beyond, direction);
   };
   const double at = behind(end + step);
   return std::abs(at) < kFarSigmas * scanner_.range_noise_m && at > behind(end);
@@ -114,13 +164,17 @@ std::vector<BeamAssociation::PlaneBeams> BeamAssociation::Associate(int first_be
     while (last < last_beam && plane_of(last + 1) == plane) ++last;
     beam = last + 1;
     if (plane == nullptr) continue;
-    if (!IsMet(*plane, plane_of(first - 1), first, -1)) {
+    const bool is_first_met = IsMet(*plane, plane_of(first - 1), first, -1);
+    const bool is_last_met = IsMet(*plane, plane_of(last + 1), last, 1);
+    const bool is_sure = kind_ == Kind::kWholeLine && last - first + 1 >= kLongRun;
+    if (!is_sure && !is_first_met) {
       while (first <= last && !GoesOn(*plane, first, -1)) ++first;
     }
-    if (!IsMet(*plane, plane_of(last + 1), last, 1)) {
+    if (!is_sure && !is_last_met) {
       while (last >= first && !GoesOn(*plane, last, 1)) --last;
     }
-    if (first <= last) found.push_back({plane, Trace(placement_, *plane), first, last});
+    if (first > last) continue;
+    found.push_back({plane, TraceAt(*plane, first), first, last, is_first_met, is_last_met});
   }
   return found;
 }

@@ -13,16 +13,27 @@
 
 namespace plumbline {
 
-// Associates the single beams of a scan line with the known planes: each lies on the plane
+// Associates the single beams of a scan line with the known surfaces: each lies on the one
 // that it meets first, or on none.
 class BeamAssociation {
  public:
-  // Consecutive beams that lie on one plane.
+  // Consecutive beams that lie on one surface.
   struct PlaneBeams {
     const LandmarkView* plane;
-    Trace trace;
+    Trace trace;  // of a cylinder at the first beam
     int first_beam;
     int last_beam;  // inclusive
+    // Whether another surface meets this one at the end.
+    bool is_first_met = true;
+    bool is_last_met = true;
+  };
+  // What is asked of the beams.
+  enum class Kind {
+    // Beams that no segment has: what puts one on a surface is its range alone.
+    kLeftOver,
+    // All beams of a scan line. A run as long as a segment lies on its surface as a whole: it
+    // is bounded as segments are, and its beams may be farther off.
+    kWholeLine,
   };
 
   // placement: at the instant of the beams asked for. openings: of the landmarks, by id.
@@ -30,22 +41,34 @@ class BeamAssociation {
                   const Scanner& scanner,
                   const ScanPlacement& placement,
                   const PlaneSet& planes,
-                  const std::vector<PlaneOpenings>& openings)
+                  const std::vector<PlaneOpenings>& openings,
+                  Kind kind = Kind::kLeftOver)
       : scan_line_(scan_line),
         scanner_(scanner),
         placement_(placement),
         planes_(planes),
         ranges_(planes, placement),
-        openings_(openings) {}
+        openings_(openings),
+        kind_(kind) {}
 
-  // Finds, among the beams first .. last, those whose ranges agree with the plane that they
-  // meet first. Where a plane ends at an edge of which the other side has not been seen, beams
-  // that meet it close to the edge are left out: they may lie on the face round the corner.
+  // Finds, among the beams first .. last, those whose ranges agree with the surface that they
+  // meet first. Where a surface ends at an edge of which the other side has not been seen,
+  // beams that meet it close to the edge are left out: they may lie on the face round the
+  // corner.
   std::vector<PlaneBeams> Associate(int first_beam, int last_beam) const;
 
  private:
+  // The range of a beam along a direction on the surface; infinite where it does not meet it.
+  double RangeAlong(const LandmarkView& surface, const Eigen::Vector2d& direction) const;
+  // The trace of the surface, of a cylinder near the place where the beam meets it.
+  Trace TraceAt(const LandmarkView& surface, int beam) const;
   // The plane that the beam lies on; nullptr where the range agrees with none.
   const LandmarkView* PlaneOf(int beam) const;
+  // Whether the surface, at this range, goes over into another without a corner, as a wall
+  // into an arc: which of them a beam lies on can not be told over metres.
+  bool GoesOverInto(const LandmarkView& surface,
+                    const Eigen::Vector2d& direction,
+                    double range) const;
   // Whether the plane has been seen at the point, and no opening there.
   bool IsSolidAt(const LandmarkView& plane,
                  const Eigen::Vector3d& p_world,
@@ -68,6 +91,7 @@ class BeamAssociation {
   const PlaneSet& planes_;
   PlaneRanges ranges_;
   const std::vector<PlaneOpenings>& openings_;
+  Kind kind_;
 };
 
 }  // namespace plumbline

@@ -1,5 +1,6 @@
 #include "core/visibility/plane_set.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -7,7 +8,13 @@
 
 namespace plumbline {
 
-PlaneSet::PlaneSet(std::vector<LandmarkView> planes) : planes_(std::move(planes)) {
+PlaneSet::PlaneSet(std::vector<LandmarkView> surfaces) : planes_(std::move(surfaces)) {
+  const auto cylinders =
+      std::stable_partition(planes_.begin(), planes_.end(), [](const LandmarkView& surface) {
+        return !surface.is_curved;
+      });
+  cylinders_.assign(cylinders, planes_.end());
+  planes_.erase(cylinders, planes_.end());
   const Eigen::Array4d none = Eigen::Array4d::Zero();
   const Eigen::Array4d far = Eigen::Array4d::Constant(std::numeric_limits<double>::infinity());
   quads_.assign((planes_.size() + kQuadSize - 1) / kQuadSize, {none, none, none, far});
@@ -22,7 +29,7 @@ PlaneSet::PlaneSet(std::vector<LandmarkView> planes) : planes_(std::move(planes)
 }
 
 PlaneRanges::PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement)
-    : planes_(planes.planes()) {
+    : planes_(planes.planes()), cylinders_(planes.cylinders()), placement_(placement) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   quads_.reserve(planes.quads_.size());
   for (const PlaneSet::NormalQuad& quad : planes.quads_) {

@@ -2,22 +2,26 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
 #include "core/map/landmark.h"
 #include "core/map/landmark_view.h"
+#include "core/map/observation.h"
 
 namespace plumbline {
 
 // A set of planes in which those near a point are found quickly. Normals and distances are
-// kept side by side, so that several planes are tested at a time.
+// kept side by side, so that several planes are tested at a time. Cylinders among the surfaces
+// are kept apart.
 class PlaneSet {
  public:
   PlaneSet() = default;
-  explicit PlaneSet(std::vector<LandmarkView> planes);
+  explicit PlaneSet(std::vector<LandmarkView> surfaces);
 
   const std::vector<LandmarkView>& planes() const { return planes_; }
+  const std::vector<LandmarkView>& cylinders() const { return cylinders_; }
 
   // Calls visit(plane) for the planes whose signed distance from the point is at most
   // distance_m in size, in order.
@@ -49,17 +53,18 @@ class PlaneSet {
   };
 
   std::vector<LandmarkView> planes_;
+  std::vector<LandmarkView> cylinders_;
   std::vector<NormalQuad> quads_;
 };
 
-// The ranges at which the beams of a scan plane meet the planes of a set that have the scanner
-// in front of them, several planes at a time. Valid as long as the set is.
+// The ranges at which the beams of a scan plane meet the surfaces of a set that have the
+// scanner in front of them, several planes at a time. Valid as long as the set is.
 class PlaneRanges {
  public:
   PlaneRanges(const PlaneSet& planes, const ScanPlacement& placement);
 
-  // Calls visit(plane, range) for the planes that the beam along a unit vector (scanner frame)
-  // meets at a range between these (m), in order.
+  // Calls visit(surface, range) for the surfaces that the beam along a unit vector (scanner
+  // frame) meets at a range between these (m): planes in order, then cylinders.
   template <typename Visit>
   void ForEachBetween(const Eigen::Vector2d& direction,
                       double min_range,
@@ -79,6 +84,11 @@ class PlaneRanges {
       }
       first += PlaneSet::kQuadSize;
     }
+    for (const LandmarkView& cylinder : cylinders_) {
+      const std::optional<double> range =
+          RangeOnCylinder(*cylinder.landmark, placement_, direction);
+      if (range && *range > min_range && *range < max_range) visit(cylinder, *range);
+    }
   }
 
  private:
@@ -89,6 +99,8 @@ class PlaneRanges {
   };
 
   const std::vector<LandmarkView>& planes_;
+  const std::vector<LandmarkView>& cylinders_;
+  ScanPlacement placement_;
   std::vector<SlopeQuad> quads_;
 };
 

@@ -19,6 +19,7 @@
 #include "core/sensor/scan_reader.h"
 #include "core/util/ordered_pipeline.h"
 #include "core/visibility/beam_association.h"
+#include "core/visibility/beam_runs.h"
 #include "core/visibility/plane_trace.h"
 #include "core/visibility/scan_line_resegmenter.h"
 #include "factors/segment/segment_measurement.h"
@@ -99,10 +100,14 @@ std::vector<LandmarkView> ViewsOfLine(const ScanSlab& slab,
   };
   std::vector<LandmarkView> views;
   for_each([&](const LandmarkView& view) {
-    // Where planes meet arcs is left to the segmentation.
-    if (!view.is_curved && (slab.Touches(view) || is_own(view))) views.push_back(view);
+    if (slab.Touches(view) || is_own(view)) views.push_back(view);
   });
   return views;
+}
+
+// The ends of a run of single beams: other surfaces bound it.
+Ends EndsOf(const BeamAssociation::PlaneBeams& run) {
+  return {{run.first_beam, run.trace, true}, {run.last_beam, run.trace, true}};
 }
 
 // Does ResegmentRecording's work on single scan lines. Serves one thread.
@@ -135,6 +140,18 @@ class RecordingResegmenter {
  private:
   // Selects the planes for the observations [first, last) of a scan line.
   void SetViews(const ScanLine& scan_line, size_t first, size_t last);
+  // Resegments a scan line by which surface each of its beams lies on.
+  int ResegmentByBeams(const ScanLine& scan_line,
+                       size_t first,
+                       size_t last,
+                       std::vector<Observation>* sub_minimum_segments);
+  // Takes the observation to a run of beams on its surface; returns whether it changed, which
+  // those on cylinders do not count.
+  bool TakeToRun(const ScanLine& scan_line,
+                 const BeamAssociation::PlaneBeams& run,
+                 Observation* observation);
+  // The scan plane's placement at the instant of a beam.
+  ScanPlacement PlacementAt(const ScanLine& scan_line, int beam);
   bool ResegmentOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
   // Takes the chord `at` of a scan line's observations [first, last) to its arc, and with it
   // the beams between it and the chords of the same arc beside it.
@@ -184,6 +201,13 @@ void RecordingResegmenter::SetViews(const ScanLine& scan_line, size_t first, siz
       }));
 }
 
+ScanPlacement RecordingResegmenter::PlacementAt(const ScanLine& scan_line, int beam) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
+  return PlacementOf(resegmenter_.sampler()->WorldFromBody(time_ns) *
+                     scanner.body_from_scanner);
+}
+
 // Adds, from beams that no segment has, those that single planes explain.
 void RecordingResegmenter::AddSubMinimumSegments(
     const ScanLine& scan_line,
@@ -194,20 +218,14 @@ void RecordingResegmenter::AddSubMinimumSegments(
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   for (int first = first_beam; first <= last_beam; first += kBeamsPerPlacement) {
     const int last = std::min(first + kBeamsPerPlacement - 1, last_beam);
-    const int64_t time_ns = BeamInstant(scan_line, (first + last) / 2, rig_);
-    const ScanPlacement placement = PlacementOf(
-        resegmenter_.sampler()->WorldFromBody(time_ns) * scanner.body_from_scanner);
+    const ScanPlacement placement = PlacementAt(scan_line, (first + last) / 2);
     const BeamAssociation planes(
         scan_line, scanner, placement, resegmenter_.views(), openings_);
     for (const BeamAssociation::PlaneBeams& beams : planes.Associate(first, last)) {
       const Landmark& landmark = *beams.plane->landmark;
       if (!IsWithinGap(landmark, nearby.scan_index, options_.loop_closure)) continue;
       AddSubMinimumSegment(
-          scan_line,
-          nearby,
-          landmark.id,
-          {{beams.first_beam, beams.trace, true}, {beams.last_beam, beams.trace, true}},
-          sub_minimum_segments);
+          scan_line, nearby, landmark.id, EndsOf(beams), sub_minimum_segments);
     }
   }
 }
@@ -235,9 +253,15 @@ void RecordingResegmenter::AddSubMinimumSegment(
                                     BeamInstant(scan_line, segment.last_beam, rig_));
   segment.measurement = PackedSegment(nodes, {});
   segment.points = nearby.points;  // so that Replace keeps them too
-  BeamRange beams;
-  resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
-  resegmenter_.Replace(scan_line, beams, Matrix6d::Zero(), &segment);
+  const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
+  if (landmark.IsCurved()) {
+    resegmenter_.TakeToArc(
+        scan_line, landmark, {segment.first_beam, segment.last_beam}, &segment);
+  } else {
+    BeamRange beams;
+    resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
+    resegmenter_.Replace(scan_line, beams, Matrix6d::Zero(), &segment);
+  }
   if (segment.landmark_id >= 0) sub_minimum_segments->push_back(std::move(segment));
 }
 
@@ -275,12 +299,69 @@ void RecordingResegmenter::TakeToArc(const ScanLine& scan_line,
                          &observation);
 }
 
+int RecordingResegmenter::ResegmentByBeams(const ScanLine& scan_line,
+                                           size_t first,
+                                           size_t last,
+                                           std::vector<Observation>* sub_minimum_segments) {
+  const Observation nearby = state_->observations[first];
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const BeamRuns found = FindBeamRuns(
+      scan_line,
+      scanner,
+      [&](int beam) { return PlacementAt(scan_line, beam); },
+      resegmenter_.views(),
+      openings_);
+  std::vector<bool> is_taken(found.runs.size(), false);
+  int num_changed = 0;
+  for (size_t i = first; i < last; ++i) {
+    Observation& observation = state_->observations[i];
+    if (observation.landmark_id < 0) continue;
+    const size_t at = found.RunOf(observation, is_taken);
+    if (at == found.runs.size()) {
+      observation.landmark_id = -1;
+      observation.num_points = 0;
+      ++num_changed;
+      continue;
+    }
+    is_taken[at] = true;
+    observation.excluded_beams = found.between;
+    if (TakeToRun(scan_line, found.runs[at], &observation)) ++num_changed;
+  }
+  for (size_t i = 0; i < found.runs.size(); ++i) {
+    if (is_taken[i]) continue;
+    const BeamAssociation::PlaneBeams& run = found.runs[i];
+    const int id = run.plane->landmark->id;
+    if (!IsWithinGap(*run.plane->landmark, nearby.scan_index, options_.loop_closure)) continue;
+    AddSubMinimumSegment(scan_line, nearby, id, EndsOf(run), sub_minimum_segments);
+  }
+  return num_changed;
+}
+
+bool RecordingResegmenter::TakeToRun(const ScanLine& scan_line,
+                                     const BeamAssociation::PlaneBeams& run,
+                                     Observation* observation) {
+  if (run.plane->is_curved) {
+    resegmenter_.TakeToArc(
+        scan_line, *run.plane->landmark, {run.first_beam, run.last_beam}, observation);
+    return false;
+  }
+  return ResegmentOne(scan_line,
+                      {{run.first_beam, run.trace, run.is_first_met},
+                       {run.last_beam, run.trace, run.is_last_met}},
+                      observation);
+}
+
 int RecordingResegmenter::Resegment(const ScanLine& scan_line,
                                     size_t first,
                                     size_t last,
                                     std::vector<Observation>* sub_minimum_segments) {
   const auto& observations = state_->observations;
   SetViews(scan_line, first, last);
+  // What ends are found by is about planes alone. Before the openings are known, and the arcs
+  // have settled, the segmentation knows the beams of an arc better.
+  if (!counts_ && !resegmenter_.views().cylinders().empty()) {
+    return ResegmentByBeams(scan_line, first, last, sub_minimum_segments);
+  }
   const std::vector<Ends> ends = resegmenter_.FindEnds(scan_line, observations, first, last);
   int num_changed = 0;
   int next = 0;  // beam that no segment has taken

@@ -46,6 +46,13 @@ def rotation_vector(matrix):
     return axis / 2 if angle < 1e-6 else axis * angle / (2 * np.sin(angle))
 
 
+def tangents(normal):
+    """The level direction along a surface, and the one across it: u = z x n, v = n x u."""
+    u = np.cross([0.0, 0.0, 1.0], normal)
+    u /= np.linalg.norm(u)
+    return u, np.cross(normal, u)
+
+
 class Planes:
     """The planes of a result or of a bound with their covariance, each with its true face.
     prefix: how the files' names begin."""
@@ -58,19 +65,66 @@ class Planes:
         self.rows, self.covariance = read_covariance(
             directory / f"{prefix}plane_covariance.csv")
 
-    def angle_row(self, plane):
+    def unit_row(self, plane, parameter):
         row = np.zeros(len(self.covariance))
-        row[self.rows[plane, "angle"]] = 1.0
+        row[self.rows[plane, parameter]] = 1.0
         return row
+
+    def angle_row(self, plane):
+        return self.unit_row(plane, "angle")
 
     def distance_row(self, plane, point):
         """Derivative of the signed distance of a point."""
         row = np.zeros(len(self.covariance))
         normal = self.planes[plane]["normal"]
+        if (plane, "d_centre") in self.rows:
+            row[self.rows[plane, "d_centre"]] = -1.0
+            from_centre = np.array(point) - self.planes[plane]["centre"]
+            for parameter, axis in zip(("turn_u", "turn_v"), tangents(normal)):
+                row[self.rows[plane, parameter]] = axis @ from_centre
+            return row
         row[self.rows[plane, "d"]] = -1.0
         if (plane, "angle") in self.rows:
             row[self.rows[plane, "angle"]] = normal[0] * point[1] - normal[1] * point[0]
         return row
+
+    def errors(self, plane, face, frame, at=None):
+        """What of a surface is off from its true face: (what, error, derivative by the parameters).
+
+        angle: rad, of the normal along the level direction on the surface; slope: rad, across it;
+        distance: m, signed, of the point `at` (model frame; default: the surface's centre, and of
+        cylinders always that); radius: m. frame: rotation and translation, model from building."""
+        entry = self.planes[plane]
+        rotation, translation = frame
+        if entry["type"] == "cylinder":
+            return self._errors_of_cylinder(entry, face, rotation, translation)
+        normal = rotation @ np.array(face["normal"])
+        distance = face["distance"] + normal @ translation
+        at = np.array(entry["centre"]) if at is None else at
+        found = [("distance", self.signed_distance(plane, at) - (normal @ at - distance),
+                  self.distance_row(plane, at))]
+        if entry["type"] == "vertical":
+            found.append(("angle", wrap(azimuth(entry["normal"]) - azimuth(normal)),
+                          self.angle_row(plane)))
+        elif entry["type"] == "general":
+            for what, parameter, axis in zip(("angle", "slope"), ("turn_u", "turn_v"),
+                                             tangents(entry["normal"])):
+                found.append((what, axis @ (entry["normal"] - normal),
+                              self.unit_row(plane, parameter)))
+        return [(what, error, row) for what, error, row in found if self.variance(row) > 0]
+
+    def _errors_of_cylinder(self, entry, face, rotation, translation):
+        axis = rotation @ np.array(face["axis_point"]) + translation
+        from_axis = (np.array(entry["centre"]) - axis)[:2]
+        seen = np.sign(np.dot(np.array(face["normal"])[:2],
+                              (np.array(face["centre"]) - face["axis_point"])[:2]))
+        normal = np.append(seen * from_axis / np.linalg.norm(from_axis), 0.0)
+        distance = seen * (np.linalg.norm(from_axis) - face["radius"])
+        return [("distance", -distance, -self.unit_row(entry["id"], "d_centre")),
+                ("angle", tangents(entry["normal"])[0] @ (entry["normal"] - normal),
+                 self.unit_row(entry["id"], "turn_u")),
+                ("radius", entry["radius"] - face["radius"],
+                 self.unit_row(entry["id"], "radius"))]
 
     def variance(self, row):
         return row @ self.covariance @ row

@@ -2,28 +2,19 @@
 
 import numpy as np
 
-from evaluated_planes import azimuth, rotation_matrix, rotation_vector, wrap
+from evaluated_planes import rotation_matrix, rotation_vector
 
 SIGMAS_95 = 1.96  # half width of the 95 % interval of a normal variable
 
 
 def plane_nees(planes, truth, frame):
     """Normalised squared error of all planes together, and its degrees of freedom."""
-    rotation, translation = frame
     errors, rows = [], []
-    for plane in planes.planes.values():
-        face = truth.faces[planes.face_of_plane[plane["id"]]]
-        normal = rotation @ np.array(face["normal"])
-        distance = face["distance"] + normal @ translation
-        at = np.array(plane["centre"])
-        row = planes.distance_row(plane["id"], at)
-        errors.append(planes.signed_distance(plane["id"], at) - (normal @ at - distance))
-        rows.append(row)
-        if plane["type"] == "vertical":
-            row = planes.angle_row(plane["id"])
-            if planes.variance(row) > 0:
-                errors.append(wrap(azimuth(plane["normal"]) - azimuth(normal)))
-                rows.append(row)
+    for plane in planes.planes:
+        face = truth.faces[planes.face_of_plane[plane]]
+        for _, error, row in planes.errors(plane, face, frame):
+            errors.append(error)
+            rows.append(row)
     rows = np.array(rows)
     covariance = rows @ planes.covariance @ rows.T
     scale = 1 / np.sqrt(np.diag(covariance))

@@ -58,22 +58,20 @@ def pair_quantities(planes, truth, model_from_truth):
 
 
 def face_quantities(planes, truth, model_from_truth):
-    """(category, first face of a surface) -> (error, variance): angles to the reference wall in
-    rad, distances at the face's centre in m; of the plane with most points."""
+    """(category, first face of a surface) -> (error, variance): angles to the reference wall and
+    slopes in rad, distances at the face's centre and radii in m; of the surface with most
+    points."""
     rotation, translation = model_from_truth
     result = {}
     for plane in sorted(planes.planes.values(), key=lambda plane: plane["num_points"]):
         face = truth.surface[planes.face_of_plane[plane["id"]]][0]
-        normal = rotation @ truth.faces[face]["normal"]
         at = rotation @ np.array(truth.faces[face]["centre"]) + translation
-        kind = "floors and ceilings"
+        kind = {"general": "slopes", "cylinder": "cylinders"}.get(
+            plane["type"], "floors and ceilings")
         if plane["type"] == "vertical":
             kind = f"walls {'from' if truth.width(face) >= WIDE else 'below'} {WIDE:g} m"
-            row = planes.angle_row(plane["id"])
-            if planes.variance(row) > 0:
-                result[f"angle, {kind}", face] = (
-                    wrap(azimuth(plane["normal"]) - azimuth(normal)), planes.variance(row))
-        result[f"distance, {kind}", face] = (
-            planes.signed_distance(plane["id"], at),
-            planes.variance(planes.distance_row(plane["id"], at)))
+        for what, error, row in planes.errors(
+                plane["id"], truth.faces[face], model_from_truth, at):
+            name = "angle, upwards" if what == "slope" else what
+            result[f"{name}, {kind}", face] = (error, planes.variance(row))
     return result
