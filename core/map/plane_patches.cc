@@ -12,6 +12,23 @@
 namespace plumbline {
 namespace {
 
+// With curvature k and distance d at its anchor a cylinder's radius is sqrt(1 + 2 k d) / |k|:
+// along d the axis stays, and the surface moves. Of what the radius is by 1 / |k|, the root.
+double RadiusFactor(const Landmark& cylinder) {
+  return std::sqrt(1.0 + 2.0 * cylinder.Curvature() * cylinder.parameters[2]);
+}
+
+// The derivative of a cylinder's radius.
+Eigen::RowVector3d RadiusByParameters(const Landmark& cylinder) {
+  const double k = cylinder.Curvature();
+  const double d = cylinder.parameters[2];
+  const double factor = RadiusFactor(cylinder);
+  Eigen::RowVector3d by_parameters = Eigen::RowVector3d::Zero();
+  by_parameters[Cylinder::kCurvatureAt] = -(1.0 + k * d) / (factor * k * std::abs(k));
+  by_parameters[2] = std::copysign(1.0, k) / factor;
+  return by_parameters;
+}
+
 // The derivatives of what is stated of a surface by its parameters: the turns of the normal
 // towards its tangents u and v, of a cylinder that towards u and the radius, and the distance
 // along the normal at the patch's centre.
@@ -21,11 +38,7 @@ Eigen::Matrix3d StatedByParameters(const Landmark& landmark, const PlanePatch& p
   Eigen::Matrix3d by_parameters;
   by_parameters.row(0) = view.DeviationJacobian(patch.centre, tangents.col(0)).row(1);
   by_parameters.row(1) = view.DeviationJacobian(patch.centre, tangents.col(1)).row(1);
-  if (landmark.IsCurved()) {
-    by_parameters.row(1).setZero();
-    by_parameters(1, Cylinder::kCurvatureAt) =
-        -std::copysign(patch.Radius() * patch.Radius(), patch.curvature);
-  }
+  if (landmark.IsCurved()) by_parameters.row(1) = RadiusByParameters(landmark);
   by_parameters.row(2) = -view.DeviationJacobian(patch.centre, tangents.col(0)).row(0);
   return by_parameters;
 }
@@ -79,7 +92,7 @@ std::vector<PlanePatch> PlanePatches(const MapState& state) {
     const double gradient = plane.head<3>().norm();
     patch.normal = plane.head<3>() / gradient;
     patch.distance = landmark.IsCurved() ? patch.normal.dot(patch.centre) : plane[3];
-    patch.curvature = landmark.Curvature() / gradient;
+    if (landmark.IsCurved()) patch.curvature = landmark.Curvature() / RadiusFactor(landmark);
     for (const Eigen::Vector2d& corner :
          landmark.IsCurved() ? OutlineOnArc(extent) : extent.Outline()) {
       patch.outline.push_back(on_plane(corner));
