@@ -25,7 +25,8 @@ struct FollowedPart {
 struct FollowedRecording {
   std::vector<FollowedPart> parts;  // in the order of time, at least one
   int num_skipped = 0;              // scans before the first part
-  // What was followed for too short a time to be a part, and why it ended, in words.
+  // What was followed for too short a time to be a part, and why it ended, and where a part
+  // starts later than it might, in words.
   std::vector<std::string> left_out;
 };
 

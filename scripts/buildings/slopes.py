@@ -15,6 +15,7 @@ HALL_LENGTH, HALL_WIDTH, HEIGHT = 10.0, 8.0, 2.8   # m
 RAMP_LENGTH = 8.0                                  # m
 RAMP_SIDES = (3.0, 5.6)                            # m, across the halls
 RISES = {"halls_gentle_ramp": 0.2, "halls_ramp": 0.8}   # m
+MORE_RISES = {"halls_ramp_0.1_m": 0.1, "halls_ramp_0.4_m": 0.4}
 # Pillars in the halls: along, across (m); the second pair stands in the upper one.
 PILLARS = ((4.0, 4.5, 1.5, 2.0), (7.0, 7.4, 6.3, 6.8), (21.0, 21.6, 6.0, 6.5),
            (24.0, 24.5, 1.5, 2.2))
@@ -22,6 +23,7 @@ PILLARS = ((4.0, 4.5, 1.5, 2.0), (7.0, 7.4, 6.3, 6.8), (21.0, 21.6, 6.0, 6.5),
 ATTIC_LENGTH, ATTIC_WIDTH = 16.0, 8.0
 # Slope of the roof (deg), and the height (m) that it begins at
 ROOFS = {"attic_12_deg": (12.0, 2.6), "attic_35_deg": (35.0, 1.3)}
+MORE_ROOFS = {"attic_5_deg": (5.0, 2.6), "attic_20_deg": (20.0, 1.9), "attic_45_deg": (45.0, 0.8)}
 POSTS = ((5.0, 5.4, 2.0, 2.4), (11.0, 11.4, 6.4, 6.8), (8.0, 8.2, -0.5, 2.8))
 ATTIC_WALK = ((2, 4), (5, 5.5), (8, 4.5), (11, 3.5), (14, 4.5), (12.5, 5.4), (9, 5.2), (7, 4),
               (3, 3))
@@ -49,6 +51,8 @@ def parse_arguments():
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "configs", metavar="DIR",
                         help="buildings/ and experiments/robustness/ below it receive the "
                         "files (default: configs)")
+    parser.add_argument("--more", action="store_true",
+                        help="other rises and slopes too, which are not shipped")
     return parser.parse_args()
 
 
@@ -136,13 +140,16 @@ def write(output, name, what, elements, walk):
 
 
 def main():
-    output = parse_arguments().output
+    arguments = parse_arguments()
+    output = arguments.output
+    rises = {**RISES, **(MORE_RISES if arguments.more else {})}
+    roofs = {**ROOFS, **(MORE_ROOFS if arguments.more else {})}
     (output / "buildings").mkdir(parents=True, exist_ok=True)
     (output / "experiments" / "robustness").mkdir(parents=True, exist_ok=True)
-    for name, rise in RISES.items():
+    for name, rise in rises.items():
         write(output, name, f"Two halls, and a ramp that rises {rise:g} m in {RAMP_LENGTH:g} m.",
               make_halls(rise), halls_walk(rise))
-    for name, (slope, knee) in ROOFS.items():
+    for name, (slope, knee) in roofs.items():
         write(output, name, f"Below a roof of {slope:g} degrees.", make_attic(slope, knee),
               [(x, y, 0) for x, y in ATTIC_WALK])
     return 0
