@@ -209,9 +209,10 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   StartPlanes(1, must_hold ? 2 : 1);
   const bool has_reference =
       state_->observations[static_cast<size_t>(reference)].landmark_id == 0;
-  if (must_hold && !(has_reference && HoldsPosition())) return false;
+  // Other traces may show that what looked like the reference wall is a slope.
+  if (!has_reference || state_->landmarks.front().model != PlaneModel::kVertical) return false;
+  if (must_hold && !HoldsPosition()) return false;
   Landmark& first_wall = state_->landmarks.front();
-  CHECK(first_wall.model == PlaneModel::kVertical);
   first_wall.heading_fixed = true;
   first_wall.parameters[0] = 0.0;
   SolveWindow(scan.end_ns);

@@ -17,6 +17,9 @@ constexpr double kSettlingS = 0.5;
 // A later start explains clearly more where the share of the points is larger by this. Good
 // starts of one recording differ by up to 0.02, those that went astray by 0.04 to 0.66.
 constexpr double kMinGain = 0.03;
+// The share that a good start explains in bare buildings: those that went astray have up to
+// 0.72 there.
+constexpr double kSureShare = 0.85;
 
 std::vector<ExplainedPoints> ExplainedBy(const ScanFollower& follower) {
   std::vector<ExplainedPoints> scans(follower.scan_times_ns().size());
@@ -92,8 +95,13 @@ void StartTrials::Follow(const Scan& scan) {
 }
 
 bool StartTrials::IsDecided(double now_s) const {
-  return !trials_.empty() &&
-         (!trials_.front().lost.empty() || now_s - first_start_s_ >= kDurationS);
+  if (trials_.empty()) return false;
+  const FollowedStart& first = trials_.front();
+  if (!first.lost.empty() || now_s - first_start_s_ >= kDurationS) return true;
+  if (now_s - first.start_s < kSureAfterS) return false;
+  const ScanFollower& follower = first.follower->follower();
+  const std::vector<ExplainedPoints> scans = ExplainedBy(follower);
+  return ShareOfLast(scans, scans.size() - NumSettling(follower)) >= kSureShare;
 }
 
 FollowedStart StartTrials::Take() {

@@ -26,8 +26,10 @@ class StartTrials {
  public:
   // The scans tried begin so long after the first one.
   static constexpr double kDelaysS[] = {0.0, 0.125, 0.25, 0.5, 1.0};
-  // The choice is made so long after the first scan.
+  // The choice is made so long after the first scan...
   static constexpr double kDurationS = 2.0;
+  // ...or so long after the start of a map that explains nearly all that it sees.
+  static constexpr double kSureAfterS = 1.0;
 
   bool empty() const { return trials_.empty(); }
   // Whether the next scan, of this time since the recording's start, is to be tried.
@@ -36,7 +38,7 @@ class StartTrials {
   void Add(std::unique_ptr<HypothesisFollower> follower, double now_s);
   // Lets all trials follow a scan; those that lose the rig end, unless all others have.
   void Follow(const Scan& scan);
-  // Whether all that is to be tried has been followed for long enough.
+  // Whether what is tried has been followed for long enough.
   bool IsDecided(double now_s) const;
   // Takes the trial that goes on; there is none afterwards.
   FollowedStart Take();
