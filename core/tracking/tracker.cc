@@ -284,6 +284,13 @@ bool Tracker::IsOpen(int first_observation, int last_observation) const {
                         options_.association.surface_flatness_m);
 }
 
+bool Tracker::IsHeightOpen(int first_observation, int last_observation) const {
+  return !planar_ && HeightIsOpen(*state_,
+                                  first_observation,
+                                  last_observation,
+                                  options_.association.surface_flatness_m);
+}
+
 PoseGaussian Tracker::BridgeByMotion(int first_observation, int last_observation) {
   const int end = state_->trajectory.num_control_points();
   motion_prior_->Bridge(end - kSplineOrder + 1, end);
@@ -347,14 +354,9 @@ void Tracker::Track(int first_observation,
     constraints.clear();
     estimate = BridgeByMotion(first_observation, last_observation);
   }
-  const bool height_is_open =
-      !planar_ && HeightIsOpen(*state_,
-                               first_observation,
-                               last_observation,
-                               options_.association.surface_flatness_m);
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
-  needs_points_ = is_open_ || height_is_open ||
+  needs_points_ = is_open_ || IsHeightOpen(first_observation, last_observation) ||
                   std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(
       state_->pose_constraints.end(), constraints.begin(), constraints.end());

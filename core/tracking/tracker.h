@@ -112,6 +112,8 @@ class Tracker {
                                 bool* unsteady);
   // Whether walls leave the position open in the scan, by which this tracker goes.
   bool IsOpen(int first_observation, int last_observation) const;
+  // Whether the scan's floors, ceilings and slopes leave its height open.
+  bool IsHeightOpen(int first_observation, int last_observation) const;
   // Estimates the scan's poses by long walls, floors and the motion alone.
   PoseGaussian BridgeByMotion(int first_observation, int last_observation);
   // Takes the planes from these observations of the scan and estimates anew.
