@@ -120,7 +120,7 @@ class DoubleFinder {
       const Eigen::Vector3d p_world = b.extent.ToWorld(middle);
       const double separation = std::abs(a.SignedDistance(p_world));
       if (separation < kMinSeparation || separation > kMaxSeparation) return false;
-      const CellGrid::Cell cell_a = PatchExtent::CellAt(a.extent.axes().Project(p_world));
+      const CellGrid::Cell cell_a = PatchExtent::CellAt(a.extent.Project(p_world));
       if (a.extent.cells().Count(cell_a) == 0) return false;
       overlap.cells.emplace_back(cell_a, cell_b);
       sum += separation;

@@ -44,7 +44,7 @@ bool WasSeenBefore(const Sightings& sightings,
                    const Landmark& landmark,
                    const Eigen::Vector3d& p_world,
                    int second) {
-  const CellGrid::Cell cell = PatchExtent::CellAt(landmark.extent.axes().Project(p_world));
+  const CellGrid::Cell cell = PatchExtent::CellAt(landmark.extent.Project(p_world));
   if (landmark.extent.cells().Count(cell) == 0) return false;
   const auto [first, last] = sightings.Of(landmark.id, cell);
   return first != last && first->second <= second - kVisitGap &&

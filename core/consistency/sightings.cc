@@ -94,7 +94,7 @@ class SecondCaster {
   void CountHit(int landmark_id, const Eigen::Vector3d& p_world) {
     const Landmark& landmark = state_.landmarks[static_cast<size_t>(landmark_id)];
     if (std::abs(landmark.SignedDistance(p_world)) > kOnPlane) return;
-    const CellGrid::Cell cell = PatchExtent::CellAt(landmark.extent.axes().Project(p_world));
+    const CellGrid::Cell cell = PatchExtent::CellAt(landmark.extent.Project(p_world));
     counted_.push_back({landmark_id, cell, 0, 1, 0});
   }
 
@@ -112,7 +112,7 @@ class SecondCaster {
     const double share = 2.0 * start / (std::copysign(root, start) - slope);
     const Eigen::Vector3d at = start_world + share * along;
     const PatchExtent& extent = plane.landmark->extent;
-    const CellGrid::Cell cell = PatchExtent::CellAt(extent.axes().Project(at));
+    const CellGrid::Cell cell = PatchExtent::CellAt(extent.Project(at));
     if (!IsInside(extent, cell)) return;
     counted_.push_back({plane.landmark->id, cell, 0, 0, 1});
   }

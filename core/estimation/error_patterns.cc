@@ -253,7 +253,7 @@ void ErrorPatterns::Share(const Landmark& landmark,
                           double slope) {
   const Surface& surface = surfaces_[static_cast<size_t>(landmark.id)];
   const Eigen::Vector2d on_surface = landmark.IsCurved()
-                                         ? landmark.extent.axes().Project(p_world)
+                                         ? landmark.extent.Project(p_world)
                                          : Eigen::Vector2d(surface.axes.transpose() * p_world);
   const double u = on_surface.x() / kCellM;
   const double v = on_surface.y() / kCellM;

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <utility>
 
 namespace plumbline {
 
@@ -30,16 +29,8 @@ struct PlaneAxes {
     return anchor + std::sin(angle) / curvature * u +
            (std::cos(angle) - 1.0) / curvature * u.cross(v) + uv.y() * v;
   }
-  // Both ends of a straight piece: along an arc, the shorter way round.
-  std::pair<Eigen::Vector2d, Eigen::Vector2d> ProjectPiece(
-      const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const {
-    const Eigen::Vector2d a = Project(a_world);
-    Eigen::Vector2d b = Project(b_world);
-    if (curvature != 0.0) {
-      b.x() = a.x() + std::remainder(b.x() - a.x(), 2.0 * M_PI / std::abs(curvature));
-    }
-    return {a, b};
-  }
+  // Of the whole circle that an arc is part of, m.
+  double Circumference() const { return 2.0 * M_PI / std::abs(curvature); }
 };
 
 }  // namespace plumbline

@@ -64,12 +64,22 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 }  // namespace
 
 void PatchExtent::AddSegment(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) {
-  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
+  const auto [a, b] = ProjectPiece(a_world, b_world);
   ForEachCell(a, b, [&](const Cell& cell) { cells_.Add(cell, 1); });
   AddCorner(a);
   AddCorner(b);
   constexpr size_t kReduceAt = 512;
   if (hull_points_.size() > kReduceAt) hull_points_ = HullOf(std::move(hull_points_));
+}
+
+std::pair<Eigen::Vector2d, Eigen::Vector2d> PatchExtent::ProjectPiece(
+    const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const {
+  const Eigen::Vector2d a = axes_.Project(a_world);
+  Eigen::Vector2d b = axes_.Project(b_world);
+  if (axes_.curvature != 0.0) {
+    b.x() = a.x() + std::remainder(b.x() - a.x(), axes_.Circumference());
+  }
+  return {a, b};
 }
 
 void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
@@ -81,7 +91,7 @@ void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
 bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
                          const Eigen::Vector3d& b_world,
                          double max_gap_m) const {
-  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
+  const auto [a, b] = ProjectPiece(a_world, b_world);
   const Eigen::Array2d gap = Eigen::Array2d::Constant(max_gap_m);
   if ((a.cwiseMax(b).array() + gap < min_.array()).any() ||
       (a.cwiseMin(b).array() - gap > max_.array()).any()) {
@@ -93,12 +103,7 @@ bool PatchExtent::IsNear(const Eigen::Vector3d& a_world,
 }
 
 bool PatchExtent::IsSeenAt(const Eigen::Vector3d& p_world, double margin_m) const {
-  Eigen::Vector2d uv = axes_.Project(p_world);
-  if (axes_.curvature != 0.0) {
-    // The way round an arc on which it was seen.
-    const double middle = 0.5 * (min_.x() + max_.x());
-    uv.x() = middle + std::remainder(uv.x() - middle, 2.0 * M_PI / std::abs(axes_.curvature));
-  }
+  const Eigen::Vector2d uv = Project(p_world);
   return Contains(uv, margin_m) && cells_.Count(CellAt(uv.cwiseMax(min_).cwiseMin(max_))) > 0;
 }
 
@@ -107,7 +112,7 @@ bool PatchExtent::GoesOnBeyond(const Eigen::Vector3d& p_world,
   constexpr double kFrom = 0.3;  // m, past an edge's own cell
   constexpr double kTo = 3.0;    // m, more than a door is wide
   constexpr int kMinShare = 10;  // of the segments before the point, one in so many
-  const Eigen::Vector2d p = axes_.Project(p_world);
+  const Eigen::Vector2d p = Project(p_world);
   const Eigen::Vector2d direction(axes_.u.dot(direction_world), axes_.v.dot(direction_world));
   const auto count_at = [&](double away_m) {
     return cells_.Count(CellAt(p + away_m * direction));
@@ -126,7 +131,7 @@ bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
   // A straight piece comes to a cell once.
   if (cells_.Count(CellAt(axes_.Project(a_world))) > 1) return true;
   std::vector<Cell> own;
-  const auto [a, b] = axes_.ProjectPiece(a_world, b_world);
+  const auto [a, b] = ProjectPiece(a_world, b_world);
   ForEachCell(a, b, [&](const Cell& cell) { own.push_back(cell); });
   const auto is_others = [&](const Cell& cell) {
     return cells_.Count(cell) > std::count(own.begin(), own.end(), cell);
@@ -146,7 +151,7 @@ bool PatchExtent::OthersAreNear(const Eigen::Vector3d& a_world,
 PatchExtent::Cell PatchExtent::CellFrom(const PatchExtent& other, const Cell& cell) const {
   const Eigen::Vector2d middle((cell.first + 0.5) * kCellSize,
                                (cell.second + 0.5) * kCellSize);
-  return CellAt(axes_.Project(other.ToWorld(middle)));
+  return CellAt(Project(other.ToWorld(middle)));
 }
 
 bool PatchExtent::MayBeNear(const PatchExtent& other, double max_gap_m) const {
@@ -155,10 +160,15 @@ bool PatchExtent::MayBeNear(const PatchExtent& other, double max_gap_m) const {
   Eigen::Array2d high = -low;
   for (const double u : {other.min_.x(), other.max_.x()}) {
     for (const double v : {other.min_.y(), other.max_.y()}) {
-      const Eigen::Vector2d corner = axes_.Project(other.ToWorld({u, v}));
+      const Eigen::Vector2d corner = Project(other.ToWorld({u, v}));
       low = low.min(corner.array());
       high = high.max(corner.array());
     }
+  }
+  if (axes_.curvature != 0.0 || other.axes_.curvature != 0.0) {
+    // The corners do not tell how far an arc goes round.
+    low.x() = -1e300;
+    high.x() = 1e300;
   }
   // Cells reach beyond the rectangles, and the gap counts in whole cells.
   const double reach = max_gap_m + 5.0 * kCellSize;
@@ -187,8 +197,7 @@ void PatchExtent::Merge(const PatchExtent& other) {
     cells_.Add(CellFrom(other, cell), count);
     return false;
   });
-  for (const Eigen::Vector2d& uv : other.Outline())
-    AddCorner(axes_.Project(other.ToWorld(uv)));
+  for (const Eigen::Vector2d& uv : other.Outline()) AddCorner(Project(other.ToWorld(uv)));
 }
 
 double PatchExtent::area_m2() const { return cells_.num_occupied() * kCellSize * kCellSize; }

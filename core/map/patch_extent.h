@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/cell_grid.h"
@@ -77,6 +79,15 @@ class PatchExtent {
   // Share of this extent's cells that the other one occupies too.
   double OverlapWith(const PatchExtent& other) const;
 
+  // A point in the extent's axes; round an arc, the coordinate nearest to what has been seen.
+  Eigen::Vector2d Project(const Eigen::Vector3d& p_world) const {
+    Eigen::Vector2d uv = axes_.Project(p_world);
+    if (axes_.curvature != 0.0) {
+      const double middle = 0.5 * (min_.x() + max_.x());
+      uv.x() = middle + std::remainder(uv.x() - middle, axes_.Circumference());
+    }
+    return uv;
+  }
   // Number of segments seen on each occupied cell.
   const CellGrid& cells() const { return cells_; }
   bool empty() const { return cells_.num_occupied() == 0; }
@@ -112,6 +123,9 @@ class PatchExtent {
  private:
   bool is_upright() const { return axes_.v.z() > 0.5; }
   void AddCorner(const Eigen::Vector2d& p);
+  // Both ends of a straight piece, along an arc the shorter way round.
+  std::pair<Eigen::Vector2d, Eigen::Vector2d> ProjectPiece(
+      const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world) const;
   // The cell of this extent that holds the middle of another extent's cell.
   Cell CellFrom(const PatchExtent& other, const Cell& cell) const;
 

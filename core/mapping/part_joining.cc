@@ -126,23 +126,39 @@ std::optional<double> HeightOf(const Rig& rig,
   return height_m;
 }
 
+// How far a surface lies from another one of its kind, in m: of a cylinder the largest
+// distance of its ends and its middle.
+double DistanceBetween(const Landmark& surface, const Landmark& other) {
+  const PatchExtent& extent = surface.extent;
+  const double low = extent.min_corner().x();
+  double distance_m = 0.0;
+  for (const double share : {0.5, 0.0, 1.0}) {
+    const double height = 0.5 * (extent.min_corner().y() + extent.max_corner().y());
+    const Eigen::Vector3d on_axes = extent.ToWorld({low + share * surface.Width(), height});
+    const Eigen::Vector3d on_surface =
+        on_axes - surface.SignedDistance(on_axes) * surface.NormalNear(on_axes);
+    distance_m = std::max(distance_m, std::abs(other.SignedDistance(on_surface)));
+    if (!surface.IsCurved()) break;
+  }
+  return distance_m;
+}
+
 // Makes one of surfaces that a part and what came before it both saw; num_before: the
 // landmarks of before.
 int MergeCommonSurfaces(size_t num_before, MapState* state) {
   int num_merged = 0;
   for (size_t b = num_before; b < state->landmarks.size(); ++b) {
     const Landmark& surface = state->landmarks[b];
-    if (surface.num_segments == 0 || surface.IsCurved()) continue;
-    const Eigen::Vector3d normal = surface.Normal();
+    if (surface.num_segments == 0) continue;
     const Eigen::Vector3d centre = surface.extent.Centre();
-    const Eigen::Vector3d on_plane = centre - surface.SignedDistance(centre) * normal;
+    const Eigen::Vector3d normal = surface.NormalNear(centre).normalized();
     int nearest = -1;
     double least_m = kMaxDistance;
     for (size_t a = 0; a < num_before; ++a) {
       const Landmark& before = state->landmarks[a];
       if (before.num_segments == 0 || before.model != surface.model) continue;
-      if (before.Normal().dot(normal) < kMinCosine) continue;
-      const double distance_m = std::abs(before.SignedDistance(on_plane));
+      if (before.NormalNear(centre).normalized().dot(normal) < kMinCosine) continue;
+      const double distance_m = DistanceBetween(surface, before);
       if (distance_m >= least_m) continue;
       if (!before.extent.IsNear(surface.extent, kMaxGapBetween)) continue;
       nearest = static_cast<int>(a);

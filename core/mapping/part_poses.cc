@@ -55,6 +55,27 @@ std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> InSlice(
                         Eigen::Vector2d((start + last * along).head<2>()));
 }
 
+// The spot that a point on a wall, seen from above, belongs to, and the spot's number along
+// the wall.
+std::pair<int, WallSpot> SpotOn(const Landmark& wall,
+                                const Eigen::Vector2d& p,
+                                double spacing_m) {
+  if (wall.IsCurved()) {
+    const Eigen::Vector3d p_world(p.x(), p.y(), wall.extent.anchor().z());
+    const double u = wall.extent.Project(p_world).x();
+    const Eigen::Vector4d plane = wall.PlaneNear(p_world);
+    const Eigen::Vector2d normal = plane.head<2>().normalized();
+    const double distance = wall.SignedDistance(p_world) / plane.head<2>().norm();
+    return {static_cast<int>(std::floor(u / spacing_m)),
+            WallSpot{p - distance * normal, normal}};
+  }
+  const Eigen::Vector2d normal = wall.Normal().head<2>();
+  const Eigen::Vector2d along(-normal.y(), normal.x());
+  const int place = static_cast<int>(std::floor(along.dot(p) / spacing_m));
+  return {place,
+          WallSpot{(place + 0.5) * spacing_m * along + wall.Distance() * normal, normal}};
+}
+
 }  // namespace
 
 PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) {
@@ -65,7 +86,7 @@ PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) 
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0 || observation.num_points == 0) continue;
     const Landmark& wall = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (wall.model != PlaneModel::kVertical) continue;
+    if (wall.model != PlaneModel::kVertical && !wall.IsCurved()) continue;
     if (LargestStep(observation) > spacing_m) continue;
     const ObservationPoses& poses = shared.Of(observation);
     const Eigen::Vector3d& scanner = poses.world_from_scanner.translation;
@@ -75,15 +96,11 @@ PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) 
                 scanner.z());
     if (!piece) continue;
     const auto& [start, end] = *piece;
-    const Eigen::Vector2d normal = wall.Normal().head<2>();
-    const Eigen::Vector2d along(-normal.y(), normal.x());
     const int num_steps = static_cast<int>((end - start).norm() / spacing_m) + 1;
     for (int step = 0; step <= num_steps; ++step) {
       const Eigen::Vector2d p = start + (end - start) * step / num_steps;
-      const int place = static_cast<int>(std::floor(along.dot(p) / spacing_m));
-      if (!seen.insert({wall.id, place}).second) continue;
-      view.spots.push_back(
-          {(place + 0.5) * spacing_m * along + wall.Distance() * normal, normal});
+      const auto [place, spot] = SpotOn(wall, p, spacing_m);
+      if (seen.insert({wall.id, place}).second) view.spots.push_back(spot);
     }
     if (num_on_walls++ % kBeamStride == 0) {
       view.beams.push_back({scanner.head<2>(), 0.5 * (start + end)});

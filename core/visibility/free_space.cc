@@ -44,7 +44,7 @@ Eigen::Vector2d PointFollowed(const Observation& observation) {
 // nothing elsewhere.
 std::optional<CellGrid::Cell> MiddleCell(const PatchExtent& extent,
                                          const Eigen::Vector3d& p_world) {
-  const Eigen::Vector2d p = extent.axes().Project(p_world);
+  const Eigen::Vector2d p = extent.Project(p_world);
   const double low = extent.min_corner().x();
   const double high = extent.max_corner().x();
   if (std::abs(p.x() - 0.5 * (low + high)) > 0.5 * kMiddleShare * (high - low)) {
@@ -54,27 +54,43 @@ std::optional<CellGrid::Cell> MiddleCell(const PatchExtent& extent,
   return extent.cells().Count(cell) > 0 ? std::optional<CellGrid::Cell>(cell) : std::nullopt;
 }
 
-// Counts the beam where it crosses a landmark's patch, well away from the plane at both of its
-// ends.
-void CountPassage(const LandmarkView& plane,
+// Where a beam whose ends lie on two sides of a surface, at signed distances start and end,
+// crosses it: the share of the beam up to there. Along the beam, the distance is
+// start + slope s + bow s^2.
+double CrossingShare(double start, double end, double bow) {
+  const double slope = end - start - bow;
+  const double root = std::sqrt(slope * slope - 4.0 * bow * start);
+  return 2.0 * start / (std::copysign(root, start) - slope);
+}
+
+// Counts the beam where it crosses a landmark's patch, well away from the surface at both of
+// its ends.
+void CountPassage(const LandmarkView& surface,
                   const Eigen::Vector3d& start_world,
                   const Eigen::Vector3d& end_world,
                   double margin_m,
                   CellGrid* passages) {
-  const double start = plane.SignedDistance(start_world);
-  const double end = plane.SignedDistance(end_world);
+  const double start = surface.SignedDistance(start_world);
+  const double end = surface.SignedDistance(end_world);
   if (std::abs(start) < margin_m || std::abs(end) < margin_m || start * end > 0.0) return;
-  const Eigen::Vector3d at = start_world + start / (start - end) * (end_world - start_world);
-  const auto cell = MiddleCell(plane.landmark->extent, at);
+  const Eigen::Vector3d along = end_world - start_world;
+  const double bow = 0.5 * surface.curvature * along.head<2>().squaredNorm();
+  const Eigen::Vector3d at = start_world + CrossingShare(start, end, bow) * along;
+  const auto cell = MiddleCell(surface.landmark->extent, at);
   if (cell) passages->Add(*cell, kBeamsPerSegment);
 }
 
-// A box on the floor plan around the points of a plane for which MiddleCell() may find a cell.
+// A box on the floor plan around the points of a surface for which MiddleCell() may find a
+// cell.
 Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
   constexpr double kRim = 0.5;  // m, more than a cell
   const PatchExtent& extent = plane.landmark->extent;
   Eigen::AlignedBox2d box;
   if (extent.empty()) return box;
+  if (plane.is_curved) {
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(plane.radius_m + kRim);
+    return {plane.centre_world.head<2>() - reach, plane.centre_world.head<2>() + reach};
+  }
   // Of the width only the middle counts.
   const double width = extent.max_corner().x() - extent.min_corner().x();
   const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
@@ -106,11 +122,7 @@ std::vector<bool> FindPassedThrough(const Rig& rig, const MapState& state) {
   std::vector<CellGrid> passages(state.landmarks.size());
   LoopClosureOptions no_gap;
   no_gap.enabled = true;
-  std::vector<LandmarkView> planes = ViewsWithinGap(state.landmarks, 0, no_gap);
-  planes.erase(std::remove_if(planes.begin(),
-                              planes.end(),
-                              [](const LandmarkView& plane) { return plane.is_curved; }),
-               planes.end());
+  const std::vector<LandmarkView> planes = ViewsWithinGap(state.landmarks, 0, no_gap);
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const LandmarkView& plane : planes) boxes.push_back(PlanBox(plane));
   PlanGrid grid(boxes);

@@ -282,7 +282,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
     if (!at) continue;
     is_opening = true;
     if (!is_close) {
-      if (!extent.Contains(extent.axes().Project(*at), 0.0)) break;
+      if (!extent.Contains(extent.Project(*at), 0.0)) break;
       if ((*at - last).norm() < kSpacing) continue;
     }
     grids->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);

@@ -49,7 +49,7 @@ void OccupancyGrids::Count(const Landmark& landmark,
                            int num_beams,
                            CellGrid Counts::*grid) {
   const PatchExtent& extent = landmark.extent;
-  const Eigen::Vector2d uv = extent.axes().Project(p_world);
+  const Eigen::Vector2d uv = extent.Project(p_world);
   if (!extent.Contains(uv, kMargin)) return;
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);

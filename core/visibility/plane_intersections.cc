@@ -69,7 +69,7 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
       own.plane.is_vertical && other.is_vertical && outwards.allFinite();
   const bool goes_on = at_upright_edge
                            ? own_extent.GoesOnBeyond(at_world, outwards)
-                           : own_extent.Contains(own_extent.axes().Project(at_world), -kRim);
+                           : own_extent.Contains(own_extent.Project(at_world), -kRim);
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
   return PlaneIntersection{static_cast<int>(std::floor(beyond)),
                            other_trace,

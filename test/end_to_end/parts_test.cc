@@ -62,6 +62,25 @@ TEST_F(PartsTest, OfOneRoomAreOneMap) {
   }
 }
 
+// The room has one curved wall, which both parts see.
+TEST_F(PartsTest, OfOneRoomShareACurvedWall) {
+  const SimulatedRecording recording = SimulateWithGap(
+      "floor_height_m: 0.0\nceiling_height_m: 2.7\noutlines:\n"
+      "  - corners: [[0.0, 0.0], [4.0, -1.2], [7.5, 0.5], [7.8, 4.2], "
+      "{through: [4.4, 6.4], to: [0.3, 4.4]}]\n",
+      HexagonWalk(14.0, 0.8));
+  const Summary summary = Map();
+  EXPECT_TRUE(summary.parts.empty());
+  EXPECT_EQ(summary.gaps.size(), 1u);
+  EXPECT_EQ(summary.consistency.verdict, Verdict::kConsistent);
+  const std::vector<PlanePatch> surfaces = ReadPlanes(Path("result/planes.json"));
+  EXPECT_EQ(surfaces.size(), recording.truth_planes.size());
+  const auto is_curved = [](const PlanePatch& surface) {
+    return surface.type == PlaneType::kCylinder;
+  };
+  EXPECT_EQ(std::count_if(surfaces.begin(), surfaces.end(), is_curved), 1);
+}
+
 // In six seconds the rig may have come to another room that looks like this one: two maps, and
 // where the second one would lie by its walls.
 TEST_F(PartsTest, OfOneRoomStayApartAfterALongGap) {

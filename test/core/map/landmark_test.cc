@@ -47,7 +47,7 @@ TEST(PatchExtentTest, FollowsAnArc) {
     for (const double u : {-9.0, -2.0, 0.0, 3.0, 12.0}) {
       const Eigen::Vector3d p = extent.ToWorld({u, 0.7});
       EXPECT_NEAR((p - axis).head<2>().norm(), 4.0, 1e-12);
-      EXPECT_LT((extent.axes().Project(p) - Eigen::Vector2d(u, 0.7)).norm(), 1e-12);
+      EXPECT_LT((extent.Project(p) - Eigen::Vector2d(u, 0.7)).norm(), 1e-12);
     }
     // Across the far side of the full circle the way from one end to the other is short.
     const double half = 4.0 * M_PI;

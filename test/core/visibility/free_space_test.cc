@@ -58,6 +58,35 @@ TEST_F(VisibilityTest, FindsWhatBeamsPassThrough) {
       << phantom << beside << behind;
 }
 
+// An arc whose axis is the scanner, from -90 to 90 degrees: its ends lie beyond a quarter of
+// the circle from the place that it was founded at.
+TEST_F(VisibilityTest, FindsCurvedSurfacesThatBeamsPassThrough) {
+  constexpr double kRadius = 4.0;  // m
+  const int far = AddWall(40.0, -30.0, 30.0);
+  for (const bool founded_at_its_end : {false, true}) {
+    const double founded_at = founded_at_its_end ? -M_PI / 2.0 : 0.0;
+    const auto at = [&](double angle) {
+      return Eigen::Vector3d(kRadius * std::cos(angle), kRadius * std::sin(angle), 0.0);
+    };
+    Landmark arc =
+        MakeCylinderLandmark(-at(founded_at) / kRadius, -1.0 / kRadius, at(founded_at));
+    arc.id = static_cast<int>(state_.landmarks.size());
+    arc.num_segments = 1;
+    for (double angle = -M_PI / 2.0; angle < M_PI / 2.0; angle += 0.02) {
+      arc.extent.AddSegment(at(angle), at(angle + 0.02));
+    }
+    EXPECT_NEAR(arc.Width(), M_PI * kRadius, 0.1);
+    state_.landmarks.push_back(arc);
+  }
+  EXPECT_EQ(FindPassedThrough(rig_, state_), (std::vector<bool>{false, false, false}));
+  // These beams pass the arcs within 14 degrees of their middle, of 90: a door.
+  for (double y = -10.0; y < 10.0; y += 0.5) See(far, 40.0, y, y, 12);
+  EXPECT_EQ(FindPassedThrough(rig_, state_), (std::vector<bool>{false, false, false}));
+  const int side = AddWall(8.0, -30.0, 30.0);
+  for (double y = -30.0; y < 30.0; y += 0.25) See(side, 8.0, y, y, 12);
+  EXPECT_EQ(FindPassedThrough(rig_, state_), (std::vector<bool>{false, true, true, false}));
+}
+
 TEST_F(VisibilityTest, FewBeamsAreNoEvidence) {
   const int far = AddWall(40.0, -10.0, 10.0);
   AddWall(20.0, -1.0, 1.0);
