@@ -6,6 +6,7 @@ packages=(
   build-essential
   ccache
   cmake
+  file
   libbenchmark-dev
   libbz2-dev
   libceres-dev
