@@ -15,7 +15,8 @@ Installs a minimal Debian 12 with debootstrap, and in copies of it
      against libplumbline-dev;
   2. installs the package plumbline, and simulates, maps and evaluates a room.
 
-Needs root, debootstrap and git, 8 GB of disk and half an hour to two hours.
+Needs root, debootstrap and git, 8 GB of disk and half an hour to two hours. Where there is
+lintian, it judges the packages.
 
   MIRROR    archive of Debian packages (http://...), such as that in /etc/apt/sources.list
   --work    where the directories are made, and kept; without it a temporary place that is removed
@@ -103,6 +104,9 @@ step "The packages"
 inside "$work/builder" cmake -S /plumbline -B /plumbline/build -DPLUMBLINE_BUILD_TESTS=OFF
 inside "$work/builder" /plumbline/scripts/build.sh
 inside "$work/builder" /bin/sh -c "cd /plumbline/build && cpack"
+if command -v lintian > /dev/null; then
+  lintian --allow-root --fail-on=error,warning "$work"/builder/plumbline/build/packages/*.deb
+fi
 inside "$work/builder" /bin/sh -c "apt-get install --yes --no-install-recommends /plumbline/build/packages/*.deb"
 inside "$work/builder" cmake -S /usr/share/plumbline/docs/example -B /tmp/example
 inside "$work/builder" cmake --build /tmp/example

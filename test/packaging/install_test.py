@@ -67,6 +67,40 @@ class InstallTest(unittest.TestCase):
         run("cmake", "--build", build)
         return build / target
 
+    def test_nothing_is_compiled_for_one_kind_of_processor(self):
+        commands = json.loads((BUILD / "compile_commands.json").read_text())
+        self.assertTrue(commands)
+        for command in commands:
+            self.assertNotRegex(command["command"], r" -m(arch|tune|cpu|avx|sse|fma|bmi)")
+
+    def test_debian_packages(self):
+        if not (shutil.which("dpkg-shlibdeps") and shutil.which("file")):
+            self.skipTest("no dpkg-shlibdeps or no file")
+        packages = self.directory / "packages"
+        run("cpack", "-G", "DEB", "-B", packages, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", cwd=BUILD)
+        programs, libraries = sorted(packages.glob("*.deb"), reverse=True)
+        self.assertRegex(programs.name, r"^plumbline_\d+\.\d+\.\d+_amd64\.deb$")
+        self.assertRegex(libraries.name, r"^libplumbline-dev_\d+\.\d+\.\d+_amd64\.deb$")
+        depends = run("dpkg-deb", "-f", programs, "Depends")
+        for library in ("libc6 (", "libjemalloc2", "libgflags", "libtbb"):
+            self.assertIn(library, depends)
+        self.assertNotIn("-dev", depends)
+        self.assertLess(programs.stat().st_size, 20e6)
+        self.check_content(programs, "plumbline")
+        self.check_content(libraries, "libplumbline-dev")
+
+    def check_content(self, package, name):
+        """Holds a package's files against the installed ones."""
+        listed = run("dpkg-deb", "--contents", package)
+        self.assertIn(f"./usr/share/doc/{name}/copyright", listed)
+        files = {pathlib.PurePosixPath(line.split()[-1]).relative_to("usr")
+                 for line in listed.splitlines() if not line.endswith("/")}
+        installed = {path.relative_to(self.prefix) for path in self.prefix.rglob("*") if path.is_file()}
+        self.assertEqual(files - installed, set())
+        wanted = "bin" if name == "plumbline" else "lib"
+        self.assertEqual({path for path in installed if path.parts[0] == wanted},
+                         {path for path in files if path.parts[0] == wanted})
+
     def test_all_programs_are_there_and_say_their_version(self):
         self.assertEqual(sorted(path.name for path in (self.prefix / "bin").iterdir()), PROGRAMS)
         for name in PROGRAMS:
