@@ -1,6 +1,8 @@
 # What `cmake --install` puts where. Components: `runtime`, the programs and what they need, and
 # `development`, headers and libraries for other projects.
 
+include(${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)
+
 # Installs a library of plumbline_add_library with its headers. Rooms of simulation/ need more
 # libraries of others, so they are a component of the CMake package that has to be asked for.
 function(plumbline_install_library name)
@@ -12,9 +14,12 @@ function(plumbline_install_library name)
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${exported})
   add_library(plumbline::${exported} ALIAS ${name})
   set(export_set plumblineTargets)
+  set(part CORE)
   if(folder MATCHES "^simulation/")
     set(export_set plumblineSimulationTargets)
+    set(part SIMULATION)
   endif()
+  plumbline_note_dependencies(${name} ${part})
   install(TARGETS ${name} EXPORT ${export_set}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumbline COMPONENT development)
   file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
@@ -48,6 +53,8 @@ function(plumbline_install_package)
     install(EXPORT ${export_set}
       NAMESPACE plumbline:: DESTINATION ${destination} COMPONENT development)
   endforeach()
+  plumbline_get_dependencies(PLUMBLINE_FIND_CORE CORE CMAKE "\n")
+  plumbline_get_dependencies(PLUMBLINE_FIND_SIMULATION SIMULATION CMAKE "\n  ")
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/plumblineConfig.cmake.in
     ${PROJECT_BINARY_DIR}/plumblineConfig.cmake
     INSTALL_DESTINATION ${destination}

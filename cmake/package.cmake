@@ -37,11 +37,9 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 "maps building interiors in 3D from 2D laser scanners - libraries
 Headers, static libraries and the CMake package of plumbline, which maps the
 inside of buildings from the scan lines of several 2D laser scanners.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libbz2-dev, libceres-dev, libeigen3-dev, libgoogle-glog-dev, liblz4-dev, libpcl-dev, \
-libtbb-dev, libyaml-cpp-dev, nlohmann-json3-dev")
+plumbline_get_dependencies(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS CORE DEBIAN ", ")
 # Only who asks CMake for the component `simulation` needs these.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "libcgal-dev, librosbag-storage-dev")
+plumbline_get_dependencies(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS SIMULATION DEBIAN ", ")
 
 # What every Debian package has: its licence, and what changed.
 find_program(GZIP gzip REQUIRED)

@@ -3,8 +3,8 @@
 
     flag_pages.py PROGRAM [--man=PAGE.1.gz] [--completion=FILE]
 
-Asks the program for its flags with --helpxml. The man page's date is that of the newest commit, or of
-SOURCE_DATE_EPOCH, so that the same source gives the same bytes.
+Asks the program for its flags with --helpxml. The man page's date is that of the newest commit, or
+of SOURCE_DATE_EPOCH, so that the same source gives the same bytes.
 """
 
 import argparse
@@ -24,8 +24,13 @@ EXIT_CODES = (
     ("0", "The work is done."),
     ("1", "The input is bad or the estimation failed. One line on stderr says why; no file is left "
           "half written."),
-    ("2", "The flags are wrong."),
-    ("3", "A map was written that contradicts the scans it was made from. Do not trust it."))
+    ("2", "The flags are wrong."))
+# What the exit code 3 of a program says, where it has one.
+EXIT_CODE_3 = {
+    "plumbline_map": "A map was written that contradicts the scans it was made from. Do not trust "
+                     "it.",
+    "plumbline_check": "The recording can not be mapped as it is.",
+}
 
 COMPLETION = '''# bash completion of {program}, made from its flags.
 
@@ -52,10 +57,20 @@ _{program}() {{
     {others})
       return ;;
   esac
-  mapfile -t COMPREPLY < <(compgen -W "{words}" -- "$current")
+{alone}  mapfile -t COMPREPLY < <(compgen -W "{words}" -- "$current")
   [[ ${{#COMPREPLY[@]}} -eq 1 && ${{COMPREPLY[0]}} == *= ]] && compopt -o nospace
 }}
 complete -F _{program} {program}
+'''
+
+
+# The value of a flag whose meaning says so may stand without it.
+ALONE = "without the flag"
+COMPLETION_OF_ALONE = '''  if [[ $current != -* ]]; then
+    compopt -o filenames
+    mapfile -t COMPREPLY < <(compgen {kind} -- "$current")
+    return
+  fi
 '''
 
 
@@ -126,7 +141,10 @@ def man_page(program, date, others):
                           ("version", "Prints the version, and the commit that was built.")):
         lines += [".TP", f"\\fB{roff('--' + name)}\\fR", meaning]
     lines.append(".SH EXIT STATUS")
-    for code, meaning in EXIT_CODES:
+    codes = EXIT_CODES
+    if program.name in EXIT_CODE_3:
+        codes += (("3", EXIT_CODE_3[program.name]),)
+    for code, meaning in codes:
         lines += [".TP", f".B {code}", roff(meaning)]
     lines += [".SH ENVIRONMENT", ".TP", ".B NO_COLOR",
               "If it is set to anything but nothing, there are no colours on a terminal.",
@@ -142,9 +160,11 @@ def completion(program):
         # None may match: a program may have no flag of a kind.
         return "|".join([f"-{flag.name}" for flag in program.flags if flag.kind in kinds]) or "-"
 
+    alone = "".join(COMPLETION_OF_ALONE.format(kind="-d" if flag.kind == "directory" else "-f")
+                    for flag in program.flags if ALONE in flag.meaning)
     words = [f"--{flag.name}" + ("" if flag.kind == "bool" else "=") for flag in program.flags]
     return COMPLETION.format(program=program.name, directories=names({"directory"}),
-                             files=names({"file"}), others=names({"text", "number"}),
+                             files=names({"file"}), others=names({"text", "number"}), alone=alone,
                              words=" ".join(words + ["--help", "--version"]))
 
 
@@ -173,8 +193,8 @@ def main():
     parser.add_argument("--man", type=pathlib.Path, help="gzipped man page to write")
     parser.add_argument("--completion", type=pathlib.Path, help="completion for bash to write")
     arguments = parser.parse_args()
-    result = subprocess.run([arguments.program.resolve(), "--helpxml"], capture_output=True, text=True,
-                            check=False)
+    result = subprocess.run([arguments.program.resolve(), "--helpxml"], capture_output=True,
+                            text=True, check=False)
     if result.returncode != 0:
         sys.exit(f"{arguments.program} --helpxml failed: {result.stderr.strip()}")
     program = Program(result.stdout)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Installs the build below a temporary prefix and uses it as others do: programs, pages, completion, and
-projects of their own that link the libraries. Argument: the build directory."""
+"""Installs the build below a temporary prefix and uses it as others do: programs, pages, completion,
+and projects of their own that link the libraries. Argument: the build directory."""
 
 import gzip
 import json
@@ -16,8 +16,8 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = None
 PROGRAMS = sorted(path.stem for path in (ROOT / "apps").glob("plumbline_*.cc"))
-# Prints what bash offers for the word that the cursor is in: arguments are the completion's file, and
-# the words. The words are split as bash splits them, at "=".
+# Prints what bash offers for the word that the cursor is in: arguments are the completion's file,
+# and the words. The words are split as bash splits them, at "=".
 COMPLETE = """
 source "$1"; shift
 COMP_WORDS=()
@@ -77,7 +77,8 @@ class InstallTest(unittest.TestCase):
         if not (shutil.which("dpkg-shlibdeps") and shutil.which("file")):
             self.skipTest("no dpkg-shlibdeps or no file")
         packages = self.directory / "packages"
-        run("cpack", "-G", "DEB", "-B", packages, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", cwd=BUILD)
+        run("cpack", "-G", "DEB", "-B", packages, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip",
+            cwd=BUILD)
         programs, libraries = sorted(packages.glob("*.deb"), reverse=True)
         self.assertRegex(programs.name, r"^plumbline_\d+\.\d+\.\d+_amd64\.deb$")
         self.assertRegex(libraries.name, r"^libplumbline-dev_\d+\.\d+\.\d+_amd64\.deb$")
@@ -95,7 +96,8 @@ class InstallTest(unittest.TestCase):
         self.assertIn(f"./usr/share/doc/{name}/copyright", listed)
         files = {pathlib.PurePosixPath(line.split()[-1]).relative_to("usr")
                  for line in listed.splitlines() if not line.endswith("/")}
-        installed = {path.relative_to(self.prefix) for path in self.prefix.rglob("*") if path.is_file()}
+        installed = {path.relative_to(self.prefix) for path in self.prefix.rglob("*")
+                     if path.is_file()}
         self.assertEqual(files - installed, set())
         wanted = "bin" if name == "plumbline" else "lib"
         self.assertEqual({path for path in installed if path.parts[0] == wanted},

@@ -64,6 +64,16 @@ class FlagPagesTest(unittest.TestCase):
         self.assertIn("--input= --output= --title= --fast --count= --help --version",
                       self.completion.read_text())
 
+    def test_what_may_stand_without_its_flag_is_completed(self):
+        self.make()
+        without = self.completion.read_text()
+        self.make("cat << 'END'\n" + HELP.replace("directory for it", "directory, also without the flag") +
+                  "END\n")
+        subprocess.run(["bash", "-n", self.completion], check=True)
+        self.assertNotIn('if [[ $current != -* ]]', without)
+        self.assertIn('if [[ $current != -* ]]; then\n    compopt -o filenames\n    '
+                      'mapfile -t COMPREPLY < <(compgen -d', self.completion.read_text())
+
     def test_the_same_flags_give_the_same_bytes(self):
         self.make()
         first = self.man.read_bytes()
