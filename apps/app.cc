@@ -12,7 +12,7 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "apps/help_xml.h"
+#include "apps/help.h"
 #include "apps/terminal.h"
 #include "apps/version.h"
 
@@ -61,40 +61,16 @@ std::string ParseFlags(int argc, char** argv) {
   return "";
 }
 
+// As wide as the terminal, but no wider than what reads well.
+size_t HelpWidth() {
+  constexpr size_t kWidest = 100;
+  return IsTerminal(stdout) ? std::min(Columns(STDOUT_FILENO), kWidest) : kWidest;
+}
+
 void PrintVersion(const std::string& program) {
   std::cout << program << ' ' << Version();
   if (*Commit() != '\0') std::cout << " (commit " << Commit() << ')';
   std::cout << '\n';
-}
-
-void PrintHelp(const std::string& program,
-               const std::string& purpose,
-               const std::string& source_file,
-               const std::vector<std::string>& required_flags) {
-  std::cout << program << ": " << purpose << "\n\nUsage: " << program;
-  for (const std::string& flag : required_flags) std::cout << " --" << flag << "=...";
-  std::cout << " [other flags]\n\nFlags:\n";
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  flags.erase(std::remove_if(flags.begin(),
-                             flags.end(),
-                             [&](const auto& flag) { return flag.filename != source_file; }),
-              flags.end());
-  size_t width = 0;
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    width = std::max(width, flag.name.size());
-  }
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    const bool is_required =
-        std::find(required_flags.begin(), required_flags.end(), flag.name) !=
-        required_flags.end();
-    std::cout << "  --" << flag.name << std::string(width + 2 - flag.name.size(), ' ')
-              << flag.description;
-    if (is_required) std::cout << " (required)";
-    if (!flag.default_value.empty()) std::cout << " (default: " << flag.default_value << ")";
-    std::cout << '\n';
-  }
-  std::cout << "\nThe files are described in docs/inputs.md and docs/outputs.md.\n";
 }
 
 }  // namespace
@@ -110,10 +86,9 @@ int RunApp(int argc,
   try {
     const std::string wish = ParseFlags(argc, argv);
     if (wish == "version") PrintVersion(program);
-    if (wish == "help") PrintHelp(program, purpose, source_file, required_flags);
-    if (wish == "helpxml") {
-      std::cout << HelpXml(program, purpose, source_file, required_flags);
-    }
+    const Help help = {program, purpose, source_file, required_flags};
+    if (wish == "help") std::cout << HelpText(help, HelpWidth());
+    if (wish == "helpxml") std::cout << HelpXml(help);
     if (!wish.empty()) return 0;
     for (const std::string& name : required_flags) {
       if (gflags::GetCommandLineFlagInfoOrDie(name.c_str()).current_value.empty()) {

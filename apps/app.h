@@ -7,7 +7,7 @@
 namespace plumbline {
 
 // Does what every app does around its work, and returns the exit code: 0 after --help, which
-// shows the flags that source_file defines, after --helpxml (apps/help_xml.h) and --version; 2
+// shows the flags that source_file defines, after --helpxml (apps/help.h) and --version; 2
 // after wrong usage (an unknown flag, a bad value, a missing required flag, a stray argument);
 // 0 after run(), or 1 when run() throws. Errors are one line on stderr.
 int RunApp(int argc,

@@ -15,13 +15,6 @@ constexpr char kClearLine[] = "\r\033[K";
 std::mutex mutex;         // guards what is written, and:
 std::string status_line;  // what stands in the terminal's last line
 
-// The columns of stderr's terminal; 80 where it does not tell.
-size_t Columns() {
-  winsize size{};
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
-  return size.ws_col;
-}
-
 // glog's messages, on their way to stderr.
 class TerminalSink : public google::LogSink {
  public:
@@ -54,6 +47,12 @@ bool IsTerminal(FILE* stream) {
   return isatty(fileno(stream)) == 1 && terminal != nullptr && std::string(terminal) != "dumb";
 }
 
+size_t Columns(int descriptor) {
+  winsize size{};
+  if (ioctl(descriptor, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
+  return size.ws_col;
+}
+
 std::string Coloured(const std::string& text, Colour colour, FILE* stream) {
   const char* no_colour = std::getenv("NO_COLOR");
   if (!IsTerminal(stream) || (no_colour != nullptr && *no_colour != '\0')) return text;
@@ -65,7 +64,7 @@ void ShowStatus(const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex);
   if (text.empty() && status_line.empty()) return;
   // A line that reached the last column would wrap, and could not be rewritten.
-  status_line = text.substr(0, Columns() - 1);
+  status_line = text.substr(0, Columns(STDERR_FILENO) - 1);
   std::fprintf(stderr, "%s%s", kClearLine, status_line.c_str());
 }
 

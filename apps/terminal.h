@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
@@ -13,6 +14,9 @@ enum class Colour { kGreen, kYellow, kRed };
 
 // Whether a stream is a terminal that can rewrite a line (TERM is not "dumb").
 bool IsTerminal(FILE* stream);
+
+// Returns how many columns the terminal of a file descriptor has; 80 where it does not tell.
+size_t Columns(int descriptor);
 
 // Returns the text in a colour where the stream is a terminal and the user has not asked for
 // none (NO_COLOR, https://no-color.org), else the text.

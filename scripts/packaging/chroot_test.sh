@@ -81,6 +81,8 @@ inside() {
 make_machine() {  # its name
   [[ -e "$work/$1" ]] && fail "$work/$1 is there already"
   cp -a "$work/bare" "$work/$1"
+  # What is lost with a crash of the machine is made again.
+  echo force-unsafe-io > "$work/$1/etc/dpkg/dpkg.cfg.d/unsafe-io"
   mount_into /proc "$work/$1/proc"
   mount_into /dev "$work/$1/dev"
 }

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
+#include "apps/help.h"
 #include "core/util/error.h"
 
 DEFINE_string(recording, "", "a flag that has to be given");
@@ -66,6 +69,21 @@ TEST(AppTest, HelpShowsOurFlagsOnly) {
   EXPECT_FALSE(outcome.ran);
   EXPECT_NE(outcome.out.find("--threads"), std::string::npos);
   EXPECT_EQ(outcome.out.find("logtostderr"), std::string::npos);
+}
+
+TEST(AppTest, HelpIsAsWideAsAsked) {
+  const Help help = {"some_app", "does something that takes a few words to say", __FILE__, {}};
+  std::istringstream lines(HelpText(help, 40));
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 40u) << line;
+  }
+  EXPECT_THAT(HelpText(help, 40),
+              HasSubstr("some_app: does something that takes a\nfew words to say\n"));
+  EXPECT_THAT(HelpText(help, 40),
+              HasSubstr("  --recording  a flag that has to be\n"
+                        "               given\n"
+                        "  --threads    a number, < 9 & > 0\n"
+                        "               (default: 1)\n"));
 }
 
 TEST(AppTest, HelpForProgramsIsXmlOfOurFlags) {
