@@ -2,6 +2,7 @@
 """Installs the build below a temporary prefix and uses it as others do: programs, pages, completion,
 and projects of their own that link the libraries. Argument: the build directory."""
 
+import email.utils
 import gzip
 import json
 import os
@@ -12,6 +13,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = None
@@ -108,6 +111,17 @@ class InstallTest(unittest.TestCase):
         for name in PROGRAMS:
             self.assertRegex(run(self.program(name), "--version"),
                              rf"^{name} \d+\.\d+\.\d+( \(commit [0-9a-f]+\+?\))?\n$")
+
+    def test_version_and_day_of_the_release_are_the_same_everywhere(self):
+        version = run(self.program("plumbline_map"), "--version").split()[1]
+        citation = yaml.safe_load((self.data / "CITATION.cff").read_text())
+        self.assertEqual(citation["version"], version)
+        newest = re.search(r"(?m)^## (\S+) \((\S+)\)$", (self.data / "CHANGELOG.md").read_text())
+        self.assertEqual(newest[1], version)
+        debian = gzip.decompress((self.prefix / "share/doc/plumbline/changelog.gz").read_bytes()).decode()
+        self.assertTrue(debian.startswith(f"plumbline ({version}) "))
+        day = email.utils.parsedate_to_datetime(re.search(r"(?m)^ -- .*>  (.*)$", debian)[1])
+        self.assertEqual(newest[2], day.date().isoformat())
 
     def test_licence_and_pages_lie_beside_the_settings_as_their_links_say(self):
         for name in ("LICENSE", "CHANGELOG.md", "CITATION.cff", "README.md", "docs/inputs.md",
