@@ -32,8 +32,10 @@ Progress::~Progress() {
 void Progress::Report(const ProgressState& state) {
   const Clock::time_point now = Clock::now();
   const std::chrono::duration<double> since_report = now - last_report_;
-  if (since_report.count() < (is_terminal_ ? 0.2 : 10.0)) return;
+  const bool is_new_stage = is_terminal_ && stage_ != state.stage;
+  if (!is_new_stage && since_report.count() < (is_terminal_ ? 0.1 : 10.0)) return;
   last_report_ = now;
+  stage_ = state.stage;
   const std::string line =
       ProgressLine(job_, state, std::chrono::duration<double>(now - start_).count());
   if (is_terminal_) {
@@ -49,7 +51,8 @@ std::string ProgressLine(const std::string& job,
   char share[16];
   std::snprintf(share, sizeof(share), "%3.0f %%", 100.0 * state.share_done);
   std::string line = job + ": " + state.stage + (*state.stage != '\0' ? ", " : "") + share;
-  if (state.share_done <= 0.0) return line;
+  constexpr double kTooShortS = 0.1;  // to tell anything of the whole
+  if (state.share_done <= 0.0 || elapsed_s < kTooShortS) return line;
   const double total_s = elapsed_s / state.share_done;
   if (state.recording_s > 0.0 && total_s > 0.0) {
     char speed[64];

@@ -22,6 +22,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   std::string job_;
+  std::string stage_;  // of the last report
   bool is_terminal_;
   Clock::time_point start_;
   Clock::time_point last_report_;

@@ -12,8 +12,13 @@ namespace {
 
 constexpr char kClearLine[] = "\r\033[K";
 
-std::mutex mutex;         // guards what is written, and:
-std::string status_line;  // what stands in the terminal's last line
+std::mutex mutex;  // guards what is written, and the status line
+
+// What stands in the terminal's last line. Never destroyed: messages may come up to the end.
+std::string& StatusLine() {
+  static auto* const line = new std::string;
+  return *line;
+}
 
 // glog's messages, on their way to stderr.
 class TerminalSink : public google::LogSink {
@@ -62,18 +67,18 @@ std::string Coloured(const std::string& text, Colour colour, FILE* stream) {
 
 void ShowStatus(const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex);
-  if (text.empty() && status_line.empty()) return;
+  if (text.empty() && StatusLine().empty()) return;
   // A line that reached the last column would wrap, and could not be rewritten.
-  status_line = text.substr(0, Columns(STDERR_FILENO) - 1);
-  std::fprintf(stderr, "%s%s", kClearLine, status_line.c_str());
+  StatusLine() = text.substr(0, Columns(STDERR_FILENO) - 1);
+  std::fprintf(stderr, "%s%s", kClearLine, StatusLine().c_str());
 }
 
 void PrintOnStderr(const std::string& line) {
   const std::lock_guard<std::mutex> lock(mutex);
-  if (status_line.empty()) {
+  if (StatusLine().empty()) {
     std::fprintf(stderr, "%s\n", line.c_str());
   } else {
-    std::fprintf(stderr, "%s%s\n%s", kClearLine, line.c_str(), status_line.c_str());
+    std::fprintf(stderr, "%s%s\n%s", kClearLine, line.c_str(), StatusLine().c_str());
   }
 }
 

@@ -21,6 +21,8 @@ TEST(ProgressLineTest, SaysStageShareSpeedAndTimeLeft) {
 TEST(ProgressLineTest, LeavesOutWhatIsNotKnown) {
   EXPECT_EQ(ProgressLine("bound", 0.5, 4.0), "bound:  50 %, 4 s to go");
   EXPECT_EQ(ProgressLine("map", State(0.0, "following", 100.0), 1.0), "map: following,   0 %");
+  EXPECT_EQ(ProgressLine("map", State(0.1, "following", 100.0), 0.01),
+            "map: following,  10 %");
 }
 
 TEST(ProgressLineTest, LongTimesAreInMinutesAndHours) {

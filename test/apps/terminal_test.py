@@ -83,7 +83,8 @@ class TerminalTest(unittest.TestCase):
     def test_stages_of_a_map(self):
         code, text = run_on_terminal(self.map)
         self.assertEqual(code, 0, text)
-        self.assertRegex(text, r"map: following, +\d+ %, [\d.]+ times real time, \d+ s to go")
+        self.assertRegex(text, r"(?s)map: following, +\d+ %.*map: estimating, +\d+ %.*map: writing, +\d+ %")
+        self.assertRegex(text, r"map: \w+, +\d+ %, [\d.]+ times real time, \d+ s to go")
         self.assertNotRegex(shown(text), r"map: (following|estimating|writing)")
         # Messages without glog's time and place in the source.
         self.assertRegex(shown(text), r"(?m)^batch round 1: ")
