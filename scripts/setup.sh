@@ -13,6 +13,7 @@ packages=(
   libcgal-dev
   libeigen3-dev
   libgflags-dev
+  libgmock-dev
   libgoogle-glog-dev
   libgtest-dev
   libjemalloc-dev
