@@ -74,7 +74,7 @@ mount_into() {  # what is mounted, and where
 inside() {
   local directory=$1
   shift
-  chroot "$directory" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
+  chroot "$directory" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
     DEBIAN_FRONTEND=noninteractive CCACHE_BASEDIR=/plumbline CCACHE_NOHASHDIR=1 "$@"
 }
 
