@@ -85,6 +85,7 @@ make_machine() {  # its name
   echo force-unsafe-io > "$work/$1/etc/dpkg/dpkg.cfg.d/unsafe-io"
   mount_into /proc "$work/$1/proc"
   mount_into /dev "$work/$1/dev"
+  mount_into /dev/pts "$work/$1/dev/pts"
 }
 
 step "A bare Debian 12"
