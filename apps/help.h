@@ -18,10 +18,9 @@ struct Help {
 // longer.
 std::string HelpText(const Help& help, size_t width);
 
-// Returns what --helpxml prints: purpose and flags for other programs, in the XML of gflags'
-// own
-// --helpxml, of which man pages and completions are made. <required/> marks flags that have to
-// be given.
+// Returns what --helpxml prints: purpose and flags for other programs, as gflags' own
+// --helpxml does; man pages and completions are made of it. <required/> marks flags that have
+// to be given.
 std::string HelpXml(const Help& help);
 
 }  // namespace plumbline

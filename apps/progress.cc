@@ -30,6 +30,10 @@ Progress::~Progress() {
 }
 
 void Progress::Report(const ProgressState& state) {
+  if (state.share_done >= 1.0) {  // what follows is the outcome
+    if (is_terminal_) ShowStatus("");
+    return;
+  }
   const Clock::time_point now = Clock::now();
   const std::chrono::duration<double> since_report = now - last_report_;
   const bool is_new_stage = is_terminal_ && stage_ != state.stage;

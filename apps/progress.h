@@ -9,7 +9,7 @@ namespace plumbline {
 
 // Progress prints on stderr what a program is doing, how far it is, how fast compared with the
 // recording's time, and how long it will still take: on a terminal one line that is rewritten
-// and goes away at the end, a line every 10 s otherwise.
+// and goes away with the last report, a line every 10 s otherwise.
 class Progress {
  public:
   // job: what is done, in one word, such as "map".

@@ -8,7 +8,7 @@ set(PLUMBLINE_DEPENDENCIES
   "Ceres::ceres|find_dependency(Ceres)|libceres-dev"
   "Eigen3::Eigen|find_dependency(Eigen3)|libeigen3-dev"
   "PkgConfig::LIBDEFLATE|find_dependency(PkgConfig)
-pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)|libdeflate-dev"
+pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)|libdeflate-dev, pkgconf"
   "SQLite::SQLite3|find_dependency(SQLite3)|libsqlite3-dev"
   "TBB::tbb|find_dependency(TBB)|libtbb-dev"
   "boost_system||libboost-system-dev"
