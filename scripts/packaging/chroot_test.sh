@@ -15,8 +15,8 @@ Installs a minimal Debian 12 with debootstrap, and in copies of it
      against libplumbline-dev;
   2. installs the package plumbline, and simulates, maps and evaluates a room.
 
-Needs root, debootstrap and git, 8 GB of disk and half an hour to two hours. Where there is
-lintian, it judges the packages.
+Needs root, debootstrap and git, 6 GB of disk, a gigabyte to download and some minutes on a free
+machine. Where there is lintian, it judges the packages.
 
   MIRROR    archive of Debian packages (http://...), such as that in /etc/apt/sources.list
   --work    where the directories are made, and kept; without it a temporary place that is removed
