@@ -1,7 +1,6 @@
 #include "apps/app.h"
 
 #include <gflags/gflags.h>
-#include <glog/logging.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +12,10 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "apps/help.h"
+#include "apps/terminal.h"
+#include "apps/version.h"
+
 namespace plumbline {
 namespace {
 
@@ -21,9 +24,10 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Sets the flags from the command line; true when it asks for help. gflags' own parser leaves
-// with exit code 1 where ours has to be 2, and its help lists the flags of every library.
-bool ParseFlags(int argc, char** argv) {
+// Sets the flags from the command line. Returns "help", "helpxml" or "version" when it asks
+// for that instead of work, else nothing. gflags' own parser leaves with exit code 1 where
+// ours has to be 2, and its help lists the flags of every library.
+std::string ParseFlags(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const size_t name_start = argument.find_first_not_of('-');
@@ -34,7 +38,7 @@ bool ParseFlags(int argc, char** argv) {
     const bool has_value = equals != std::string::npos;
     std::string name = argument.substr(name_start, equals - name_start);
     std::string value = has_value ? argument.substr(equals + 1) : "";
-    if (name == "help") return true;
+    if (name == "help" || name == "helpxml" || name == "version") return name;
     gflags::CommandLineFlagInfo info;
     if (gflags::GetCommandLineFlagInfo(name.c_str(), &info)) {
       if (!has_value && info.type == "bool") value = "true";
@@ -54,37 +58,19 @@ bool ParseFlags(int argc, char** argv) {
       throw UsageError("flag --" + name + " does not take the value '" + value + "'");
     }
   }
-  return false;
+  return "";
 }
 
-void PrintHelp(const std::string& program,
-               const std::string& purpose,
-               const std::string& source_file,
-               const std::vector<std::string>& required_flags) {
-  std::cout << program << ": " << purpose << "\n\nUsage: " << program;
-  for (const std::string& flag : required_flags) std::cout << " --" << flag << "=...";
-  std::cout << " [other flags]\n\nFlags:\n";
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  flags.erase(std::remove_if(flags.begin(),
-                             flags.end(),
-                             [&](const auto& flag) { return flag.filename != source_file; }),
-              flags.end());
-  size_t width = 0;
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    width = std::max(width, flag.name.size());
-  }
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    const bool is_required =
-        std::find(required_flags.begin(), required_flags.end(), flag.name) !=
-        required_flags.end();
-    std::cout << "  --" << flag.name << std::string(width + 2 - flag.name.size(), ' ')
-              << flag.description;
-    if (is_required) std::cout << " (required)";
-    if (!flag.default_value.empty()) std::cout << " (default: " << flag.default_value << ")";
-    std::cout << '\n';
-  }
-  std::cout << "\nThe files are described in docs/inputs.md and docs/outputs.md.\n";
+// As wide as the terminal, but no wider than what reads well.
+size_t HelpWidth() {
+  constexpr size_t kWidest = 100;
+  return IsTerminal(stdout) ? std::min(Columns(STDOUT_FILENO), kWidest) : kWidest;
+}
+
+void PrintVersion(const std::string& program) {
+  std::cout << program << ' ' << Version();
+  if (*Commit() != '\0') std::cout << " (commit " << Commit() << ')';
+  std::cout << '\n';
 }
 
 }  // namespace
@@ -95,14 +81,15 @@ int RunApp(int argc,
            const std::string& source_file,
            const std::vector<std::string>& required_flags,
            const std::function<void()>& run) {
-  FLAGS_logtostderr = true;  // no log files
-  if (!google::IsGoogleLoggingInitialized()) google::InitGoogleLogging(argv[0]);
+  LogToTerminal(argv[0]);
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   try {
-    if (ParseFlags(argc, argv)) {
-      PrintHelp(program, purpose, source_file, required_flags);
-      return 0;
-    }
+    const std::string wish = ParseFlags(argc, argv);
+    if (wish == "version") PrintVersion(program);
+    const Help help = {program, purpose, source_file, required_flags};
+    if (wish == "help") std::cout << HelpText(help, HelpWidth());
+    if (wish == "helpxml") std::cout << HelpXml(help);
+    if (!wish.empty()) return 0;
     for (const std::string& name : required_flags) {
       if (gflags::GetCommandLineFlagInfoOrDie(name.c_str()).current_value.empty()) {
         throw UsageError("flag --" + name + " is missing");
@@ -111,10 +98,11 @@ int RunApp(int argc,
     run();
     return 0;
   } catch (const UsageError& error) {
-    std::cerr << program << ": " << error.what() << "; see " << program << " --help\n";
+    PrintOnStderr(Coloured(program + ": ", Colour::kRed, stderr) + error.what() + "; see " +
+                  program + " --help");
     return 2;
   } catch (const std::exception& error) {
-    std::cerr << program << ": " << error.what() << '\n';
+    PrintOnStderr(Coloured(program + ": ", Colour::kRed, stderr) + error.what());
     return 1;
   }
 }

@@ -7,9 +7,9 @@
 namespace plumbline {
 
 // Does what every app does around its work, and returns the exit code: 0 after --help, which
-// shows the flags that source_file defines; 2 after wrong usage (an unknown flag, a bad value,
-// a missing required flag, a stray argument); 0 after run(), or 1 when run() throws. Errors
-// are one line on stderr.
+// shows the flags that source_file defines, after --helpxml (apps/help.h) and --version; 2
+// after wrong usage (an unknown flag, a bad value, a missing required flag, a stray argument);
+// 0 after run(), or 1 when run() throws. Errors are one line on stderr.
 int RunApp(int argc,
            char** argv,
            const std::string& purpose,
@@ -17,8 +17,9 @@ int RunApp(int argc,
            const std::vector<std::string>& required_flags,
            const std::function<void()>& run);
 
-// Returns a function that says whether Ctrl-C or SIGTERM has asked the program to end early. Up to
-// its first call, both end the program at once, and so does the second of them afterwards.
+// Returns a function that says whether Ctrl-C or SIGTERM has asked the program to end early.
+// Up to its first call, both end the program at once, and so does the second of them
+// afterwards.
 std::function<bool()> StopSignals();
 
 }  // namespace plumbline

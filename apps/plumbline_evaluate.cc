@@ -23,5 +23,6 @@ int main(int argc, char** argv) {
             plumbline::Evaluate(plumbline::ReadEvaluationInput(FLAGS_result, FLAGS_truth), {});
         if (!FLAGS_output.empty()) plumbline::WriteEvaluation(evaluation, FLAGS_output);
         std::cout << plumbline::EvaluationTable(evaluation);
+        if (!FLAGS_output.empty()) std::cout << "Written to " << FLAGS_output << '\n';
       });
 }

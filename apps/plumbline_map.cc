@@ -7,6 +7,7 @@
 
 #include "apps/app.h"
 #include "apps/progress.h"
+#include "apps/terminal.h"
 #include "core/mapping/map_job.h"
 #include "core/result/closing_table.h"
 #include "core/result/result_reader.h"
@@ -46,23 +47,47 @@ namespace {
 // The exit code where a map was written that must not be trusted.
 constexpr int kContradictoryMap = 3;
 
+// The table with its verdict in a colour, on a terminal.
+std::string InColour(std::string table, plumbline::Verdict verdict) {
+  const std::string line = "Verdict: " + plumbline::VerdictName(verdict);
+  const size_t place = table.find(line);
+  if (place == std::string::npos) return table;
+  const plumbline::Colour colour =
+      verdict == plumbline::Verdict::kConsistent ? plumbline::Colour::kGreen
+      : verdict == plumbline::Verdict::kDoubtful ? plumbline::Colour::kYellow
+                                                 : plumbline::Colour::kRed;
+  return table.replace(place, line.size(), plumbline::Coloured(line, colour, stdout));
+}
+
 void Print(const plumbline::Summary& summary) {
   const std::string table =
       plumbline::ClosingTable(summary,
                               plumbline::ReadPlanes(FLAGS_output + "/planes.json"),
                               plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
                               FLAGS_output);
-  std::fputs(table.c_str(), stdout);
+  std::fputs(InColour(table, summary.consistency.verdict).c_str(), stdout);
+}
+
+plumbline::Summary Map() {
+  plumbline::Progress progress("map");
+  return plumbline::RunMapJob({FLAGS_recording,
+                               FLAGS_rig,
+                               FLAGS_config,
+                               FLAGS_output,
+                               FLAGS_threads,
+                               FLAGS_resume,
+                               FLAGS_checkpoint_after_s,
+                               plumbline::StopSignals()},
+                              [&](const auto& state) { progress.Report(state); });
 }
 
 // Says of a map that must not be trusted that it must not.
-void Warn(const char* which) {
+void Warn(const std::string& which) {
   std::fflush(stdout);
-  std::fprintf(
-      stderr,
-      "plumbline_map: %s was written, but it contradicts the scans it was made from: do "
-      "not trust it (the warnings say where and why)\n",
-      which);
+  plumbline::PrintOnStderr(
+      plumbline::Coloured("plumbline_map: ", plumbline::Colour::kRed, stderr) + which +
+      " was written, but it contradicts the scans it was made from: do not trust it (the "
+      "warnings say where and why)");
 }
 
 // Prints what came out, and returns the exit code.
@@ -75,7 +100,7 @@ int Report(const plumbline::Summary& summary) {
   }
   for (const plumbline::PartSummary& part : summary.parts) {
     if (part.folder == "." || part.verdict != plumbline::Verdict::kContradictory) continue;
-    Warn(part.folder.c_str());
+    Warn(part.folder);
     exit_code = kContradictoryMap;
   }
   return exit_code;
@@ -92,19 +117,6 @@ int main(int argc, char** argv) {
       "2D laser scanners",
       __FILE__,
       {"recording", "rig", "output"},
-      [&verdict_code] {
-        plumbline::Progress progress("map");
-        const plumbline::Summary summary =
-            plumbline::RunMapJob({FLAGS_recording,
-                                  FLAGS_rig,
-                                  FLAGS_config,
-                                  FLAGS_output,
-                                  FLAGS_threads,
-                                  FLAGS_resume,
-                                  FLAGS_checkpoint_after_s,
-                                  plumbline::StopSignals()},
-                                 [&](double share) { progress.Report(share); });
-        verdict_code = Report(summary);
-      });
+      [&verdict_code] { verdict_code = Report(Map()); });
   return exit_code == 0 ? verdict_code : exit_code;
 }

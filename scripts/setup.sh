@@ -6,12 +6,14 @@ packages=(
   build-essential
   ccache
   cmake
+  file
   libbenchmark-dev
   libbz2-dev
   libceres-dev
   libcgal-dev
   libeigen3-dev
   libgflags-dev
+  libgmock-dev
   libgoogle-glog-dev
   libgtest-dev
   libjemalloc-dev

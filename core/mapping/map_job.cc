@@ -33,6 +33,10 @@ namespace {
 
 constexpr double kMappingShare = 0.92;  // of the time, roughly; the rest is writing
 
+double RecordingLength(const RecordingReader& recording) {
+  return SecondsBetween(recording.start_ns(), recording.end_ns());
+}
+
 // Peak resident memory of this process.
 double PeakMemoryMb() {
   rusage usage{};
@@ -124,7 +128,7 @@ Summary Summarise(const RecordingReader& recording,
       [](const Observation& observation) { return observation.landmark_id >= 0; }));
   summary.control_points = result.state.trajectory.num_control_points();
   summary.variance_factor = result.batch.variance_factor;
-  summary.duration_s = SecondsBetween(recording.start_ns(), recording.end_ns());
+  summary.duration_s = RecordingLength(recording);
   Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
@@ -251,7 +255,10 @@ std::vector<Summary> WriteParts(const Rig& rig,
         parts[i],
         [&](double share) {
           const double done = (static_cast<double>(i) + share) / num_parts;
-          progress(kMappingShare + (1.0 - kMappingShare) * done);
+          ProgressState state(kMappingShare + (1.0 - kMappingShare) * done);
+          state.stage = "writing";
+          state.recording_s = RecordingLength(*recording);
+          progress(state);
         },
         recording,
         (*writers)[i].get(),
@@ -343,14 +350,18 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   RecordingReader recording(job.recording, rig);
   reading.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
-            << SecondsBetween(recording.start_ns(), recording.end_ns()) << " s";
+            << RecordingLength(recording) << " s";
   LogWarnings(recording.warnings());
   LogFreeSpace(output, job);
 
   const std::vector<MapResult> parts = MapRecording(
       rig,
       options,
-      [&](double share) { progress(kMappingShare * share); },
+      [&](ProgressState state) {
+        state.share_done *= kMappingShare;
+        state.recording_s = RecordingLength(recording);
+        progress(state);
+      },
       &recording,
       job.stop,
       checkpoint);

@@ -31,6 +31,18 @@ namespace {
 
 constexpr double kFollowingShare = 0.5;  // of the time, roughly: for progress
 
+// How far the mapping is once a share of the recording is followed, or of the parts estimated.
+ProgressState FollowingAt(double share_done) {
+  ProgressState state(kFollowingShare * share_done);
+  state.stage = "following";
+  return state;
+}
+ProgressState EstimatingAt(double share_done) {
+  ProgressState state(kFollowingShare + (1.0 - kFollowingShare) * share_done);
+  state.stage = "estimating";
+  return state;
+}
+
 // The planes of the last window estimate, as they are estimated now.
 PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const MapState& state) {
   if (estimates.empty()) return {};
@@ -129,7 +141,7 @@ FollowedRecording FollowRecording(const Rig& rig,
   {
     const Stopwatch::Running running(&tracking_watch);
     parts =
-        recording_follower.Run([&](double share) { progress(kFollowingShare * share); }, stop);
+        recording_follower.Run([&](double share) { progress(FollowingAt(share)); }, stop);
   }
   double segmentation_s = 0.0;
   FollowedRecording followed;
@@ -180,7 +192,7 @@ std::vector<MapResult> EstimateParts(const Rig& rig,
           options,
           [&](double share) {
             const double done = (static_cast<double>(i) + share) / num_parts;
-            progress(kFollowingShare + (1.0 - kFollowingShare) * done);
+            progress(EstimatingAt(done));
           },
           recording,
           &part));

@@ -110,11 +110,14 @@ class BoundComputer {
         plane_of_face_(PlaneOfFace(experiment.building)),
         planar_(IsPlanar(experiment.rig)) {}
 
-  Bound Run(const std::function<void(double)>& progress) {
+  Bound Run(const ProgressCallback& progress) {
     int num_done = 0;
     simulator_.Run([&](const PerfectScanLine& perfect) {
       Take(perfect);
-      progress(static_cast<double>(++num_done) / simulator_.num_scan_lines());
+      ProgressState state(static_cast<double>(++num_done) / simulator_.num_scan_lines());
+      state.recording_s =
+          SecondsBetween(simulator_.path().start_ns(), simulator_.path().end_ns());
+      progress(state);
     });
     if (seed_) Estimate();
     const auto problem = MakeProblem();
@@ -390,14 +393,14 @@ class BoundComputer {
 
 Bound ComputeBound(const Experiment& experiment,
                    const MapperOptions& options,
-                   const std::function<void(double)>& progress) {
+                   const ProgressCallback& progress) {
   return BoundComputer(experiment, options, std::nullopt).Run(progress);
 }
 
 Bound EstimateWithTrueAssociations(const Experiment& experiment,
                                    const MapperOptions& options,
                                    uint64_t seed,
-                                   const std::function<void(double)>& progress) {
+                                   const ProgressCallback& progress) {
   return BoundComputer(experiment, options, seed).Run(progress);
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "core/options/mapper_options.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_types.h"
+#include "core/util/progress.h"
 #include "simulation/sensing/experiment.h"
 
 namespace plumbline {
@@ -26,11 +26,11 @@ struct Bound {
 // its true plane, optimal weights, no noise and no estimation. Coplanar faces that look the
 // same way are one plane. With loop closure switched off, a plane that was unseen for more
 // than max_gap_scans scans counts as a new one, as in the mapper. The model frame's x axis is
-// the normal of the wall that the first scan sees with most beams. progress is called with the
-// share that is done. Throws Error for experiments whose first scan sees no wall.
+// the normal of the wall that the first scan sees with most beams. progress is called after
+// every scan line. Throws Error for experiments whose first scan sees no wall.
 Bound ComputeBound(const Experiment& experiment,
                    const MapperOptions& options,
-                   const std::function<void(double)>& progress);
+                   const ProgressCallback& progress);
 
 // Estimates planes and trajectory from the noise of one seed as well as any estimator can: by
 // least squares over all beams, each on its true plane, from the true geometry on. What a map
@@ -38,7 +38,7 @@ Bound ComputeBound(const Experiment& experiment,
 Bound EstimateWithTrueAssociations(const Experiment& experiment,
                                    const MapperOptions& options,
                                    uint64_t seed,
-                                   const std::function<void(double)>& progress);
+                                   const ProgressCallback& progress);
 
 // Prints the standard deviations for people, lengths in millimetres; ends with a line break.
 std::string BoundTable(const Bound& bound);

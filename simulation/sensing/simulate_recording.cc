@@ -74,10 +74,10 @@ std::vector<StampedPose> TruthTrajectory(const Path& path) {
   return poses;
 }
 
-void SimulateRecording(const std::string& experiment_path,
-                       uint64_t seed,
-                       const std::string& output_directory,
-                       const std::function<void(double)>& progress) {
+SimulationSummary SimulateRecording(const std::string& experiment_path,
+                                    uint64_t seed,
+                                    const std::string& output_directory,
+                                    const ProgressCallback& progress) {
   const Experiment experiment = ReadExperiment(experiment_path);
   const Simulator simulator(experiment, seed);
   std::error_code error;
@@ -89,6 +89,10 @@ void SimulateRecording(const std::string& experiment_path,
   RecordingWriter writer((directory / "recording.bag").string(), experiment.rig);
   TruthPlanes truth_planes(experiment.building);
   Recorder recorder(experiment, seed);
+  const Path& path = simulator.path();
+  SimulationSummary summary;
+  summary.duration_s = SecondsBetween(path.start_ns(), path.end_ns());
+  summary.num_scanners = static_cast<int>(experiment.rig.scanners.size());
   int num_done = 0;
   simulator.Run([&](const PerfectScanLine& perfect) {
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
@@ -97,15 +101,58 @@ void SimulateRecording(const std::string& experiment_path,
       const double offset_s = simulator.true_rig().scanners[scanner_index].time_offset_s;
       truth_planes.Add(perfect, *recorded, offset_s);
       writer.Write(*recorded);
+      ++summary.num_scan_lines;
+      summary.num_beams += static_cast<int64_t>(recorded->ranges.size());
     }
-    progress(static_cast<double>(++num_done) / simulator.num_scan_lines());
+    ProgressState state(static_cast<double>(++num_done) / simulator.num_scan_lines());
+    state.recording_s = summary.duration_s;
+    progress(state);
   });
   writer.Close();
   WriteRig(experiment.rig, (directory / "rig.yaml").string());
+  const std::vector<StampedPose> trajectory = TruthTrajectory(path);
+  const std::vector<PlanePatch> faces = truth_planes.Patches();
   WriteFileAtomically((directory / "truth_trajectory.tum").string(),
-                      FormatTrajectory(TruthTrajectory(simulator.path())));
-  WriteFileAtomically((directory / "truth_planes.json").string(),
-                      FormatPlanes(truth_planes.Patches()));
+                      FormatTrajectory(trajectory));
+  WriteFileAtomically((directory / "truth_planes.json").string(), FormatPlanes(faces));
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    summary.path_length_m += (trajectory[i].world_from_body.translation -
+                              trajectory[i - 1].world_from_body.translation)
+                                 .norm();
+  }
+  summary.num_faces = static_cast<int>(faces.size());
+  return summary;
+}
+
+std::string SimulationTable(const SimulationSummary& summary,
+                            const std::string& output_directory) {
+  char text[400];
+  std::snprintf(text,
+                sizeof(text),
+                "  %-24s %10s unit\n"
+                "  %-24s %10.1f s\n"
+                "  %-24s %10.1f m\n"
+                "  %-24s %10d\n"
+                "  %-24s %10lld\n"
+                "  %-24s %10lld\n"
+                "  %-24s %10d\n",
+                "what",
+                "value",
+                "recording",
+                summary.duration_s,
+                "the rig's way",
+                summary.path_length_m,
+                "scanners",
+                summary.num_scanners,
+                "scan lines",
+                static_cast<long long>(summary.num_scan_lines),
+                "beams",
+                static_cast<long long>(summary.num_beams),
+                "faces that beams hit",
+                summary.num_faces);
+  return text + ("Written to " + output_directory +
+                 ": recording.bag, rig.yaml (for plumbline_map), truth_planes.json and "
+                 "truth_trajectory.tum (for plumbline_evaluate)\n");
 }
 
 }  // namespace plumbline

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "core/result/result_types.h"
+#include "core/util/progress.h"
 #include "simulation/sensing/simulator.h"
 
 namespace plumbline {
@@ -30,13 +30,28 @@ class TruthPlanes {
 // Samples world_from_body every 5 ms, from the first to the last instant of the path.
 std::vector<StampedPose> TruthTrajectory(const Path& path);
 
+// What was simulated, in figures.
+struct SimulationSummary {
+  double duration_s = 0.0;
+  double path_length_m = 0.0;
+  int num_scanners = 0;
+  int64_t num_scan_lines = 0;  // that were recorded
+  int64_t num_beams = 0;       // of these
+  int num_faces = 0;           // that beams hit
+};
+
+// Prints the summary as a table for people, with what lies in the directory; ends with a line
+// break.
+std::string SimulationTable(const SimulationSummary& summary,
+                            const std::string& output_directory);
+
 // Reads the experiment, simulates it and writes recording.bag, rig.yaml, truth_trajectory.tum
 // and truth_planes.json into output_directory, which is created where it is missing. Each file
-// appears whole or not at all. progress is called with the share that is done, 0 to 1, after
-// every scan line. Throws Error for a bad experiment or a file that can not be written.
-void SimulateRecording(const std::string& experiment_path,
-                       uint64_t seed,
-                       const std::string& output_directory,
-                       const std::function<void(double)>& progress);
+// appears whole or not at all. progress is called after every scan line. Throws Error for a
+// bad experiment or a file that can not be written.
+SimulationSummary SimulateRecording(const std::string& experiment_path,
+                                    uint64_t seed,
+                                    const std::string& output_directory,
+                                    const ProgressCallback& progress);
 
 }  // namespace plumbline

@@ -57,7 +57,7 @@ class Mapper:
                 raise AssertionError("this did not come: " + self.text)
 
     def progress(self):
-        shares = re.findall(r"map: +(\d+) %", self.text)
+        shares = re.findall(r"map: following, +(\d+) %", self.text)
         return int(shares[-1]) if shares else 0
 
     def exit_code(self):

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/options/config.h"
 #include "core/result/result_reader.h"
@@ -33,6 +34,23 @@ TEST_F(MapJobTest, ProgressGoesFromNothingToAllAndNeverBack) {
   EXPECT_LT(shares.front(), 0.05);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_EQ(shares.back(), 1.0);
+}
+
+TEST_F(MapJobTest, ProgressNamesTheStagesAndKnowsTheRecording) {
+  const SimulatedRecording recording = Simulate(Base());
+  WriteRecording(recording);
+  std::vector<std::string> stages;
+  std::set<double> lengths_s;
+  RunMapJob(Job("", 1), [&](const ProgressState& state) {
+    if (stages.empty() || stages.back() != state.stage) stages.emplace_back(state.stage);
+    lengths_s.insert(state.recording_s);
+  });
+  EXPECT_EQ(stages, (std::vector<std::string>{"following", "estimating", "writing"}));
+  ASSERT_EQ(lengths_s.size(), 1u);
+  EXPECT_NEAR(*lengths_s.begin(),
+              SecondsBetween(recording.scan_lines.front().stamp_ns,
+                             recording.scan_lines.back().stamp_ns),
+              0.05);
 }
 
 TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -29,6 +30,32 @@ std::string Content(const std::string& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
+}
+
+TEST(SimulateRecording, SummaryAgreesWithTheFiles) {
+  const std::string directory = testing::TempDir() + "simulate_recording/summary";
+  std::vector<double> shares;
+  const SimulationSummary summary =
+      SimulateRecording(kRoom, 1, directory, [&](const ProgressState& state) {
+        shares.push_back(state.share_done);
+        EXPECT_GT(state.recording_s, 10.0);
+      });
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
+  RecordingReader reader(directory + "/recording.bag", ReadRig(directory + "/rig.yaml"));
+  EXPECT_EQ(summary.num_scan_lines, reader.num_scan_lines());
+  EXPECT_EQ(summary.num_scanners, 3);
+  EXPECT_EQ(summary.num_beams, 270 * summary.num_scan_lines);
+  const std::vector<StampedPose> poses = ReadTrajectory(directory + "/truth_trajectory.tum");
+  EXPECT_NEAR(
+      summary.duration_s, SecondsBetween(poses.front().time_ns, poses.back().time_ns), 1e-6);
+  EXPECT_EQ(summary.num_faces,
+            static_cast<int>(ReadPlanes(directory + "/truth_planes.json").size()));
+  // 0.9 m/s all the way.
+  EXPECT_NEAR(summary.path_length_m, 0.9 * summary.duration_s, 0.1);
+  const std::string table = SimulationTable(summary, directory);
+  EXPECT_NE(table.find(std::to_string(summary.num_beams) + "\n"), std::string::npos);
+  EXPECT_NE(table.find("Written to " + directory + ": recording.bag"), std::string::npos);
 }
 
 TEST(SimulateRecording, RecordingAndTruthFitTogether) {
