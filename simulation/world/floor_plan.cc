@@ -133,15 +133,6 @@ Eigen::Vector3d ReadPlace(const YamlNode& node) {
   return {xyz[0], xyz[1], xyz[2]};
 }
 
-// A rectangle along the way between two places, of a width that lies half to either side.
-Polygon2 Rectangle(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_m) {
-  Wall wall;
-  wall.from = from;
-  wall.to = to;
-  wall.thickness_m = width_m;
-  return wall.Footprint(0.0, (to - from).norm());
-}
-
 void ReadOutlines(const YamlNode& list, FloorPlan* plan) {
   for (const YamlNode& node : list.Elements()) {
     Hall hall;
@@ -186,7 +177,7 @@ Ramp ReadRamp(const YamlNode& node, double height, std::vector<PlanCircle>* circ
     ramp.corners = ReadPolygon(node, circles);
   } else {
     const double width_m = node["width_m"].AsDouble(0.01, kMaxCoordinate);
-    ramp.corners = Rectangle(from.head<2>(), to.head<2>(), width_m);
+    ramp.corners = RectangleAlong(from.head<2>(), to.head<2>(), width_m, 0.0, length);
     node.RejectUnreadKeys();
   }
   return ramp;
@@ -258,13 +249,20 @@ FloorPlan ReadStorey(const YamlNode& node) {
 
 }  // namespace
 
-Polygon2 Wall::Footprint(double begin_m, double end_m) const {
+Polygon2 RectangleAlong(const Eigen::Vector2d& from,
+                        const Eigen::Vector2d& to,
+                        double width_m,
+                        double begin_m,
+                        double end_m) {
   const Eigen::Vector2d direction = (to - from).normalized();
-  const Eigen::Vector2d half(-direction.y() * thickness_m / 2,
-                             direction.x() * thickness_m / 2);
+  const Eigen::Vector2d half(-direction.y() * width_m / 2, direction.x() * width_m / 2);
   const Eigen::Vector2d begin = from + begin_m * direction;
   const Eigen::Vector2d end = from + end_m * direction;
   return {begin - half, end - half, end + half, begin + half};
+}
+
+Polygon2 Wall::Footprint(double begin_m, double end_m) const {
+  return RectangleAlong(from, to, thickness_m, begin_m, end_m);
 }
 
 std::vector<Polygon2> Wall::FootprintsBeside(std::vector<Opening> open) const {

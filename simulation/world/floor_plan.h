@@ -16,6 +16,14 @@ struct Opening {
   double height_m = 0.0;  // above the floor; up to the ceiling there is no lintel
 };
 
+// Returns the rectangle between two positions along a straight way, seen from above; half of
+// its width lies to either side.
+Polygon2 RectangleAlong(const Eigen::Vector2d& from,
+                        const Eigen::Vector2d& to,
+                        double width_m,
+                        double begin_m,
+                        double end_m);
+
 // A straight wall can be seen from both sides; from and to are the ends of its centre line.
 struct Wall {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();

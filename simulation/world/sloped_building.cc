@@ -110,11 +110,12 @@ Storey MakeStorey(const FloorPlan& plan) {
 }
 
 std::vector<Block> BlocksOf(const Stairs& stairs) {
-  Wall flight;
-  flight.from = stairs.from.head<2>();
-  flight.to = stairs.to.head<2>();
-  flight.thickness_m = stairs.width_m;
-  const double length = (flight.to - flight.from).norm();
+  const Eigen::Vector2d from = stairs.from.head<2>();
+  const Eigen::Vector2d to = stairs.to.head<2>();
+  const double length = (to - from).norm();
+  const auto part = [&](double begin_m, double end_m) {
+    return RectangleAlong(from, to, stairs.width_m, begin_m, end_m);
+  };
   const double rise = stairs.to.z() - stairs.from.z();
   const HeightPlane foot = HeightPlane::Level(stairs.from.z());
   const HeightPlane underside =
@@ -130,10 +131,10 @@ std::vector<Block> BlocksOf(const Stairs& stairs) {
     const HeightPlane tread =
         HeightPlane::Level(stairs.from.z() + (i + 1) * rise / stairs.num_steps);
     if (begin < solid_m) {
-      blocks.push_back({flight.Footprint(begin, std::min(end, solid_m)), {foot, tread}});
+      blocks.push_back({part(begin, std::min(end, solid_m)), {foot, tread}});
     }
     if (end > solid_m) {
-      blocks.push_back({flight.Footprint(std::max(begin, solid_m), end), {underside, tread}});
+      blocks.push_back({part(std::max(begin, solid_m), end), {underside, tread}});
     }
   }
   return blocks;

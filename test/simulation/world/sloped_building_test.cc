@@ -308,6 +308,42 @@ TEST(SlopedBuilding, LevelBuildingsAreAsMakeBuildingMakesThem) {
   }
 }
 
+// The planes of the meshes that scripts/buildings/slopes.py makes, in single precision. Their
+// pillars go through floor and roof, so that only some faces have the same areas.
+void ExpectPlanesOf(const std::string& mesh, const Building& building) {
+  const Building expected =
+      ReadBuilding(std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + mesh + ".ply");
+  for (const Face& face : building.faces) {
+    const auto same =
+        std::find_if(expected.faces.begin(), expected.faces.end(), [&](const Face& other) {
+          return other.type == face.type && (other.normal - face.normal).norm() < 1e-6 &&
+                 std::abs(other.distance - face.distance) < 1e-5;
+        });
+    ASSERT_NE(same, expected.faces.end()) << mesh << " face " << face.id;
+    if (face.type == PlaneType::kGeneral && mesh == "halls_ramp") {
+      EXPECT_NEAR(same->Area(), face.Area(), 1e-4);
+    }
+  }
+}
+
+TEST(SlopedBuilding, SlopesAreThoseOfTheMeshes) {
+  ExpectPlanesOf("halls_ramp",
+                 Read("floor_height_m: 0\nceiling_height_m: 2.8\n"
+                      "outlines:\n  - corners: [[0, 0], [10, 0], [10, 8], [0, 8]]\n"
+                      "  - corners: [[18, 0], [28, 0], [28, 8], [18, 8]]\n"
+                      "    floor_height_m: 0.8\n    ceiling_height_m: 3.6\n"
+                      "ramps:\n  - {from: [10, 4.3, 0], to: [18, 4.3, 0.8], width_m: 2.6}\n"
+                      "solids:\n  - corners: [[4, 1.5], [4.5, 1.5], [4.5, 2], [4, 2]]\n"
+                      "  - corners: [[24, 1.5], [24.5, 1.5], [24.5, 2.2], [24, 2.2]]\n"));
+  ExpectPlanesOf("attic_35_deg",
+                 Read("floor_height_m: 0\nceiling_height_m: 9\n"
+                      "outlines:\n  - corners: [[0, 0], [16, 0], [16, 8], [0, 8]]\n"
+                      "roof:\n  - {eave: [[0, 0], [16, 0]], height_m: 1.3, slope_deg: 35}\n"
+                      "  - {eave: [[16, 8], [0, 8]], height_m: 1.3, slope_deg: 35}\n"
+                      "solids:\n  - corners: [[5, 2], [5.4, 2], [5.4, 2.4], [5, 2.4]]\n"
+                      "  - corners: [[8, -0.5], [8.2, -0.5], [8.2, 2.8], [8, 2.8]]\n"));
+}
+
 TEST(SlopedBuilding, ErrorsNameFileAndLine) {
   const auto error = [](const std::string& text) {
     const std::string path = WriteTestFile("building.yaml", text);
