@@ -308,6 +308,26 @@ TEST(SlopedBuilding, LevelBuildingsAreAsMakeBuildingMakesThem) {
   }
 }
 
+// A roof that crosses walls, lintels and round walls at odd places.
+TEST(SlopedBuilding, ARoofClosesOverAnyPlan) {
+  for (const std::string name : {"office", "apse"}) {
+    SCOPED_TRACE(name);
+    const std::string path =
+        std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + name + ".yaml";
+    std::vector<FloorPlan> plans = ReadFloorPlans(path);
+    const double flat = MakeSlopedBuilding(plans).faces.front().Area();
+    plans.front().roof = {{1.9, {0.02, -0.07}}, {2.4, {-0.05, 0.01}}};
+    const Building building = MakeSlopedBuilding(plans);
+    EXPECT_NEAR(building.faces.front().Area(), flat, 1e-6);
+    double volume = 0.0;
+    for (const Face& face : building.faces) {
+      for (const auto& [a, b, c] : face.triangles) volume -= a.dot((b - a).cross(c - a)) / 6;
+    }
+    EXPECT_GT(volume, 0.0);
+    ExpectClosed(building, volume);
+  }
+}
+
 // The planes of the meshes that scripts/buildings/slopes.py makes, in single precision. Their
 // pillars go through floor and roof, so that only some faces have the same areas.
 void ExpectPlanesOf(const std::string& mesh, const Building& building) {
