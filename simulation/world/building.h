@@ -14,6 +14,8 @@ namespace plumbline {
 // Planes whose normals (unit vectors) and distances (m) differ by less are one: far above what
 // rounding leaves, far below what a building file tells apart.
 inline constexpr double kSamePlane = 1e-6;
+// m; shorter edges of faces are a mistake in the file.
+inline constexpr double kMinEdge = 1e-3;
 
 // A face is a connected piece of a plane that borders free space, or an upright cylinder's:
 // what the mapper should find.
@@ -36,19 +38,19 @@ struct Face {
   Eigen::Vector3d Centroid() const;
 };
 
-// Building holds the faces of one storey, floor, ceiling, walls, lintels, or those of a mesh.
+// Building holds the faces of storeys, floors, ceilings, walls, lintels, or those of a mesh.
 struct Building {
   // Every point is either in the free space or not. Meshes have gaps, and leave that open.
   bool is_closed = true;
-  double floor_height = 0.0;
-  double ceiling_height = 0.0;
+  double floor_height = 0.0;    // of the lowest storey
+  double ceiling_height = 0.0;  // of the highest
   std::vector<Face> faces;
 };
 
-// Builds the free space layer by layer between the tops of openings, with exact Boolean
-// operations, so that nothing remains hidden where walls meet or overlap. Coplanar pieces that
-// touch and face the same side are one face. Throws Error naming the place when walls
-// leave a face of less than a millimetre.
+// Builds the free space of a level storey (FloorPlan::IsLevel) layer by layer between the tops
+// of openings, with exact Boolean operations, so that nothing remains hidden where walls meet
+// or overlap. Coplanar pieces that touch and face the same side are one face. Throws Error
+// naming the place when walls leave a face of less than a millimetre.
 Building MakeBuilding(const FloorPlan& plan);
 
 // Reads a building file, a floor plan (YAML) or a triangle mesh (.ply), and builds its faces.

@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "core/util/error.h"
 #include "core/util/yaml_node.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kMaxCoordinate = 10000.0;  // m; larger ones are millimetres by mistake
+constexpr double kMaxHeight = 1000.0;       // m
+constexpr double kMinRoomHeight = 0.1;      // m
 
 Eigen::Vector2d ReadPoint(const YamlNode& node) {
   const std::vector<double> xy = node.AsDoubles(2, -kMaxCoordinate, kMaxCoordinate);
@@ -56,23 +59,20 @@ void ReadArc(const YamlNode& node, Polygon2* polygon, std::vector<PlanCircle>* c
   circles->push_back(circle);
 }
 
-std::vector<Polygon2> ReadPolygons(const YamlNode& list, std::vector<PlanCircle>* circles) {
-  std::vector<Polygon2> polygons;
-  for (const YamlNode& node : list.Elements()) {
-    Polygon2 polygon;
-    for (const YamlNode& corner : node["corners"].Elements()) {
-      if (corner.IsMapping()) {
-        ReadArc(corner, &polygon, circles);
-      } else {
-        polygon.push_back(ReadPoint(corner));
-      }
+// The polygon of a node's corners, all of whose keys have been read.
+Polygon2 ReadPolygon(const YamlNode& node, std::vector<PlanCircle>* circles) {
+  Polygon2 polygon;
+  for (const YamlNode& corner : node["corners"].Elements()) {
+    if (corner.IsMapping()) {
+      ReadArc(corner, &polygon, circles);
+    } else {
+      polygon.push_back(ReadPoint(corner));
     }
-    node.RejectUnreadKeys();
-    if (polygon.size() < 3) node.Fail("a polygon needs at least three corners");
-    if (!IsSimplePolygon(polygon)) node.Fail("the polygon crosses or touches itself");
-    polygons.push_back(std::move(polygon));
   }
-  return polygons;
+  node.RejectUnreadKeys();
+  if (polygon.size() < 3) node.Fail("a polygon needs at least three corners");
+  if (!IsSimplePolygon(polygon)) node.Fail("the polygon crosses or touches itself");
+  return polygon;
 }
 
 std::vector<Opening> ReadOpenings(const YamlNode& list, double wall_length, double height) {
@@ -128,40 +128,185 @@ Furniture ReadFurniture(const YamlNode& node) {
   return piece;
 }
 
+Eigen::Vector3d ReadPlace(const YamlNode& node) {
+  const std::vector<double> xyz = node.AsDoubles(3, -kMaxCoordinate, kMaxCoordinate);
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+void ReadOutlines(const YamlNode& list, FloorPlan* plan) {
+  for (const YamlNode& node : list.Elements()) {
+    Hall hall;
+    hall.floor_height = plan->floor_height;
+    hall.ceiling_height = plan->ceiling_height;
+    node.Optional("floor_height_m", &hall.floor_height, -kMaxHeight, kMaxHeight);
+    node.Optional("ceiling_height_m", &hall.ceiling_height, -kMaxHeight, kMaxHeight);
+    if (hall.ceiling_height - hall.floor_height < kMinRoomHeight) {
+      node.Fail("the ceiling must be above the floor");
+    }
+    const bool is_hall = node.Has("floor_height_m") || node.Has("ceiling_height_m");
+    hall.corners = ReadPolygon(node, &plan->circles);
+    if (is_hall) {
+      plan->halls.push_back(std::move(hall));
+    } else {
+      plan->outlines.push_back(std::move(hall.corners));
+    }
+  }
+  if (plan->outlines.empty() && plan->halls.empty()) list.Fail("the building has no outline");
+}
+
+// height: of the storey, m.
+Ramp ReadRamp(const YamlNode& node, double height, std::vector<PlanCircle>* circles) {
+  Ramp ramp;
+  const Eigen::Vector3d from = ReadPlace(node["from"]);
+  const Eigen::Vector3d to = ReadPlace(node["to"]);
+  const double length = (to - from).head<2>().norm();
+  if (length < 0.01) node.Fail("the ramp is shorter than 0.01 m");
+  if (std::abs(to.z() - from.z()) > length) node.Fail("the ramp is steeper than 45 degrees");
+  const bool has_corners = node.Has("corners");
+  if (has_corners == node.Has("width_m")) node.Fail("a ramp has either a width or corners");
+  ramp.floor = HeightPlane::Rising(from, to);
+  ramp.ceiling = ramp.floor.RaisedBy(height);
+  if (node.Has("ceiling_height_m")) {
+    const double ceiling = node["ceiling_height_m"].AsDouble(-kMaxHeight, kMaxHeight);
+    if (ceiling - std::max(from.z(), to.z()) < kMinRoomHeight) {
+      node.Fail("the ceiling must be above the floor");
+    }
+    ramp.ceiling = HeightPlane::Level(ceiling);
+  }
+  if (has_corners) {
+    ramp.corners = ReadPolygon(node, circles);
+  } else {
+    const double width_m = node["width_m"].AsDouble(0.01, kMaxCoordinate);
+    ramp.corners = RectangleAlong(from.head<2>(), to.head<2>(), width_m, 0.0, length);
+    node.RejectUnreadKeys();
+  }
+  return ramp;
+}
+
+Stairs ReadStairs(const YamlNode& node) {
+  Stairs stairs;
+  stairs.from = ReadPlace(node["from"]);
+  stairs.to = ReadPlace(node["to"]);
+  stairs.width_m = node["width_m"].AsDouble(0.01, kMaxCoordinate);
+  stairs.num_steps = node["steps"].AsInt(1, 1000);
+  node.Optional("thickness_m", &stairs.thickness_m, 0.01, 10.0);
+  node.RejectUnreadKeys();
+  const double length = (stairs.to - stairs.from).head<2>().norm();
+  if (length < 0.01 * stairs.num_steps) node.Fail("the treads are shorter than 0.01 m");
+  if (stairs.to.z() - stairs.from.z() < 0.01 * stairs.num_steps) {
+    node.Fail("the stairs must rise, by 0.01 m a step or more");
+  }
+  return stairs;
+}
+
+// A plane that rises to the left of its eave, or two that fall to both sides of their ridge.
+void ReadRoof(const YamlNode& node, std::vector<HeightPlane>* roof) {
+  const bool is_ridge = node.Has("ridge");
+  if (is_ridge == node.Has("eave")) node.Fail("a roof's plane has either an eave or a ridge");
+  const std::vector<YamlNode> ends = node[is_ridge ? "ridge" : "eave"].Elements();
+  if (ends.size() != 2) node.Fail("an eave or a ridge has two ends");
+  const Eigen::Vector2d from = ReadPoint(ends[0]);
+  const Eigen::Vector2d along = ReadPoint(ends[1]) - from;
+  if (along.norm() < 0.01) node.Fail("the ends of an eave or a ridge must differ");
+  const double height = node["height_m"].AsDouble(-kMaxHeight, kMaxHeight);
+  const double slope = std::tan(node["slope_deg"].AsDouble(0.0, 80.0) * kRadiansPerDegree);
+  node.RejectUnreadKeys();
+  const Eigen::Vector2d rise = slope * Eigen::Vector2d(-along.y(), along.x()).normalized();
+  if (is_ridge) roof->push_back({height + rise.dot(from), -rise});
+  roof->push_back({height - rise.dot(from), rise});
+}
+
+FloorPlan ReadStorey(const YamlNode& node) {
+  FloorPlan plan;
+  plan.location = node.Location();
+  plan.floor_height = node["floor_height_m"].AsDouble(-kMaxHeight, kMaxHeight);
+  plan.ceiling_height = node["ceiling_height_m"].AsDouble(-kMaxHeight, kMaxHeight);
+  const double height = plan.ceiling_height - plan.floor_height;
+  if (height < kMinRoomHeight) {
+    node["ceiling_height_m"].Fail("the ceiling must be above the floor");
+  }
+  const auto for_each = [&node](const std::string& key, auto read) {
+    if (!node.Has(key)) return;
+    for (const YamlNode& element : node[key].Elements()) read(element);
+  };
+  ReadOutlines(node["outlines"], &plan);
+  for_each("ramps", [&](const YamlNode& n) {
+    plan.ramps.push_back(ReadRamp(n, height, &plan.circles));
+  });
+  for_each("stairs", [&](const YamlNode& n) { plan.stairs.push_back(ReadStairs(n)); });
+  for_each("roof", [&](const YamlNode& n) { ReadRoof(n, &plan.roof); });
+  for_each("floor_openings", [&](const YamlNode& n) {
+    plan.floor_openings.push_back({n.Location(), ReadPolygon(n, &plan.circles)});
+  });
+  for_each("solids",
+           [&](const YamlNode& n) { plan.solids.push_back(ReadPolygon(n, &plan.circles)); });
+  for_each("walls", [&](const YamlNode& n) { plan.walls.push_back(ReadWall(n, height)); });
+  for_each("furniture",
+           [&](const YamlNode& n) { plan.furniture.push_back(ReadFurniture(n)); });
+  node.RejectUnreadKeys();
+  return plan;
+}
+
 }  // namespace
 
-Polygon2 Wall::Footprint(double begin_m, double end_m) const {
+Polygon2 RectangleAlong(const Eigen::Vector2d& from,
+                        const Eigen::Vector2d& to,
+                        double width_m,
+                        double begin_m,
+                        double end_m) {
   const Eigen::Vector2d direction = (to - from).normalized();
-  const Eigen::Vector2d half(-direction.y() * thickness_m / 2,
-                             direction.x() * thickness_m / 2);
+  const Eigen::Vector2d half(-direction.y() * width_m / 2, direction.x() * width_m / 2);
   const Eigen::Vector2d begin = from + begin_m * direction;
   const Eigen::Vector2d end = from + end_m * direction;
   return {begin - half, end - half, end + half, begin + half};
 }
 
-FloorPlan ReadFloorPlan(const std::string& path) {
+Polygon2 Wall::Footprint(double begin_m, double end_m) const {
+  return RectangleAlong(from, to, thickness_m, begin_m, end_m);
+}
+
+std::vector<Polygon2> Wall::FootprintsBeside(std::vector<Opening> open) const {
+  std::sort(open.begin(), open.end(), [](const Opening& a, const Opening& b) {
+    return a.position_m < b.position_m;
+  });
+  std::vector<Polygon2> footprints;
+  double begin = 0.0;
+  const double length = (to - from).norm();
+  for (const Opening& opening : open) {
+    const double end = opening.position_m - opening.width_m / 2;
+    if (end > begin) footprints.push_back(Footprint(begin, end));
+    begin = opening.position_m + opening.width_m / 2;
+  }
+  if (length > begin) footprints.push_back(Footprint(begin, length));
+  return footprints;
+}
+
+bool FloorPlan::IsLevel() const {
+  return halls.empty() && ramps.empty() && roof.empty() && stairs.empty() &&
+         floor_openings.empty();
+}
+
+std::vector<FloorPlan> ReadFloorPlans(const std::string& path) {
   const YamlNode root = YamlNode::ReadFile(path);
-  FloorPlan plan;
-  plan.location = root.Location();
-  plan.floor_height = root["floor_height_m"].AsDouble(-1000.0, 1000.0);
-  plan.ceiling_height = root["ceiling_height_m"].AsDouble(-1000.0, 1000.0);
-  const double height = plan.ceiling_height - plan.floor_height;
-  if (height < 0.1) root["ceiling_height_m"].Fail("the ceiling must be above the floor");
-  plan.outlines = ReadPolygons(root["outlines"], &plan.circles);
-  if (plan.outlines.empty()) root["outlines"].Fail("the building has no outline");
-  if (root.Has("solids")) plan.solids = ReadPolygons(root["solids"], &plan.circles);
-  if (root.Has("walls")) {
-    for (const YamlNode& node : root["walls"].Elements()) {
-      plan.walls.push_back(ReadWall(node, height));
+  std::vector<FloorPlan> storeys;
+  if (root.Has("storeys")) {
+    for (const YamlNode& node : root["storeys"].Elements()) {
+      storeys.push_back(ReadStorey(node));
+      if (storeys.size() == 1) continue;
+      if (storeys.back().floor_height <= storeys[storeys.size() - 2].floor_height) {
+        node["floor_height_m"].Fail("storeys stand in their order from the lowest up");
+      }
     }
+    root.RejectUnreadKeys();
+    if (storeys.empty()) root["storeys"].Fail("the building has no storey");
+  } else {
+    storeys.push_back(ReadStorey(root));
   }
-  if (root.Has("furniture")) {
-    for (const YamlNode& node : root["furniture"].Elements()) {
-      plan.furniture.push_back(ReadFurniture(node));
-    }
+  if (!storeys.front().floor_openings.empty()) {
+    throw Error(storeys.front().floor_openings.front().location +
+                ": there is no storey below the lowest floor");
   }
-  root.RejectUnreadKeys();
-  return plan;
+  return storeys;
 }
 
 }  // namespace plumbline

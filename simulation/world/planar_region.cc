@@ -143,6 +143,12 @@ PlanarRegion::~PlanarRegion() = default;
 
 void PlanarRegion::Join(const Polygon2& polygon) { impl_->region.join(ToExact(polygon)); }
 
+void PlanarRegion::Join(const std::vector<Polygon2>& polygons) {
+  std::vector<ExactPolygon> exact;
+  for (const Polygon2& polygon : polygons) exact.push_back(ToExact(polygon));
+  impl_->region.join(exact.begin(), exact.end());
+}
+
 void PlanarRegion::Subtract(const Polygon2& polygon) {
   impl_->region.difference(ToExact(polygon));
 }

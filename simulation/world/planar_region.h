@@ -29,6 +29,7 @@ class PlanarRegion {
 
   // The polygon has to be simple; its direction does not matter.
   void Join(const Polygon2& polygon);
+  void Join(const std::vector<Polygon2>& polygons);
   void Subtract(const Polygon2& polygon);
   void Subtract(const PlanarRegion& other);
 

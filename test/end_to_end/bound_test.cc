@@ -164,5 +164,34 @@ TEST_F(BoundTest, WritesWhatCanBeReadBack) {
   EXPECT_NE(BoundTable(bound).find("poses: position"), std::string::npos);
 }
 
+// A floor plan with a ramp and a round wall: every kind of surface has a bound.
+TEST(Bound, KnowsRampsAndArcs) {
+  const Experiment experiment =
+      ReadExperiment(std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/ramp_and_arc.yaml");
+  const Bound bound = ComputeBound(experiment, {}, [](double) {});
+  int num_general = 0;
+  int num_cylinders = 0;
+  for (size_t i = 0; i < bound.face_ids.size(); ++i) {
+    const PlanePatch& plane = bound.planes.planes()[i];
+    const Face& face = experiment.building.faces[static_cast<size_t>(bound.face_ids[i])];
+    EXPECT_EQ(plane.type, face.type);
+    EXPECT_LT(plane.sigma_distance_m, 0.01);
+    if (plane.type == PlaneType::kGeneral) {
+      ++num_general;
+      EXPECT_GT(plane.sigma_angle_rad, 0.0);
+      EXPECT_LT(plane.sigma_angle_rad, 1e-3);
+      EXPECT_NEAR(std::abs(plane.normal.z()), 6.0 / std::hypot(6.0, 0.6), 1e-9);
+    } else if (plane.type == PlaneType::kCylinder) {
+      ++num_cylinders;
+      // Half a chord of 2.5 m, 1.2 m deep.
+      EXPECT_NEAR(plane.Radius(), (2.5 * 2.5 + 1.2 * 1.2) / 2.4, 1e-6);
+      EXPECT_GT(plane.sigma_radius_m, 0.0);
+      EXPECT_LT(plane.sigma_radius_m, 0.01);
+    }
+  }
+  EXPECT_EQ(num_general, 2);
+  EXPECT_EQ(num_cylinders, 1);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/result/result_reader.h"
@@ -36,6 +37,40 @@ TEST_F(SlopesTest, AnAtticIsMapped) {
   EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
   EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
   EXPECT_EQ(evaluation.planes.num_wrong, 0);
+}
+
+// A floor plan with two general planes and a cylinder.
+TEST_F(SlopesTest, ARampAndARoundBayAreMapped) {
+  const Evaluation evaluation = RunCase("../ramp_and_arc", 5);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
+  EXPECT_EQ(evaluation.planes.num_missed, 0);
+  EXPECT_EQ(evaluation.planes.num_wrong, 0);
+  EXPECT_LT(evaluation.planes.radius_max_percent, 1.0);
+  int num_general = 0;
+  int num_cylinders = 0;
+  for (const PlanePatch& plane : ReadPlanes(Path("result/planes.json"))) {
+    num_general += plane.type == PlaneType::kGeneral;
+    num_cylinders += plane.type == PlaneType::kCylinder;
+  }
+  EXPECT_EQ(num_general, 2);
+  EXPECT_EQ(num_cylinders, 1);
+}
+
+TEST_F(SlopesTest, TwoStoreysAndTheirStairsAreMapped) {
+  const Evaluation evaluation = RunCase("two_storeys", 5);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
+  // Both floors, 2.9 m apart.
+  double lowest = 1e9;
+  double highest = -1e9;
+  for (const PlanePatch& plane : ReadPlanes(Path("result/planes.json"))) {
+    if (plane.type != PlaneType::kHorizontal || plane.normal.z() < 0.0) continue;
+    if (plane.sigma_distance_m > 0.02) continue;
+    lowest = std::min(lowest, plane.distance);
+    highest = std::max(highest, plane.distance);
+  }
+  EXPECT_NEAR(highest - lowest, 2.9, 0.02);
 }
 
 // A ramp of 1.4 degrees is taken for level, and the rig for turned while it is there.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "core/sensor/rig.h"
 #include "core/util/time.h"
@@ -235,6 +237,73 @@ TEST_F(ExperimentText, WalksIntoMeshesAreErrors) {
   EXPECT_EQ(
       simulate("[[5, 4, 6], [-9, 4, 6]]").rfind(":3: the path has no floor below at (-0.2", 0),
       0u);
+}
+
+// Up a ramp of a floor plan, whose free space is known.
+TEST_F(ExperimentText, WalksOverRampsStayInTheFreeSpace) {
+  const auto simulate = [&](const std::string& way_points) {
+    const std::string path = WriteTestFile(
+        "experiment.yaml",
+        "building: " + kConfigs + "/buildings/ramp_and_arc.yaml\nrig: " + kConfigs +
+            "/rigs/paper.yaml\npath: {way_points: " + way_points +
+            ", corner_radius_m: 0.3, body_height_m: 1.5}\nspeed_m_s: 1\n");
+    const std::string message = ErrorOf([&] { Simulator simulator(ReadExperiment(path)); });
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  EXPECT_EQ(simulate("[[5, 0, 0], [6, 0, 0], [12, 0, 0.6], [13, 0, 0.6]]"), "");
+  // Beside the ramp; the wall is 1.2 m from its middle.
+  EXPECT_EQ(simulate("[[5, 0, 0], [10, 2, 0.4]]")
+                .rfind(":3: the path comes too close to a wall, floor or ceiling at (7.", 0),
+            0u);
+  // Level, 0.1 m above the floor, against the ramp.
+  EXPECT_EQ(simulate("[[5, 0, -1.4], [20, 0, -1.4]]")
+                .rfind(":3: the path comes too close to a wall, floor or ceiling at (", 0),
+            0u);
+  EXPECT_EQ(simulate("[[30, 0, 0], [31, 0, 0]]")
+                .rfind(":3: the path leaves the building or goes into a wall at (30", 0),
+            0u);
+}
+
+// The YAML blocks of a page that hold a word, in their order.
+std::vector<std::string> BlocksOf(const std::string& page, const std::string& word) {
+  std::ifstream file(std::string(PLUMBLINE_SOURCE_DIR) + "/docs/" + page);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::string fence = "```yaml\n";
+  std::vector<std::string> blocks;
+  for (size_t at = text.find(fence); at != std::string::npos; at = text.find(fence, at)) {
+    at += fence.size();
+    const std::string block = text.substr(at, text.find("```", at) - at);
+    if (block.find(word) != std::string::npos) blocks.push_back(block);
+  }
+  return blocks;
+}
+
+TEST(Documentation, BuildingsLoad) {
+  const std::vector<std::string> blocks = BlocksOf("inputs.md", "outlines:");
+  EXPECT_EQ(blocks.size(), 2u);
+  for (const std::string& block : blocks) {
+    const Building building = ReadBuilding(WriteTestFile("building.yaml", block));
+    EXPECT_GT(building.faces.size(), 20u);
+  }
+}
+
+TEST(Documentation, TheGuidesExperimentLoads) {
+  const std::vector<std::string> buildings = BlocksOf("guide.md", "outlines:");
+  const std::vector<std::string> experiments = BlocksOf("guide.md", "way_points:");
+  ASSERT_EQ(buildings.size(), 1u);
+  ASSERT_EQ(experiments.size(), 1u);
+  std::string text = experiments[0];
+  const auto replace = [&text](const std::string& before, const std::string& after) {
+    const size_t at = text.find(before);
+    ASSERT_NE(at, std::string::npos) << before;
+    text.replace(at, before.size(), after);
+  };
+  replace("my_building.yaml", WriteTestFile("my_building.yaml", buildings[0]));
+  replace("../configs", kConfigs);
+  EXPECT_EQ(ErrorOf([&] {
+              Simulator simulator(ReadExperiment(WriteTestFile("my_experiment.yaml", text)));
+            }),
+            "");
 }
 
 }  // namespace
