@@ -20,7 +20,7 @@ std::array<uint8_t, 3> SurfaceColour(int plane_id) {
 
 std::array<uint8_t, 3> PointColour(int plane_id) {
   if (plane_id >= 0) return SurfaceColour(plane_id);
-  if (plane_id == kMovingPlaneId) return {255, 255, 255};
+  if (plane_id == kMovingPlaneId) return {90, 90, 90};
   return {160, 160, 160};
 }
 

@@ -20,7 +20,7 @@ from las_file import LasFile  # pylint: disable=wrong-import-position
 PROGRAM = ""
 NUM_POINTS = 4000  # several packets of E57
 # red, green, blue of the planes 0 and 1, of points on none, and on what moves
-COLOURS = {0: (255, 64, 64), 1: (64, 120, 255), -1: (160, 160, 160), -2: (255, 255, 255)}
+COLOURS = {0: (255, 64, 64), 1: (64, 120, 255), -1: (160, 160, 160), -2: (90, 90, 90)}
 
 
 class CloudFilesTest(unittest.TestCase):

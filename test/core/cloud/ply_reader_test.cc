@@ -38,7 +38,7 @@ class PlyReaderTest : public TemporaryDirectoryTest {
 };
 
 TEST_F(PlyReaderTest, ReadsWhatIsWritten) {
-  constexpr int kNumPoints = 230'000;  // several blocks
+  constexpr int kNumPoints = 110'000;  // several blocks
   Write(kNumPoints);
   PlyReader reader(path());
   EXPECT_EQ(reader.num_points(), kNumPoints);
