@@ -40,6 +40,13 @@ DEFINE_double(checkpoint_after_s,
               "seconds: less is sooner done again");
 DEFINE_validator(checkpoint_after_s,
                  [](const char*, double seconds) { return seconds >= 0.0; });
+DEFINE_string(formats,
+              plumbline::kDefaultCloudFormats,
+              "in which the points of the map are written: a list of ply, pcd, las (1.4), las12 "
+              "(1.2) and e57; plumbline_export makes the others from map.ply later");
+DEFINE_validator(formats, [](const char*, const std::string& list) {
+  return plumbline::IsCloudFormatList(list);
+});
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -77,7 +84,8 @@ plumbline::Summary Map() {
                                FLAGS_threads,
                                FLAGS_resume,
                                FLAGS_checkpoint_after_s,
-                               plumbline::StopSignals()},
+                               plumbline::StopSignals(),
+                               plumbline::ParseCloudFormats(FLAGS_formats)},
                               [&](const auto& state) { progress.Report(state); });
 }
 

@@ -211,17 +211,17 @@ Summary WriteResult(const Rig& rig,
   return summary;
 }
 
-// Says where there is less space than a map is likely to take: its points are about seven
-// times as large as a recording that is not packed.
+// Says where there is less space than a map is likely to take: in each format, its points are
+// about six times as large as a recording that is not packed.
 void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
-  constexpr uintmax_t kBytesPerRecordedByte = 7;
+  const uintmax_t bytes_per_recorded_byte = 6 * job.formats.size();
   std::error_code error;
   const uintmax_t recorded = std::filesystem::file_size(job.recording, error);
   const uintmax_t free = output.FreeSpace();
-  if (error || free / kBytesPerRecordedByte >= recorded) return;
+  if (error || free / bytes_per_recorded_byte >= recorded) return;
   LOG(WARNING) << job.output << ": only " << free / 1'000'000
                << " MB are free; the map may need "
-               << recorded * kBytesPerRecordedByte / 1'000'000 << " MB";
+               << recorded * bytes_per_recorded_byte / 1'000'000 << " MB";
 }
 
 MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
@@ -372,7 +372,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   std::vector<std::unique_ptr<ResultWriter>> writers;
   for (size_t i = 0; i < parts.size(); ++i) {
     folders.push_back(i == longest ? "" : PartName(i + 1));
-    writers.push_back(std::make_unique<ResultWriter>(output, folders.back()));
+    writers.push_back(std::make_unique<ResultWriter>(output, folders.back(), job.formats));
   }
   std::vector<Summary> summaries =
       WriteParts(rig, options, parts, progress, &recording, &writers, &watches.judging);

@@ -2,7 +2,9 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "core/cloud/point_cloud_writer.h"
 #include "core/mapping/mapper.h"
 
 namespace plumbline {
@@ -21,6 +23,8 @@ struct MapJob {
   double checkpoint_after_s = 2.0;
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
+  // In which the points of the map are written.
+  std::vector<CloudFormat> formats = ParseCloudFormats(kDefaultCloudFormats);
 };
 
 // Maps the recording and writes all files of docs/outputs.md, or none of them. Where the

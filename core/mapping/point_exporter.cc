@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "core/association/association.h"
+#include "core/cloud/point_buffer.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
 #include "core/map/scan_line_batches.h"
-#include "core/result/point_buffer.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
 #include "core/util/ordered_pipeline.h"
@@ -89,6 +89,10 @@ struct Item {
   std::vector<LineCount> counts;  // of the block's lines
   PointBuffer points;
 };
+
+Eigen::Vector3d UnitNormalAt(const LandmarkView& plane, const Eigen::Vector3d& p_world) {
+  return plane.is_curved ? plane.landmark->NormalNear(p_world).normalized() : plane.normal;
+}
 
 // Places the points of scan lines. Serves one block.
 class LinePlacer {
@@ -171,6 +175,7 @@ class LinePlacer {
         count.sum_squares += residual * residual;
         point.plane_id = plane->landmark->id;
         point.residual_m = static_cast<float>(residual);
+        point.normal_world = UnitNormalAt(*plane, p_world).cast<float>();
       } else if (moves_[static_cast<size_t>(beam)]) {
         point.plane_id = kMovingPlaneId;
         ++count.num_moving;

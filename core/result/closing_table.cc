@@ -107,7 +107,7 @@ std::string ClosingTable(const Summary& summary,
   }
   Append(
       &text,
-      "\nWritten to %s: map.ply and map.pcd (points), planes.ply and planes.json (surfaces), "
+      "\nWritten to %s: map.* (points), planes.ply and planes.json (surfaces), "
       "trajectory.tum, summary.json\n",
       directory.c_str());
   return text;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/cloud/point_cloud_writer.h"
+
 namespace plumbline {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr size_t kPartLength = sizeof(kPart) - 1;
 bool IsResultFile(const std::string& name) {
   static const char* const kNames[] = {"config_used.yaml",
                                        "loop_closures.json",
-                                       "map.pcd",
-                                       "map.ply",
                                        "plane_covariance.csv",
                                        "planes.json",
                                        "planes.ply",
@@ -26,7 +26,8 @@ bool IsResultFile(const std::string& name) {
                                        "window_planes.json",
                                        "window_trajectory.tum",
                                        "window_trajectory_covariance.csv"};
-  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames) ||
+         IsCloudFileName(name);
 }
 
 std::string PartName(size_t part) { return kPart + std::to_string(part); }

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "core/cloud/surface_colour.h"
 #include "core/geometry/angles.h"
 
 namespace plumbline {
@@ -76,30 +78,34 @@ std::string PlaneText(const PlanePatch& plane) {
   return text + "}";
 }
 
-// A bright colour "red green blue"; hues of successive ids are far apart (golden ratio).
+// The colour of a surface as "red green blue".
 std::string ColourText(int id) {
-  const double hue = 6.0 * std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0);
-  const auto channel = [hue](double offset) {
-    const double position = std::fmod(hue + offset + 6.0, 6.0);
-    const double ramp = std::min(std::max(std::abs(position - 3.0) - 1.0, 0.0), 1.0);
-    return std::to_string(static_cast<int>(std::lround(64.0 + 191.0 * ramp)));
-  };
-  return channel(0.0) + " " + channel(4.0) + " " + channel(2.0);
+  const std::array<uint8_t, 3> colour = SurfaceColour(id);
+  return std::to_string(colour[0]) + " " + std::to_string(colour[1]) + " " +
+         std::to_string(colour[2]);
 }
 
-// The plane polygons of an outline, by the positions of their corners.
-std::vector<std::vector<int>> FacesOf(const PlanePatch& plane) {
+// The triangles of an outline, by the positions of their corners, which run to the left as seen
+// from the side that was seen. Outlines of planes are convex.
+std::vector<std::array<int, 3>> TrianglesOf(const PlanePatch& plane) {
   const int size = static_cast<int>(plane.outline.size());
-  std::vector<std::vector<int>> faces;
+  std::vector<std::array<int, 3>> triangles;
   if (plane.IsCurved()) {
     for (int i = 0; i + 1 < size / 2; ++i) {
-      faces.push_back({i, i + 1, size - 2 - i, size - 1 - i});
+      triangles.push_back({i, i + 1, size - 2 - i});
+      triangles.push_back({i, size - 2 - i, size - 1 - i});
     }
-    return faces;
+  } else {
+    for (int i = 1; i + 1 < size; ++i) triangles.push_back({0, i, i + 1});
   }
-  faces.emplace_back();
-  for (int i = 0; i < size; ++i) faces.back().push_back(i);
-  return faces;
+  for (std::array<int, 3>& triangle : triangles) {
+    const auto corner = [&](size_t i) -> const Eigen::Vector3d& {
+      return plane.outline[static_cast<size_t>(triangle[i])];
+    };
+    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    if (normal.dot(plane.NormalAt(corner(0))) < 0.0) std::swap(triangle[1], triangle[2]);
+  }
+  return triangles;
 }
 
 }  // namespace
@@ -165,9 +171,9 @@ std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
       vertices += position + colour + "\n";
       ++num_vertices;
     }
-    for (const std::vector<int>& face : FacesOf(plane)) {
-      faces += std::to_string(face.size());
-      for (const int corner : face) faces += " " + std::to_string(first + corner);
+    for (const std::array<int, 3>& triangle : TrianglesOf(plane)) {
+      faces += "3";
+      for (const int corner : triangle) faces += " " + std::to_string(first + corner);
       faces += " " + colour + " " + std::to_string(plane.id) + "\n";
       ++num_faces;
     }
@@ -177,7 +183,7 @@ std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes) {
          "\nproperty float x\nproperty float y\nproperty float z\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face " +
          std::to_string(num_faces) +
-         "\nproperty list int int vertex_indices\n"
+         "\nproperty list uchar int vertex_indices\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\n"
          "property int plane_id\nend_header\n" +
          vertices + faces;

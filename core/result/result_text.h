@@ -23,9 +23,9 @@ std::string FormatTrajectoryCovariance(const std::vector<StampedCovariance>& pos
 // exact to the nanosecond. Values that are not finite are written as null.
 std::string FormatPlanes(const std::vector<PlanePatch>& planes);
 
-// Makes planes.ply, the outlines as polygons of an ASCII PLY file. A patch with fewer than
-// three corners is left out. Every plane has a colour of its own, which depends on its id
-// only.
+// Makes planes.ply, the outlines as triangles of an ASCII PLY file: few programs read polygons
+// with more corners. A patch with fewer than three corners is left out. Every plane has a colour
+// of its own, which depends on its id only.
 std::string FormatPlanePolygons(const std::vector<PlanePatch>& planes);
 
 // Makes summary.json. The seconds of stages with the same name are added up.

@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include "core/result/point_cloud_writer.h"
 #include "core/result/result_files.h"
 #include "core/result/result_text.h"
 #include "core/util/atomic_file.h"
@@ -10,10 +9,15 @@
 namespace plumbline {
 
 struct ResultWriter::Impl {
-  Impl(const ResultDirectory& directory, const std::string& part)
-      : folder(directory.Folder(part)),
-        final_name(directory.FinalName(part)),
-        points(folder, final_name) {}
+  Impl(const ResultDirectory& directory,
+       const std::string& part,
+       const std::vector<CloudFormat>& formats)
+      : folder(directory.Folder(part)), final_name(directory.FinalName(part)) {
+    for (const CloudFormat format : formats) {
+      const std::string file = "/" + CloudFileName(format);
+      clouds.push_back(CreatePointCloudWriter(format, folder + file, final_name + file));
+    }
+  }
 
   void Write(const std::string& name, const std::string& content) {
     CHECK(IsResultFile(name)) << name;
@@ -22,11 +26,13 @@ struct ResultWriter::Impl {
 
   std::string folder;
   std::string final_name;
-  PointCloudWriter points;
+  std::vector<std::unique_ptr<PointCloudWriter>> clouds;
 };
 
-ResultWriter::ResultWriter(const ResultDirectory& directory, const std::string& part)
-    : impl_(std::make_unique<Impl>(directory, part)) {}
+ResultWriter::ResultWriter(const ResultDirectory& directory,
+                           const std::string& part,
+                           const std::vector<CloudFormat>& formats)
+    : impl_(std::make_unique<Impl>(directory, part, formats)) {}
 
 ResultWriter::~ResultWriter() = default;
 
@@ -60,7 +66,9 @@ void ResultWriter::WriteLoopClosures(const std::vector<LoopClosure>& closures) {
   impl_->Write("loop_closures.json", FormatLoopClosures(closures));
 }
 
-void ResultWriter::AddMapPoints(const PointBuffer& points) { impl_->points.Add(points); }
+void ResultWriter::AddMapPoints(const PointBuffer& points) {
+  for (const auto& cloud : impl_->clouds) cloud->Add(points);
+}
 
 void ResultWriter::WriteSummary(const Summary& summary) {
   impl_->Write("summary.json", FormatSummary(summary));
@@ -71,6 +79,8 @@ void ResultWriter::WriteConfig(const std::string& yaml) {
   impl_->Write("config_used.yaml", complete ? yaml : yaml + "\n");
 }
 
-void ResultWriter::Finish() { impl_->points.Finish(); }
+void ResultWriter::Finish() {
+  for (const auto& cloud : impl_->clouds) cloud->Finish();
+}
 
 }  // namespace plumbline

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/cloud/point_cloud_writer.h"
 #include "core/result/plane_covariance.h"
-#include "core/result/point_buffer.h"
 #include "core/result/result_directory.h"
 #include "core/result/result_types.h"
 
@@ -17,8 +17,11 @@ namespace plumbline {
 // time replaces the first. Throws Error naming the file that could not be written.
 class ResultWriter {
  public:
-  // part: "" or a folder named as result_files.h says.
-  explicit ResultWriter(const ResultDirectory& directory, const std::string& part = "");
+  // part: "" or a folder named as result_files.h says. formats: of the map's points.
+  explicit ResultWriter(
+      const ResultDirectory& directory,
+      const std::string& part = "",
+      const std::vector<CloudFormat>& formats = ParseCloudFormats(kDefaultCloudFormats));
   ~ResultWriter();
 
   void WriteTrajectory(const std::vector<StampedPose>& poses);  // trajectory.tum
@@ -31,7 +34,7 @@ class ResultWriter {
                    const std::vector<StampedCovariance>& covariances,
                    const PlaneCovariance& planes);
   void WriteLoopClosures(const std::vector<LoopClosure>& closures);  // loop_closures.json
-  void AddMapPoints(const PointBuffer& points);                      // map.ply, map.pcd
+  void AddMapPoints(const PointBuffer& points);                      // map.ply, map.pcd, ...
   void WriteSummary(const Summary& summary);                         // summary.json
   void WriteConfig(const std::string& yaml);                         // config_used.yaml
   void Finish();  // completes all files; call once, at the end

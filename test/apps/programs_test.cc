@@ -75,9 +75,19 @@ TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
                 Path("no"));
 }
 
+TEST_F(ProgramsTest, ExportNamesAMissingMap) {
+  ExpectFailure("plumbline_export --result=" + Path("no") + " --formats=las --output=" +
+                    Path("out"),
+                Path("no/map.ply"));
+}
+
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
   for (const char* program :
-       {"plumbline_bound", "plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
+       {"plumbline_bound",
+                              "plumbline_evaluate",
+                              "plumbline_export",
+                              "plumbline_map",
+                              "plumbline_simulate"}) {
     EXPECT_EQ(Run(program).exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --no_such_flag").exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --help").exit_code, 0) << program;
@@ -85,6 +95,8 @@ TEST_F(ProgramsTest, WrongUsageIsTwo) {
   const Outcome outcome = Run("plumbline_map --threads=-1");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("flag --threads does not take the value '-1'"));
+  EXPECT_EQ(Run("plumbline_map --formats=ply,laz").exit_code, 2);
+  EXPECT_EQ(Run("plumbline_export --result=. --formats=laz").exit_code, 2);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
 #include "core/map/plane_patches.h"
-#include "core/result/point_cloud_writer.h"
+#include "core/cloud/point_cloud_writer.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/scan_reader.h"
@@ -237,15 +237,19 @@ void ExportPoints(benchmark::State& state) {
   point.p_world = Eigen::Vector3f(1.0f, 2.0f, 3.0f);
   PointBuffer points;
   for (auto _ : state) {
-    PointCloudWriter writer(path.string(), path.string());
+    std::vector<std::unique_ptr<PointCloudWriter>> writers;
+    for (const CloudFormat format : ParseCloudFormats(kDefaultCloudFormats)) {
+      const std::string file = (path / CloudFileName(format)).string();
+      writers.push_back(CreatePointCloudWriter(format, file, file));
+    }
     for (size_t i = 0; i < kNumPoints; ++i) {
       point.time_s = 1e-4 * static_cast<double>(i);
       points.Add(point);
       if ((i + 1) % kPointsAtOnce > 0) continue;
-      writer.Add(points);
+      for (const auto& writer : writers) writer->Add(points);
       points.Clear();
     }
-    writer.Finish();
+    for (const auto& writer : writers) writer->Finish();
   }
   state.counters["per_point"] = PerElement(kNumPoints);
 }

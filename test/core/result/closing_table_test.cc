@@ -37,7 +37,7 @@ TEST(ClosingTableTest, StatesFiguresVerdictAndFiles) {
   EXPECT_THAT(text, HasSubstr("0.02 deg median"));
   EXPECT_THAT(text, HasSubstr("radii"));
   EXPECT_THAT(text, HasSubstr("Verdict: doubtful, 2 warnings"));
-  EXPECT_THAT(text, HasSubstr("Written to out/map: map.ply"));
+  EXPECT_THAT(text, HasSubstr("Written to out/map: map.* (points)"));
   EXPECT_EQ(text.back(), '\n');
 }
 

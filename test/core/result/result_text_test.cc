@@ -75,7 +75,7 @@ TEST(FormatPlanesTest, NoPlanesAreAnEmptyArray) {
   EXPECT_TRUE(nlohmann::json::parse(FormatPlanes({})).empty());
 }
 
-TEST(FormatPlanePolygonsTest, CountsCornersAndFaces) {
+TEST(FormatPlanePolygonsTest, CountsCornersAndTriangles) {
   PlanePatch quad;
   quad.outline = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   PlanePatch unseen;
@@ -85,10 +85,10 @@ TEST(FormatPlanePolygonsTest, CountsCornersAndFaces) {
   triangle.outline = {{0, 0, 1}, {1, 0, 1}, {1, 1.5, 1}};
   const std::string text = FormatPlanePolygons({quad, unseen, triangle});
   EXPECT_THAT(text, HasSubstr("element vertex 7\n"));
-  EXPECT_THAT(text, HasSubstr("element face 2\n"));
+  EXPECT_THAT(text, HasSubstr("element face 3\n"));
   EXPECT_THAT(text, HasSubstr("end_header\n0 0 0 255 64 64\n"));
   EXPECT_THAT(text, HasSubstr("\n1 1.5 1 "));
-  EXPECT_THAT(text, HasSubstr("\n4 0 1 2 3 255 64 64 0\n3 4 5 6 "));
+  EXPECT_THAT(text, HasSubstr("\n3 0 1 2 255 64 64 0\n3 0 2 3 255 64 64 0\n3 4 5 6 "));
 }
 
 TEST(FormatSummaryTest, StatesTheVerdict) {

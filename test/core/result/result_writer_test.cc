@@ -2,11 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <pcl/PCLPointCloud2.h>
-#include <pcl/io/pcd_io.h>
 
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
 
@@ -20,8 +16,6 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr size_t kPointBytes = 29;
-
 MapPoint MakePoint(int i) {
   MapPoint point;
   const float value = static_cast<float>(i);
@@ -32,35 +26,6 @@ MapPoint MakePoint(int i) {
   point.residual_m =
       point.plane_id < 0 ? std::numeric_limits<float>::quiet_NaN() : 0.125f * value;
   return point;
-}
-
-// What the packed bytes of a point say.
-MapPoint UnpackPoint(const char* bytes) {
-  MapPoint point;
-  float position[3];
-  uint8_t scanner = 0;
-  int32_t plane_id = 0;
-  std::memcpy(position, bytes, 12);
-  std::memcpy(&point.time_s, bytes + 12, 8);
-  std::memcpy(&scanner, bytes + 20, 1);
-  std::memcpy(&plane_id, bytes + 21, 4);
-  std::memcpy(&point.residual_m, bytes + 25, 4);
-  point.p_world = {position[0], position[1], position[2]};
-  point.scanner = scanner;
-  point.plane_id = plane_id;
-  return point;
-}
-
-void ExpectSamePoint(const MapPoint& a, const MapPoint& b) {
-  EXPECT_EQ(a.p_world, b.p_world);
-  EXPECT_EQ(a.time_s, b.time_s);
-  EXPECT_EQ(a.scanner, b.scanner);
-  EXPECT_EQ(a.plane_id, b.plane_id);
-  if (b.plane_id < 0) {
-    EXPECT_TRUE(std::isnan(a.residual_m));
-  } else {
-    EXPECT_EQ(a.residual_m, b.residual_m);
-  }
 }
 
 class ResultWriterTest : public TemporaryDirectoryTest {
@@ -150,53 +115,32 @@ TEST_F(ResultWriterTest, WritesTheSameBytesEachTime) {
   }
 }
 
-TEST_F(ResultWriterTest, PclReadsTheMap) {
-  constexpr int kNumPoints = 25'000;  // several blocks
-  WriteResult(output_, kNumPoints);
-  pcl::PCLPointCloud2 cloud;
-  ASSERT_EQ(pcl::PCDReader().read((output_ / "map.pcd").string(), cloud), 0);
-  std::vector<std::string> names;
-  for (const pcl::PCLPointField& field : cloud.fields) names.push_back(field.name);
-  EXPECT_THAT(names, ElementsAre("x", "y", "z", "time", "scanner", "plane_id", "residual"));
-  EXPECT_EQ(cloud.fields[3].datatype, pcl::PCLPointField::FLOAT64);
-  EXPECT_EQ(cloud.fields[4].datatype, pcl::PCLPointField::UINT8);
-  EXPECT_EQ(cloud.fields[5].datatype, pcl::PCLPointField::INT32);
-  ASSERT_EQ(cloud.width * cloud.height, static_cast<unsigned>(kNumPoints));
-  ASSERT_EQ(cloud.point_step, kPointBytes);
-  for (int i = 0; i < kNumPoints; i += 777) {
-    const uint8_t* bytes = cloud.data.data() + static_cast<size_t>(i) * kPointBytes;
-    ExpectSamePoint(UnpackPoint(reinterpret_cast<const char*>(bytes)), MakePoint(i));
-  }
+TEST_F(ResultWriterTest, WritesThePointsInTheFormatsAskedFor) {
+  ResultDirectory result(output_.string());
+  ResultWriter writer(result, "", {CloudFormat::kLas, CloudFormat::kE57});
+  WriteAll(&writer, 10);
+  writer.Finish();
+  result.Commit();
+  EXPECT_THAT(FilesIn(output_),
+              ElementsAre("config_used.yaml",
+                          "map.e57",
+                          "map.las",
+                          "planes.json",
+                          "planes.ply",
+                          "summary.json",
+                          "trajectory.tum"));
 }
 
-TEST_F(ResultWriterTest, PlyHeaderDescribesThePoints) {
-  constexpr int kNumPoints = 12'345;
-  WriteResult(output_, kNumPoints);
-  const std::string ply = ReadBytes(output_ / "map.ply");
-  const std::string end = "end_header\n";
-  const size_t start = ply.find(end) + end.size();
-  std::istringstream header(ply.substr(0, start));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(header, line);) {
-    if (line.rfind("comment", 0) != 0) lines.push_back(line);
+TEST_F(ResultWriterTest, AnEarlierResultsCloudsGo) {
+  {
+    ResultDirectory result(output_.string());
+    ResultWriter writer(result, "", {CloudFormat::kLas12});
+    writer.Finish();
+    result.Commit();
   }
-  EXPECT_THAT(lines,
-              ElementsAre("ply",
-                          "format binary_little_endian 1.0",
-                          "element vertex 12345",
-                          "property float x",
-                          "property float y",
-                          "property float z",
-                          "property double time",
-                          "property uchar scanner",
-                          "property int plane_id",
-                          "property float residual",
-                          "end_header"));
-  ASSERT_EQ(ply.size(), start + kNumPoints * kPointBytes);
-  for (int i = 0; i < kNumPoints; i += 777) {
-    const char* bytes = ply.data() + start + static_cast<size_t>(i) * kPointBytes;
-    ExpectSamePoint(UnpackPoint(bytes), MakePoint(i));
-  }
+  EXPECT_THAT(FilesIn(output_), ElementsAre("map_las12.las"));
+  WriteResult(output_, 10);
+  EXPECT_EQ(FilesIn(output_).count("map_las12.las"), 0u);
 }
 
 TEST_F(ResultWriterTest, AMapWithoutPointsIsWhole) {
