@@ -39,6 +39,10 @@ DEFINE_double(checkpoint_after_s,
               "seconds: less is sooner done again");
 DEFINE_validator(checkpoint_after_s,
                  [](const char*, double seconds) { return seconds >= 0.0; });
+DEFINE_bool(report,
+            false,
+            "also write report.html, a page that shows the map in any browser, as "
+            "plumbline_report does");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -53,6 +57,7 @@ void Print(const plumbline::Summary& summary) {
                               plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
                               FLAGS_output);
   std::fputs(table.c_str(), stdout);
+  if (FLAGS_report) std::printf("Report: %s/report.html\n", FLAGS_output.c_str());
 }
 
 // Says of a map that must not be trusted that it must not.
@@ -102,6 +107,7 @@ int main(int argc, char** argv) {
                                   FLAGS_threads,
                                   FLAGS_resume,
                                   FLAGS_checkpoint_after_s,
+                                  FLAGS_report,
                                   plumbline::StopSignals()},
                                  [&](double share) { progress.Report(share); });
         verdict_code = Report(summary);

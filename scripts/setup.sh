@@ -10,6 +10,7 @@ packages=(
   libbz2-dev
   libceres-dev
   libcgal-dev
+  libdeflate-dev
   libeigen3-dev
   libgflags-dev
   libgoogle-glog-dev

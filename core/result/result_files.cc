@@ -19,6 +19,7 @@ bool IsResultFile(const std::string& name) {
                                        "plane_covariance.csv",
                                        "planes.json",
                                        "planes.ply",
+                                       "report.html",
                                        "summary.json",
                                        "trajectory.tum",
                                        "trajectory_covariance.csv",

@@ -1,0 +1,58 @@
+// Writes a finished map as one page for a browser.
+
+#include <gflags/gflags.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/app.h"
+#include "core/report/report.h"
+
+DEFINE_string(result,
+              "",
+              "directory that plumbline_map wrote; may also stand first, without the flag");
+DEFINE_string(output, "", "HTML file; without it, report.html in the result's directory");
+DEFINE_string(evaluation,
+              "",
+              "JSON file of plumbline_evaluate --output, whose errors the report is to show");
+DEFINE_string(title, "", "title of the page; without it, the name of the result's directory");
+
+namespace {
+
+plumbline::ReportJob JobFromFlags() {
+  namespace fs = std::filesystem;
+  plumbline::ReportJob job;
+  job.result_directory = FLAGS_result;
+  job.output =
+      FLAGS_output.empty() ? (fs::path(FLAGS_result) / "report.html").string() : FLAGS_output;
+  job.title = FLAGS_title.empty() ? plumbline::ReportTitle(FLAGS_result) : FLAGS_title;
+  job.evaluation = FLAGS_evaluation;
+  return job;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string result;
+  if (argc > 1 && argv[1][0] != '-') {
+    result = std::string("--result=") + argv[1];
+    arguments[1] = result.data();
+  }
+  return plumbline::RunApp(
+      argc,
+      arguments.data(),
+      "writes a finished map as one page that opens in any browser, without network",
+      __FILE__,
+      {"result"},
+      [] {
+        const plumbline::ReportJob job = JobFromFlags();
+        const plumbline::ReportSize size = plumbline::WriteReport(job);
+        std::printf("Report: %s (%lld points, %.1f MB)\n",
+                    job.output.c_str(),
+                    static_cast<long long>(size.points),
+                    static_cast<double>(size.bytes) * 1e-6);
+      });
+}

@@ -1,0 +1,152 @@
+// What the reader can set in the 3D view, with buttons and keys.
+import { h } from './dom.js';
+import { css, rampGradient, scannerColour } from './colours.js';
+import { digits } from './format.js';
+import { COLOURINGS, RAMP_OF } from './point_cloud.js';
+
+const VIEWS = { overview: 'Overview', top: 'From above', front: 'Front', side: 'Side' };
+const LABELS = { surface: 'Surface', height: 'Height', time: 'Time', scanner: 'Scanner', residual: 'Residual' };
+
+export class Controls {
+  // actions: { view, plan, colours } to act on.
+  constructor(view, plan, numScanners) {
+    this.view = view;
+    this.plan = plan;
+    this.numScanners = numScanners;
+    const { lowest, highest } = view.cloud;
+    this.range = [Math.floor(10 * lowest[2]) / 10, Math.ceil(10 * highest[2]) / 10];
+    this.heights = [...this.range];
+    this.colours = h('div', { class: 'buttons', role: 'group', 'aria-label': 'colour' },
+      COLOURINGS.map((name) => h('button', { 'data-colour': name, onclick: () => this.colourBy(name) }, LABELS[name])));
+    this.legend = h('div', { class: 'legend' });
+    this.low = this.heightSlider('height-low', 'lowest height shown', 0);
+    this.high = this.heightSlider('height-high', 'greatest height shown', 1);
+    this.heightText = h('output', { id: 'heights' });
+    const check = (id, text, isOn, change) =>
+      h('label', { class: 'check' }, h('input', { type: 'checkbox', id, checked: isOn, onchange: (event) => { change(event.target.checked); view.changed(); } }), text);
+    const size = h('input', { type: 'range', id: 'size', min: 0.005, max: 0.08, step: 0.005, value: 0.02, 'aria-label': 'size of points', oninput: () => view.pointSize(Number(size.value)) });
+    this.element = h('section', { class: 'controls', 'aria-label': 'view' },
+      h('h3', {}, 'Colour by'), this.colours, this.legend,
+      h('h3', {}, 'Heights ', this.heightText), this.low, this.high,
+      h('h3', {}, 'Look from'),
+      h('div', { class: 'buttons' }, Object.entries(VIEWS).map(([name, text]) => h('button', { 'data-view': name, onclick: () => view.lookFrom(name) }, text))),
+      h('h3', {}, 'Show'),
+      check('backs', 'surfaces from behind', false, (on) => view.hideBacks(!on)),
+      check('points-shown', 'points', true, (on) => { view.cloud.object.visible = on; }),
+      check('outlines', 'outlines', true, (on) => { view.drawings.outlines.visible = on; }),
+      check('path', 'the rig’s way', true, (on) => { view.drawings.path.visible = on; view.drawings.rig.visible = on; }),
+      h('label', { class: 'check' }, 'size of points ', size));
+    this.colourBy('surface');
+    this.clip();
+  }
+
+  heightSlider(id, name, which) {
+    const slider = h('input', { type: 'range', id, min: this.range[0], max: this.range[1], step: 0.05, value: this.range[which], 'aria-label': name });
+    slider.addEventListener('input', () => {
+      this.heights[which] = Number(slider.value);
+      // They never pass each other.
+      if (this.heights[0] > this.heights[1]) this.heights[1 - which] = this.heights[which];
+      this.clip();
+    });
+    return slider;
+  }
+
+  setHeights(low, high) {
+    const within = (value) => Math.min(this.range[1], Math.max(this.range[0], value));
+    this.heights = [within(low), within(high)];
+    this.clip();
+  }
+
+  clip() {
+    const [low, high] = this.heights;
+    this.low.value = low;
+    this.high.value = high;
+    this.heightText.textContent = `${low.toFixed(2)} to ${high.toFixed(2)} m`;
+    // Noise goes beyond the sliders' ends.
+    const bottom = low <= this.range[0] ? -1e9 : low;
+    const top = high >= this.range[1] ? 1e9 : high;
+    this.view.clip(bottom, top);
+    this.plan.clip(bottom, top);
+    this.drawLegend();
+  }
+
+  colourBy(name) {
+    this.colouring = name;
+    this.view.colourBy(name);
+    for (const button of this.colours.children) button.setAttribute('aria-pressed', String(button.dataset.colour === name));
+    this.drawLegend();
+  }
+
+  drawLegend() {
+    const name = this.colouring;
+    if (RAMP_OF[name]) {
+      const ends = this.view.cloud.rampEnds(name, this.view.shared.heights.value.toArray());
+      const [scale, unit] = { height: [1, 'm'], time: [1, 's'], residual: [1000, 'mm'] }[name];
+      const bar = h('div', { class: 'ramp' });
+      bar.style.background = rampGradient(RAMP_OF[name]);
+      this.legend.replaceChildren(bar, h('span', {}, `${digits(scale * ends[0])} ${unit}`), h('span', {}, `${digits(scale * ends[1])} ${unit}`));
+    } else if (name === 'scanner') {
+      this.legend.replaceChildren(...Array.from({ length: this.numScanners }, (_, i) => {
+        const dot = h('i', { class: 'dot' });
+        dot.style.background = css(scannerColour(i));
+        return h('span', {}, dot, `scanner ${i}`);
+      }));
+    } else {
+      this.legend.replaceChildren(h('span', {}, 'each surface its colour; grey: on none'));
+    }
+  }
+}
+
+const TURN = 6; // degrees a key
+const SHIFT = 0.06; // of the distance a key
+const ZOOM = 0.88;
+const HEIGHT = 0.1; // m a key
+
+export const KEYS = [
+  ['arrows', 'turn'], ['Shift + arrows', 'shift'], ['+ and −', 'nearer, farther'],
+  ['1 to 5', 'colour by surface, height, time, scanner, residual'],
+  ['O, T, F, S', 'look from the corner, above, the front, the side'],
+  ['Page up, Page down', 'raise, lower the greatest height shown'], ['B', 'surfaces from behind'],
+  ['space', 'play and pause'], [', and .', 'a tenth of a second back, on'],
+  ['N, P', 'next, previous surface; with Shift as the second one'], ['M', 'measure to a second surface'], ['Esc', 'choose nothing'],
+];
+
+// Keys work wherever the focus is, but in fields that use them.
+export function listenToKeys({ view, controls, timeline, surfaces }) {
+  const step = (by, extend) => {
+    const count = surfaces.surfaces.length;
+    if (count === 0) return;
+    const last = surfaces.chosen[extend ? 1 : 0] ?? surfaces.chosen[0];
+    const at = surfaces.surfaces.findIndex((surface) => surface.id === last);
+    surfaces.pick((at + by + count) % count, null, extend);
+  };
+  const look = { o: 'overview', t: 'top', f: 'front', s: 'side' };
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  const simple = {
+    '+': () => view.zoom(ZOOM), '=': () => view.zoom(ZOOM), '-': () => view.zoom(1 / ZOOM),
+    PageUp: () => controls.setHeights(controls.heights[0], controls.heights[1] + HEIGHT),
+    PageDown: () => controls.setHeights(controls.heights[0], controls.heights[1] - HEIGHT),
+    ' ': () => timeline.toggle(), ',': () => timeline.set(timeline.t - 0.1), '.': () => timeline.set(timeline.t + 0.1),
+    m: () => surfaces.measureNext(!surfaces.isMeasuring), Escape: () => surfaces.set([]),
+    b: () => document.getElementById('backs').click(),
+  };
+  document.addEventListener('keydown', (event) => {
+    const { target } = event;
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (target.matches('input[type=range], select, textarea') && !/^[a-z1-5]$/i.test(event.key)) return;
+    if (event.key === ' ' && target.matches('button, summary, input')) return;
+    // On the page, arrows and page keys scroll; in the view they turn it.
+    const inView = target === view.canvas;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (arrows[key] && inView) {
+      const [x, y] = arrows[key];
+      if (event.shiftKey) view.shift(SHIFT * x, SHIFT * y);
+      else view.turn(TURN * x, TURN * y);
+    } else if (/^[1-5]$/.test(key)) controls.colourBy(COLOURINGS[Number(key) - 1]);
+    else if (look[key] && !event.shiftKey) view.lookFrom(look[key]);
+    else if (key === 'n' || key === 'p') step(key === 'n' ? 1 : -1, event.shiftKey);
+    else if (simple[key] && (inView || !key.startsWith('Page')) && (inView || key !== ' ')) simple[key]();
+    else return;
+    event.preventDefault();
+  });
+}

@@ -1,0 +1,164 @@
+// Programs of the graphics processor. All draw in colours as they show, without lighting.
+//
+// surfaces: a column for each surface field of the points (0: none, 1: moving, 2 + index):
+//   row 0  normal, and distance; of a cylinder its side (+1, -1) in place of the distance
+//   row 1  of a cylinder its axis (x, y), its radius and 1; else zeros
+//   row 2  colour, and how much of it shows whatever the points are coloured by
+
+const VISIBILITY = `
+precision highp float;
+precision highp sampler2D;
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec3 eye;
+uniform vec2 heights;     // shown between these, m
+uniform float hide_backs; // 1: not what is seen from behind
+uniform sampler2D surfaces;
+
+vec4 surface_row(float field, int row) { return texelFetch(surfaces, ivec2(int(field), row), 0); }
+
+vec3 normal_at(vec4 plane, vec4 cylinder, vec3 p) {
+  return cylinder.w > 0.0 ? plane.w * vec3(normalize(p.xy - cylinder.xy), 0.0) : plane.xyz;
+}
+
+bool is_behind(float field, vec3 p) {
+  if (hide_backs == 0.0 || field < 2.0) return false;
+  return dot(normal_at(surface_row(field, 0), surface_row(field, 1), p), eye - p) < 0.0;
+}
+`;
+
+export const POINT_VERTEX = `
+${VISIBILITY}
+uniform vec3 origin;
+uniform float step_m;
+uniform vec2 times;        // shown between these, in steps of time
+uniform int coloured_by;   // 0 surface, 1 height, 2 time, 3 scanner, 4 residual
+uniform vec2 ramp_ends;    // values of the ramp's two ends
+uniform sampler2D ramp;
+uniform sampler2D scanners;
+uniform float point_m;     // size of a point
+uniform float pixels;      // that 1 m takes at a distance of 1 m
+uniform float smallest;    // size of a point, pixels
+in vec4 place;             // x, y, z in steps, surface field
+in vec2 moment;            // time in steps, scanner
+out vec3 colour;
+
+float residual(vec4 plane, vec4 cylinder, vec3 p) {
+  if (cylinder.w > 0.0) return plane.w * (length(p.xy - cylinder.xy) - cylinder.z);
+  return dot(plane.xyz, p) - plane.w;
+}
+
+void main() {
+  vec3 p = origin + step_m * place.xyz;
+  float field = place.w;
+  vec4 in_view = viewMatrix * vec4(p, 1.0);
+  gl_Position = projectionMatrix * in_view;
+  gl_PointSize = clamp(point_m * pixels / -in_view.z, smallest, 24.0);
+  if (p.z < heights.x || p.z > heights.y || moment.x < times.x || moment.x > times.y ||
+      is_behind(field, p)) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of sight
+    return;
+  }
+  vec4 own = surface_row(field, 2);
+  float value = p.z;
+  if (coloured_by == 0) {
+    colour = own.rgb;
+    return;
+  }
+  if (coloured_by == 3) {
+    colour = texelFetch(scanners, ivec2(int(moment.y), 0), 0).rgb;
+  } else if (coloured_by == 4 && field < 2.0) {
+    colour = own.rgb;
+  } else {
+    if (coloured_by == 2) value = moment.x;
+    if (coloured_by == 4) value = residual(surface_row(field, 0), surface_row(field, 1), p);
+    float share = clamp((value - ramp_ends.x) / (ramp_ends.y - ramp_ends.x), 0.0, 1.0);
+    colour = texture(ramp, vec2(share, 0.5)).rgb;
+  }
+  colour = mix(colour, own.rgb, own.a);
+}
+`;
+
+export const POINT_FRAGMENT = `
+precision mediump float;
+in vec3 colour;
+out vec4 pixel;
+void main() { pixel = vec4(colour, 1.0); }
+`;
+
+// Lines and areas on surfaces, drawn a little nearer than they are: points scatter about them.
+export const OVERLAY_VERTEX = `
+${VISIBILITY}
+uniform float nearer;      // m
+uniform float own_colour;  // 1: the surface's
+uniform vec3 tint;
+in vec3 position;
+in float field;
+out vec3 colour;
+out float height;
+out float hidden;
+void main() {
+  vec4 in_view = viewMatrix * vec4(position, 1.0);
+  float distance = length(in_view.xyz);
+  in_view.xyz *= max(0.2, 1.0 - nearer / distance);
+  gl_Position = projectionMatrix * in_view;
+  hidden = is_behind(field, position) ? 1.0 : 0.0;
+  height = position.z;
+  colour = mix(tint, 0.8 * surface_row(field, 2).rgb, own_colour);
+}
+`;
+
+export const OVERLAY_FRAGMENT = `
+precision highp float;
+uniform vec2 heights;
+uniform float opacity;
+in vec3 colour;
+in float height;
+in float hidden;
+out vec4 pixel;
+void main() {
+  if (hidden > 0.5 || height < heights.x - 0.01 || height > heights.y + 0.01) discard;
+  pixel = vec4(colour, opacity);
+}
+`;
+
+export const COMPOSE_VERTEX = `
+in vec3 position;
+void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
+`;
+
+// Copies what was drawn of the points, darker where neighbours are nearer (eye-dome lighting,
+// Boucheny 2009), so that edges show.
+export const COMPOSE_FRAGMENT = `
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D colours;
+uniform sampler2D depths;
+uniform vec3 ground;
+uniform vec2 near_far;
+uniform float strength;
+uniform int radius;
+out vec4 pixel;
+
+float log_distance(float depth) {
+  return log2(near_far.x * near_far.y / (near_far.y - depth * (near_far.y - near_far.x)));
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float depth = texelFetch(depths, at, 0).r;
+  gl_FragDepth = depth;
+  ivec2 last = textureSize(depths, 0) - 1;
+  float own = depth < 1.0 ? log_distance(depth) : 0.0;
+  float shade = 0.0;
+  if (depth < 1.0) {
+    for (int i = 0; i < 4; ++i) {
+      ivec2 offset = radius * ivec2(i < 2 ? 2 * i - 1 : 0, i < 2 ? 0 : 2 * i - 5);
+      float other = texelFetch(depths, clamp(at + offset, ivec2(0), last), 0).r;
+      if (other < 1.0) shade += max(0.0, own - log_distance(other));
+    }
+  }
+  vec3 colour = depth < 1.0 ? texelFetch(colours, at, 0).rgb : ground;
+  pixel = vec4(colour * exp(-strength * min(shade, 0.2)), 1.0);
+}
+`;
