@@ -4,15 +4,16 @@ import { css, rampGradient, scannerColour } from './colours.js';
 import { digits } from './format.js';
 import { COLOURINGS, RAMP_OF } from './point_cloud.js';
 
+const FLAT = 0.05; // m: a map that is not higher has no heights to choose from
 const VIEWS = { overview: 'Overview', top: 'From above', front: 'Front', side: 'Side' };
 const LABELS = { surface: 'Surface', height: 'Height', time: 'Time', scanner: 'Scanner', residual: 'Residual' };
 
 export class Controls {
-  // actions: { view, plan, colours } to act on.
-  constructor(view, plan, numScanners) {
+  constructor(view, plan, report) {
     this.view = view;
     this.plan = plan;
-    this.numScanners = numScanners;
+    this.numScanners = report.statistics.by_scanner.length;
+    this.hasMoving = report.summary.points_moving > 0;
     const { lowest, highest } = view.cloud;
     this.range = [Math.floor(10 * lowest[2]) / 10, Math.ceil(10 * highest[2]) / 10];
     this.heights = [...this.range];
@@ -27,7 +28,7 @@ export class Controls {
     const size = h('input', { type: 'range', id: 'size', min: 0.005, max: 0.08, step: 0.005, value: 0.02, 'aria-label': 'size of points', oninput: () => view.pointSize(Number(size.value)) });
     this.element = h('section', { class: 'controls', 'aria-label': 'view' },
       h('h3', {}, 'Colour by'), this.colours, this.legend,
-      h('h3', {}, 'Heights ', this.heightText), this.low, this.high,
+      ...(this.range[1] - this.range[0] > FLAT ? [h('h3', {}, 'Heights ', this.heightText), this.low, this.high] : []),
       h('h3', {}, 'Look from'),
       h('div', { class: 'buttons' }, Object.entries(VIEWS).map(([name, text]) => h('button', { 'data-view': name, onclick: () => view.lookFrom(name) }, text))),
       h('h3', {}, 'Show'),
@@ -92,7 +93,7 @@ export class Controls {
         return h('span', {}, dot, `scanner ${i}`);
       }));
     } else {
-      this.legend.replaceChildren(h('span', {}, 'each surface its colour; grey: on none'));
+      this.legend.replaceChildren(h('span', {}, `each surface its colour; grey: on none${this.hasMoving ? '; pink: what moved' : ''}`));
     }
   }
 }

@@ -24,13 +24,20 @@ export function seconds(value) {
   return `${Math.floor(value / 60)} min ${String(Math.floor(value % 60)).padStart(2, '0')} s`;
 }
 
-// A value with its standard deviation, both to the digits that the latter allows.
-export function withStddev(value, stddev, unit, scale = 1) {
-  if (!known(value)) return 'unknown';
-  if (!known(stddev)) return `${digits(scale * value, 5)} ${unit}`;
-  const places =
-    stddev > 0 ? Math.max(0, Math.min(7, 1 - Math.floor(Math.log10(scale * stddev)))) : 4;
-  return `${(scale * value).toFixed(places)} ± ${(scale * stddev).toFixed(places)} ${unit}`;
+// Places after the point so that two digits of a standard deviation show.
+const placesFor = (stddev) =>
+  stddev > 0 ? Math.max(0, Math.min(8, 1 - Math.floor(Math.log10(stddev)))) : 4;
+
+// A length in m with its standard deviation in mm.
+export function lengthWithStddev(value, stddev) {
+  if (!known(value) || !known(stddev)) return metres(value, 4);
+  return `${value.toFixed(placesFor(stddev))} m ± ${digits(1000 * stddev, 2)} mm`;
+}
+
+// An angle in rad with its standard deviation, both in degrees.
+export function angleWithStddev(value, stddev) {
+  if (!known(value) || !known(stddev)) return degrees(value, 4);
+  return `${(DEGREES * value).toFixed(placesFor(DEGREES * stddev))}° ± ${digits(DEGREES * stddev, 2)}°`;
 }
 
 export function median(values) {

@@ -4,6 +4,7 @@ import { readFloat64, readJson, readPoints, readPoses, readSection } from './dat
 import { byId, h, table } from './dom.js';
 import { drawEvaluation } from './evaluation.js';
 import { digits, millimetres, count } from './format.js';
+import { Labels } from './labels.js';
 import { JointCovariance } from './joint_covariance.js';
 import { speeds } from './motion.js';
 import { Plan } from './plan.js';
@@ -13,7 +14,7 @@ import style from './style.css';
 import { Surfaces } from './surfaces.js';
 import { Timeline } from './timeline.js';
 import { drawFigures, drawVerdict } from './verdict.js';
-import { View } from './view.js';
+import { NoWebgl, View } from './view.js';
 
 const STAGE_WORDS = { total: 'all' };
 
@@ -88,7 +89,7 @@ function drawBelow(frame, report, poses, motion, surfaces, plan, plans) {
   frame.below.append(
     keys,
     h('section', { id: 'plan' }, h('h2', {}, 'Floor plan'), ...plans,
-      h('p', { class: 'hint' }, 'Walls between the heights chosen above, and the rig’s way. A click chooses a wall.'), plan.element),
+      h('p', { class: 'hint' }, `Walls${report.summary.motion === 'planar' ? '' : ' between the heights chosen above'}, and the rig’s way. A click chooses a wall.`), plan.element),
     h('section', { id: 'plots' }, h('h2', {}, 'Over time'), h('p', { class: 'hint' }, 'A click in a plot moves the rig to that instant.'),
       drawPlots(report, poses, motion, frame.onTime), drawIntervals(report, frame.onTime)),
     ...(report.evaluation ? [drawEvaluation(report.evaluation)] : []),
@@ -101,8 +102,8 @@ function makeView(frame, report, points, poses, onPick) {
   try {
     return new View(frame.canvas, report, points, poses, onPick);
   } catch (error) {
-    console.warn(`no 3D view: ${error.message}`);
-    return null;
+    if (error instanceof NoWebgl) return null;
+    throw error;
   }
 }
 
@@ -121,12 +122,22 @@ async function start() {
   const motion = speeds(poses);
 
   let view = null;
+  let labels = null;
   const surfaces = new Surfaces(report, covariance,
     (ids) => { view?.choose(ids); plan.choose(ids); },
-    (ends) => { view?.drawings.showMeasure(ends); view?.changed(); });
+    (measured) => {
+      if (!view) return;
+      view.drawings.showMeasure(measured?.ends);
+      labels.set(surfaces.labels());
+      view.schedule();
+    });
   const plan = new Plan(report.planes, poses, report.intervals, (index, extend) => surfaces.pick(index, null, extend));
   view = makeView(frame, report, points, poses, (index, point, extend) => surfaces.pick(index, point, extend));
   frame.stage.querySelector('.loading').remove();
+  if (view) {
+    labels = new Labels(view, frame.stage);
+    view.onDrawn = () => labels.place();
+  }
   const timeline = new Timeline(poses, motion, report, (t, mode, pose) => {
     plan.moveRig(pose.position);
     if (!view) return;
@@ -136,7 +147,7 @@ async function start() {
   frame.onTime = (t) => timeline.set(t);
   drawBelow(frame, report, poses, motion, surfaces, plan, plans);
   if (view) {
-    const controls = new Controls(view, plan, report.statistics.by_scanner.length);
+    const controls = new Controls(view, plan, report);
     frame.panel.append(surfaces.element, controls.element);
     frame.stage.after(timeline.element);
     listenToKeys({ view, controls, timeline, surfaces });

@@ -77,12 +77,13 @@ export function timePlot(title, unit, lines, { intervals, end, onTime }) {
       }
     }
     for (const line of lines) frame.path(line.points, { class: `curve ${line.class}` });
-    const cursor = h('line', { class: 'cursor', y1: MARGIN.top, y2: HEIGHT - MARGIN.bottom, x1: -9, x2: -9 });
-    const readout = h('text', { class: 'tick value', y: MARGIN.top + 10, x: -99 });
+    const cursor = h('line', { class: 'cursor', y1: MARGIN.top, y2: HEIGHT - MARGIN.bottom, x1: 0, x2: 0, visibility: 'hidden' });
+    const readout = h('text', { class: 'tick value', y: MARGIN.top + 10, visibility: 'hidden' });
     frame.svg.append(cursor, readout);
     const timeAt = (event) => frame.value(event.clientX - frame.svg.getBoundingClientRect().left);
     frame.svg.addEventListener('pointermove', (event) => {
       const t = Math.min(end, Math.max(0, timeAt(event)));
+      for (const part of [cursor, readout]) part.setAttribute('visibility', 'visible');
       cursor.setAttribute('x1', frame.x(t));
       cursor.setAttribute('x2', frame.x(t));
       const values = lines.map(({ points }) => {
@@ -95,9 +96,7 @@ export function timePlot(title, unit, lines, { intervals, end, onTime }) {
       readout.setAttribute('text-anchor', isRight ? 'end' : 'start');
     });
     frame.svg.addEventListener('pointerleave', () => {
-      cursor.setAttribute('x1', -9);
-      cursor.setAttribute('x2', -9);
-      readout.setAttribute('x', -99);
+      for (const part of [cursor, readout]) part.setAttribute('visibility', 'hidden');
     });
     frame.svg.addEventListener('click', (event) => onTime(timeAt(event)));
     return frame.svg;

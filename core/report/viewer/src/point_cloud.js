@@ -63,12 +63,13 @@ function scannerTexture() {
 
 export class PointCloud {
   // shared: uniforms that all drawings have in common (view.js).
-  constructor(points, shared, residualRange) {
+  // bounds: lowest and highest corner, last time.
+  constructor(points, shared, bounds, residualRange) {
     this.points = points;
     this.ramps = { sequential: rampTexture('sequential'), diverging: rampTexture('diverging') };
-    const { lowest, highest } = this.bounds();
-    this.lowest = lowest;
-    this.highest = highest;
+    this.lowest = bounds.lowest;
+    this.highest = bounds.highest;
+    this.lastTime = bounds.lastTime;
     this.residualRange = residualRange;
     this.uniforms = {
       ...shared,
@@ -98,39 +99,12 @@ export class PointCloud {
     this.scene.add(this.object);
   }
 
-  bounds() {
-    const { place, count, origin, step_m: step } = this.points;
-    const lowest = [65535, 65535, 65535];
-    const highest = [0, 0, 0];
-    for (let i = 0; i < count; ++i) {
-      if (place[4 * i + 3] < FIRST_PLANE) continue;
-      for (let axis = 0; axis < 3; ++axis) {
-        const value = place[4 * i + axis];
-        if (value < lowest[axis]) lowest[axis] = value;
-        if (value > highest[axis]) highest[axis] = value;
-      }
-    }
-    const world = (steps) => steps.map((value, axis) => origin[axis] + step * value);
-    return lowest[0] > highest[0]
-      ? { lowest: world([0, 0, 0]), highest: world([65535, 65535, 65535]) }
-      : { lowest: world(lowest), highest: world(highest) };
-  }
-
   // Values of the ramp's ends, in the units of the colouring; null where it has no ramp.
   rampEnds(name, heights) {
     if (name === 'height') return [Math.max(heights[0], this.lowest[2]), Math.min(heights[1], this.highest[2])];
     if (name === 'residual') return [-this.residualRange, this.residualRange];
-    if (name === 'time') return [0, this.lastTime()];
+    if (name === 'time') return [0, this.lastTime];
     return null;
-  }
-
-  lastTime() {
-    if (this.last === undefined) {
-      let last = 0;
-      for (let i = 0; i < this.points.count; ++i) last = Math.max(last, this.points.moment[2 * i]);
-      this.last = last * this.points.time_step_s;
-    }
-    return this.last;
   }
 
   colourBy(name, heights) {

@@ -86,22 +86,42 @@ out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }
 `;
 
-// Lines and areas on surfaces, drawn a little nearer than they are: points scatter about them.
+// Lines and areas on surfaces, drawn a little nearer than they are: points scatter about them. A line
+// has a width in pixels: each of its ends is two corners, at either side of it.
 export const OVERLAY_VERTEX = `
 ${VISIBILITY}
 uniform float nearer;      // m
 uniform float own_colour;  // 1: the surface's
 uniform vec3 tint;
+uniform vec2 half_screen;  // pixels
+uniform float width;       // of lines, pixels; 0 of areas
 in vec3 position;
+in vec3 other;             // the line's other end
+in float side;             // +1 or -1
 in float field;
 out vec3 colour;
 out float height;
 out float hidden;
+
+vec4 placed(vec3 p) {
+  vec4 in_view = viewMatrix * vec4(p, 1.0);
+  in_view.xyz *= max(0.2, 1.0 - nearer / length(in_view.xyz));
+  return projectionMatrix * in_view;
+}
+
 void main() {
-  vec4 in_view = viewMatrix * vec4(position, 1.0);
-  float distance = length(in_view.xyz);
-  in_view.xyz *= max(0.2, 1.0 - nearer / distance);
-  gl_Position = projectionMatrix * in_view;
+  gl_Position = placed(position);
+  if (width > 0.0) {
+    vec4 end = placed(other);
+    float near = 0.02;
+    // Of a line that passes the eye, the part before it.
+    if (gl_Position.w < near) gl_Position = mix(gl_Position, end, (near - gl_Position.w) / (end.w - gl_Position.w));
+    if (end.w < near) end = mix(end, gl_Position, (near - end.w) / (gl_Position.w - end.w));
+    vec2 along = (end.xy / end.w - gl_Position.xy / gl_Position.w) * half_screen;
+    float size = length(along);
+    vec2 across = size > 0.0 ? vec2(-along.y, along.x) / size : vec2(0.0);
+    gl_Position.xy += 0.5 * width * side * across / half_screen * gl_Position.w;
+  }
   hidden = is_behind(field, position) ? 1.0 : 0.0;
   height = position.z;
   colour = mix(tint, 0.8 * surface_row(field, 2).rgb, own_colour);
@@ -159,6 +179,6 @@ void main() {
     }
   }
   vec3 colour = depth < 1.0 ? texelFetch(colours, at, 0).rgb : ground;
-  pixel = vec4(colour * exp(-strength * min(shade, 0.2)), 1.0);
+  pixel = vec4(colour * exp(-strength * min(shade, 0.12)), 1.0);
 }
 `;

@@ -1,12 +1,18 @@
 // The chosen surfaces, what is known of them and between them, and the list of all.
 import { h, table } from './dom.js';
 import { SELECTED } from './colours.js';
-import { count, degrees, metres, millimetres, seconds, withStddev } from './format.js';
-import { extents, norm, subtract } from './surface.js';
+import { angleWithStddev, count, degrees, lengthWithStddev, metres, millimetres, seconds } from './format.js';
+import { extents } from './surface.js';
 
 const TYPES = { horizontal: 'level', vertical: 'upright', general: 'sloping', cylinder: 'round' };
 const RADIANS = Math.PI / 180;
 const DEGREES = 180 / Math.PI;
+
+// Length and height, of a wall in a plane its length alone.
+const size = (surface, places) => {
+  const [width, height] = extents(surface).map((x) => x.toFixed(places));
+  return Number(height) > 0 ? `${width} × ${height} m` : `${width} m`;
+};
 
 function facts(rows) {
   return h('dl', { class: 'facts' }, rows.filter(Boolean).flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
@@ -14,15 +20,14 @@ function facts(rows) {
 
 // What is known of one surface.
 function describe(surface, start, errors) {
-  const [width, height] = extents(surface);
   const rows = [
-    ['kind', `${TYPES[surface.type]}, ${width.toFixed(2)} × ${height.toFixed(2)} m`],
-    ['distance', withStddev(surface.distance, surface.sigma_distance_m, 'm')],
+    ['kind', `${TYPES[surface.type]}, ${size(surface, 2)}`],
+    ['distance', lengthWithStddev(surface.distance, surface.sigma_distance_m)],
     [
       'direction',
       surface.sigma_angle_deg > 0 ? `± ${degrees(surface.sigma_angle_deg * RADIANS, 4)}` : surface.type === 'horizontal' ? 'level' : 'held: it is the reference',
     ],
-    surface.type === 'cylinder' && ['radius', withStddev(surface.radius, surface.sigma_radius_m, 'm')],
+    surface.type === 'cylinder' && ['radius', lengthWithStddev(surface.radius, surface.sigma_radius_m)],
     ['normal', surface.normal.map((x) => x.toFixed(4)).join(', ')],
     ['points', `${count(surface.num_points)} in ${count(surface.num_segments)} segments`],
     ['seen', `from ${seconds(surface.first_time - start)} to ${seconds(surface.last_time - start)}`],
@@ -43,7 +48,8 @@ function relation(radians) {
 }
 
 export class Surfaces {
-  // onChoose(ids): other surfaces are chosen. onMeasure(ends): the measured line, or null.
+  // onChoose(ids): other surfaces are chosen. onMeasure(measured): what `between`
+  // has found, or null.
   constructor(report, covariance, onChoose, onMeasure) {
     this.report = report;
     this.surfaces = report.planes;
@@ -90,7 +96,7 @@ export class Surfaces {
     this.measureNext(false);
     this.show();
     this.onChoose(ids);
-    this.onMeasure(this.measured?.ends ?? null);
+    this.onMeasure(this.measured);
   }
 
   // What lies between two surfaces: angle (rad) and distance (m) with their standard deviations,
@@ -123,18 +129,27 @@ export class Surfaces {
     this.details.replaceChildren(...parts);
   }
 
+  // What is written into the picture.
+  labels() {
+    const labels = this.chosen.map((id, i) => ({ point: this.find(id).centre, text: String(id), colour: SELECTED[i] }));
+    if (!this.measured) return labels;
+    const { distance, ends: [from, to] } = this.measured;
+    const middle = from.map((x, axis) => (x + to[axis]) / 2);
+    labels.push({ point: middle, isAbove: true, text: lengthWithStddev(distance.value, distance.stddev), colour: '#20242c' });
+    return labels;
+  }
+
   drawMeasured(a, b) {
     this.measured = this.between(a, b, this.place);
     if (!this.measured) {
       return h('p', { class: 'hint' }, 'The report holds the joint covariance of the largest surfaces only, and one of these is not among them; plane_covariance.csv has all.');
     }
     const { angle, distance } = this.measured;
-    const other = norm(subtract(distance.from, distance.to));
     return h('div', { class: 'measured' },
       h('h3', {}, `Between ${a.id} and ${b.id}`),
       facts([
-        ['distance', h('b', { id: 'measured-distance' }, withStddev(other, distance.stddev, 'm'))],
-        ['angle', h('b', { id: 'measured-angle' }, withStddev(angle.value, angle.stddev, '°', DEGREES))],
+        ['distance', h('b', { id: 'measured-distance' }, lengthWithStddev(distance.value, distance.stddev))],
+        ['angle', h('b', { id: 'measured-angle' }, angleWithStddev(angle.value, angle.stddev))],
       ]),
       h('p', { class: 'hint' }, `${relation(angle.value)}${relation(angle.value) ? '; ' : ''}distance of surface ${b.id} from the ${this.place ? 'clicked place' : 'centre'} of ${a.id}; standard deviations from the joint covariance`));
   }
@@ -145,7 +160,7 @@ export class Surfaces {
     const columns = [
       ['number', (s) => s.id, (s) => s.id],
       ['kind', (s) => s.type, (s) => TYPES[s.type]],
-      ['size', (s) => extents(s)[0] * extents(s)[1], (s) => extents(s).map((x) => x.toFixed(1)).join(' × ') + ' m'],
+      ['size', (s) => extents(s)[0] * extents(s)[1], (s) => size(s, 1)],
       ['points', (s) => s.num_points, (s) => count(s.num_points)],
       ['± along the normal', (s) => s.sigma_distance_m, (s) => millimetres(s.sigma_distance_m)],
       ['± direction', (s) => s.sigma_angle_deg, (s) => (s.sigma_angle_deg > 0 ? degrees(s.sigma_angle_deg * RADIANS, 4) : '–')],

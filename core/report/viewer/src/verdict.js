@@ -1,12 +1,12 @@
 // What the map is worth, in words, and its figures: the top of the page.
 import { h } from './dom.js';
-import { count, degrees, digits, median, metres, millimetres, seconds } from './format.js';
+import { count, digits, median, metres, millimetres, seconds } from './format.js';
 
 const WORDS = {
   consistent: ['Consistent', 'Nothing that was measured contradicts this map.'],
   doubtful: [
     'Doubtful',
-    'Something contradicts this map at the intervals named below. Elsewhere, nothing does.',
+    'At the intervals named below, this map is in doubt. Elsewhere, nothing that was measured contradicts it.',
   ],
   contradictory: [
     'Contradictory',
@@ -77,7 +77,10 @@ export function drawVerdict(report, onTime) {
     h('li', { class: kind }, text, ' ', h('button', { class: 'link', onclick: () => onTime(at) }, 'show')),
   );
   items.push(...partSentences(summary));
-  items.push(...(summary.warnings ?? []).map((warning) => h('li', {}, `${warning[0].toUpperCase()}${warning.slice(1)}.`)));
+  // What an interval says already is not said twice.
+  const reasons = ['doubtful', 'gap'].flatMap((kind) => report.intervals[kind].map(({ reason }) => reason));
+  const warnings = (summary.warnings ?? []).filter((warning) => !reasons.some((reason) => reason && warning.endsWith(reason)));
+  items.push(...warnings.map((warning) => h('li', {}, `${warning[0].toUpperCase()}${warning.slice(1)}.`)));
   const ends = summary.consistency?.ends_at_s;
   if (ends !== undefined) items.unshift(h('li', { class: 'doubtful' }, `The map ends ${ends.toFixed(1)} s after the recording's begin, before the recording does.`));
   const open = items.length <= 6;
@@ -108,10 +111,10 @@ export function drawFigures(report, poses) {
     figure(millimetres(summary.residual_rms_m), 'residuals, RMS', `variance factor ${digits(summary.variance_factor)}`),
     figure(
       `± ${millimetres(median(planes.map((plane) => plane.sigma_distance_m)))}`,
-      'surfaces along their normals',
-      `median; ± ${degrees((median(walls.map((plane) => plane.sigma_angle_deg)) * Math.PI) / 180, 4)} in direction`,
+      'precision of surfaces',
+      `median; in direction ± ${digits(median(walls.map((plane) => plane.sigma_angle_deg)))}°`,
     ),
-    figure(`± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`, 'positions of the rig', `median; worst ± ${millimetres(worstPose)}`),
+    figure(`± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`, 'precision of positions', `median; worst ± ${millimetres(worstPose)}`),
     figure(`${digits(summary.real_time_factor)} ×`, 'real time', `${seconds(summary.stages?.total)} for the map`),
   );
 }

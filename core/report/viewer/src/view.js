@@ -13,13 +13,26 @@ const SHADE_RADIUS = 1.4; // pixels of the screen
 const CLICK_RADIUS = 4; // pixels
 const MAX_PIXELS = 2.5e6; // of the picture, on dense screens
 
+// The box that the surfaces and the rig's way take, and the last time.
+function boundsOf(surfaces, poses) {
+  const corners = [...surfaces.flatMap((surface) => surface.outline), ...poses.map((pose) => pose.position)];
+  const lowest = [0, 1, 2].map((axis) => corners.reduce((low, corner) => Math.min(low, corner[axis]), Infinity));
+  const highest = [0, 1, 2].map((axis) => corners.reduce((high, corner) => Math.max(high, corner[axis]), -Infinity));
+  return { lowest, highest, lastTime: poses[poses.length - 1].t };
+}
+
+export class NoWebgl extends Error {}
+
 export class View {
+  // Throws NoWebgl where the browser can not draw in 3D.
   // onPick(index, point, extend): a surface was clicked, or none (index null).
   constructor(canvas, report, points, poses, onPick) {
     this.canvas = canvas;
     this.surfaces = report.planes;
     this.onPick = onPick;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
+    const context = canvas.getContext('webgl2', { antialias: false, powerPreference: 'high-performance' });
+    if (!context) throw new NoWebgl();
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1000);
     this.camera.up.set(0, 0, 1);
@@ -28,10 +41,12 @@ export class View {
       heights: { value: new THREE.Vector2(-1e9, 1e9) },
       hide_backs: { value: 1 },
       surfaces: { value: surfaceTexture(this.surfaces) },
+      half_screen: { value: new THREE.Vector2(1, 1) },
     };
+    this.ratio = { value: 1 }; // pixels of the picture by those of the page
     const rms = report.summary.residual_rms_m || 0.01;
-    this.cloud = new PointCloud(points, this.shared, 3 * rms);
-    this.drawings = new Drawings(this.surfaces, poses, report.intervals, this.shared);
+    this.cloud = new PointCloud(points, this.shared, boundsOf(this.surfaces, poses), 3 * rms);
+    this.drawings = new Drawings(this.surfaces, poses, report.intervals, this.shared, this.ratio);
     this.makeComposition();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
@@ -43,7 +58,7 @@ export class View {
     this.frames = 0;
     this.listen();
     this.resize();
-    this.lookFrom('overview');
+    this.lookFrom(report.summary.motion === 'planar' ? 'top' : 'overview');
   }
 
   makeComposition() {
@@ -63,7 +78,7 @@ export class View {
         depths: { value: this.target.depthTexture },
         ground: { value: new THREE.Vector3(...GROUND) },
         near_far: { value: new THREE.Vector2() },
-        strength: { value: 9 },
+        strength: { value: 6 },
         radius: { value: 1 },
       },
       depthFunc: THREE.AlwaysDepth,
@@ -107,6 +122,9 @@ export class View {
     this.target.setSize(columns, rows);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.shared.half_screen.value.set(columns / 2, rows / 2);
+    this.ratio.value = ratio;
+    this.drawings.scaleLines();
     const { uniforms } = this.cloud;
     uniforms.pixels.value = rows / (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360));
     uniforms.smallest.value = 1.5 * ratio;
