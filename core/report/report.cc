@@ -42,7 +42,7 @@ std::string BeforePoints(const std::string& title, const ReportContent& content)
          ViewerBundle() + "</script>\n";
 }
 
-std::string FormatPoints(const PackedPoints& points) {
+std::string FormatPoints(const QuantisedPoints& points) {
   return "<script type=\"application/json\" id=\"points\">" + points.HeaderJson() +
          "</script>\n" + FormatSections(points.Sections()) + "</body>\n</html>\n";
 }
@@ -59,7 +59,7 @@ ReportSize WriteReport(const ReportJob& job) {
   const ReportContent content = ReadReportContent(job);
   const std::string before = BeforePoints(job.title, content);
   const auto room = job.max_bytes - static_cast<int64_t>(before.size());
-  PackedPoints points = content.points;
+  QuantisedPoints points = content.points;
   std::string text = FormatPoints(points);
   while (static_cast<int64_t>(text.size()) > room) {
     if (room <= 0 || points.size() == 0) {

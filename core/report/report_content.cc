@@ -205,7 +205,7 @@ DataSection CovarianceSection(const PlaneCovariance& covariance,
 
 // The points of a map that a report may show, and what they say of its surfaces.
 struct Points {
-  PackedPoints packed;
+  QuantisedPoints packed;
   PointStatistics statistics;
   int64_t num_points = 0;
   int64_t start_ns = 0;  // of the recording, on its clock
@@ -230,15 +230,15 @@ Points ReadPoints(const std::string& path,
   int64_t i = 0;
   while (reader.Next(&block)) {
     for (const MapPoint& point : block) {
-      uint16_t field =
-          point.plane_id == kMovingPlaneId ? PackedPoints::kMoving : PackedPoints::kOnNoPlane;
+      uint16_t field = point.plane_id == kMovingPlaneId ? QuantisedPoints::kMoving
+                                                        : QuantisedPoints::kOnNoPlane;
       if (point.plane_id >= 0) {
         const auto at = index_of.find(point.plane_id);
         if (at == index_of.end()) {
           throw Error(path + ": point " + std::to_string(i) + " lies on plane " +
                       std::to_string(point.plane_id) + ", which planes.json lacks");
         }
-        field = static_cast<uint16_t>(PackedPoints::kFirstPlane + at->second);
+        field = static_cast<uint16_t>(QuantisedPoints::kFirstPlane + at->second);
         last_times_s[at->second] = std::max(last_times_s[at->second], point.time_s);
       }
       points.statistics.Add(point);
@@ -250,7 +250,7 @@ Points ReadPoints(const std::string& path,
       ++i;
     }
   }
-  points.packed = PackedPoints(kept, plane_fields);
+  points.packed = QuantisedPoints(kept, plane_fields);
   // Points count their time from the recording's begin, planes have it on the recording's
   // clock: where a plane's last point is on a segment of it, both are of one instant.
   std::optional<int64_t> start_ns;
@@ -321,7 +321,7 @@ ReportContent ReadReportContent(const ReportJob& job) {
   json["evaluation"] = job.evaluation.empty() ? Json() : ReadObject(job.evaluation);
   const PlaneCovariance covariance = ReadPlaneCovariance(job.result_directory);
   const std::vector<PlanePatch>& planes = covariance.planes();
-  if (planes.size() > UINT16_MAX - PackedPoints::kFirstPlane) {
+  if (planes.size() > UINT16_MAX - QuantisedPoints::kFirstPlane) {
     throw Error(path("planes.json") + ": has more planes than a report can show");
   }
   json["planes"] = ReadJson(path("planes.json"));

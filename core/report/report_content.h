@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/report/data_section.h"
-#include "core/report/packed_points.h"
+#include "core/report/quantised_points.h"
 #include "core/report/report.h"
 
 namespace plumbline {
@@ -29,7 +29,7 @@ namespace plumbline {
 struct ReportContent {
   std::string json;
   std::vector<DataSection> sections;
-  PackedPoints points;
+  QuantisedPoints points;
 };
 
 // Reads the result. Throws Error naming the file and what is wrong with it.

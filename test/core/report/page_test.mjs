@@ -265,7 +265,7 @@ async function checkWithoutWebgl(page) {
   assert.equal(await page.locator('.surface').count(), 1);
 }
 
-await open(WITH_WEBGL, { width: 1300, height: 900 }, async (page) => {
+await open(WITH_WEBGL, { width: 1000, height: 640 }, async (page) => {
   for (const check of [checkWords, checkPoints, checkSurfaces, checkMeasures, checkPicking,
     checkKeysAndControls, checkTime, checkFloorPlan]) {
     const start = Date.now();

@@ -98,11 +98,9 @@ class Page(unittest.TestCase):
         result, evaluation = self.make_report()
         expected = self.directory / "expected.json"
         expected.write_text(json.dumps(expectations(result, evaluation)), encoding="utf-8")
-        page = subprocess.run(
-            [find_program("node"), SCRIPT, self.packages, self.chromium, result / "report.html",
-             expected], capture_output=True, text=True, timeout=120, check=False)
-        self.assertEqual(page.returncode, 0, page.stdout + page.stderr)
-        self.assertIn("all checks passed", page.stdout)
+        # Its output is the test's, so that it shows how far it came.
+        subprocess.run([find_program("node"), SCRIPT, self.packages, self.chromium,
+                        result / "report.html", expected], timeout=240, check=True)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Reads what the program packed into the page (core/report/report_content.h, packed_points.h).
+// Reads what the program packed into the page (core/report/report_content.h, quantised_points.h).
 
 const element = (id) => document.getElementById(id);
 
@@ -57,10 +57,10 @@ export async function readPoses(count) {
   return poses;
 }
 
-// Any first part of the points shows the whole map, thinner: point i comes after all points of
-// the levels before its own. There are 64 levels, the bits of i's last six digits reversed.
-const LEVEL_BITS = 6;
-const NUM_LEVELS = 1 << LEVEL_BITS;
+// Any first part of the points shows the whole map, thinner: they are put in levels, of every 256th
+// point each, in an order that fills the gaps evenly (the level's bits reversed).
+const LEVEL_BITS = 8;
+export const NUM_LEVELS = 1 << LEVEL_BITS;
 
 function reversedBits(level) {
   let reversed = 0;
@@ -80,44 +80,32 @@ function levelStarts(count) {
   return starts;
 }
 
-// Undoes the differences of one field, and writes it to every `width`th place from `offset`.
-function unpackField(low, high, starts, target, width, offset) {
-  let value = 0;
-  for (let i = 0; i < low.length; ++i) {
-    const code = low[i] | (high[i] << 8);
-    value = (value + ((code >> 1) ^ -(code & 1))) & 0xffff;
-    target[(starts[i & (NUM_LEVELS - 1)] + (i >> LEVEL_BITS)) * width + offset] = value;
-  }
-}
+const FIELDS = ['x', 'y', 'z', 'time', 'plane'];
 
 // The points: `place` holds x, y, z in steps and the surface (0: none, 1: moving, 2 + index);
 // `moment` the time in steps and the scanner.
 export async function readPoints() {
   const header = readJson('points');
   const { count } = header;
+  const ids = [...FIELDS.flatMap((name) => [`points-${name}-0`, `points-${name}-1`]), 'points-scanner-0'];
+  const [x0, x1, y0, y1, z0, z1, time0, time1, plane0, plane1, scanner] = await Promise.all(ids.map(readSection));
   const starts = levelStarts(count);
   const place = new Uint16Array(4 * count);
   const moment = new Uint16Array(2 * count);
-  const field = async (name, target, width, offset) => {
-    const [low, high] = await Promise.all([
-      readSection(`points-${name}-0`),
-      readSection(`points-${name}-1`),
-    ]);
-    unpackField(low, high, starts, target, width, offset);
+  // Fields are differences from point to point: 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+  const difference = (low, high) => {
+    const code = low | (high << 8);
+    return (code >> 1) ^ -(code & 1);
   };
-  const scanner = async () => {
-    const bytes = await readSection('points-scanner-0');
-    for (let i = 0; i < count; ++i) {
-      moment[2 * (starts[i & (NUM_LEVELS - 1)] + (i >> LEVEL_BITS)) + 1] = bytes[i];
-    }
-  };
-  await Promise.all([
-    field('x', place, 4, 0),
-    field('y', place, 4, 1),
-    field('z', place, 4, 2),
-    field('plane', place, 4, 3),
-    field('time', moment, 2, 0),
-    scanner(),
-  ]);
+  let [x, y, z, time, plane] = [0, 0, 0, 0, 0];
+  for (let i = 0; i < count; ++i) {
+    const at = starts[i & (NUM_LEVELS - 1)]++;
+    place[4 * at] = x = (x + difference(x0[i], x1[i])) & 0xffff;
+    place[4 * at + 1] = y = (y + difference(y0[i], y1[i])) & 0xffff;
+    place[4 * at + 2] = z = (z + difference(z0[i], z1[i])) & 0xffff;
+    place[4 * at + 3] = plane = (plane + difference(plane0[i], plane1[i])) & 0xffff;
+    moment[2 * at] = time = (time + difference(time0[i], time1[i])) & 0xffff;
+    moment[2 * at + 1] = scanner[i];
+  }
   return { ...header, place, moment };
 }

@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import { css, rampColour, rgb, scannerColour, surfaceColour, GREY, SELECTED } from './colours.js';
 import { POINT_FRAGMENT, POINT_VERTEX } from './shaders.js';
-import { isCylinder, sideOf } from './surface.js';
+import { isCylinder, sideOf, signedDistance } from './surface.js';
 
 export const COLOURINGS = ['surface', 'height', 'time', 'scanner', 'residual'];
 const RAMP_OF = { height: 'sequential', time: 'sequential', residual: 'diverging' };
@@ -43,6 +43,20 @@ export function colourSurfaces(map, surfaces, selected) {
     data.set([...unit(colour), which < 0 ? 0 : 0.85], row + 4 * (i + FIRST_PLANE));
   });
   map.needsUpdate = true;
+}
+
+// Notes in `surfaces` which of them are seen from behind: all of a plane is, or nothing of it.
+export function markHidden(map, surfaces, eye) {
+  const { data, width } = map.image;
+  const row = 2 * 4 * width + 3;
+  surfaces.forEach((surface, i) => {
+    const at = row + 4 * (i + FIRST_PLANE);
+    const code = isCylinder(surface) ? 4 : signedDistance(surface, eye) < 0 ? 2 : 0;
+    const marked = (data[at] % 2) + code;
+    if (data[at] === marked) return;
+    data[at] = marked;
+    map.needsUpdate = true;
+  });
 }
 
 function rampTexture(name) {

@@ -3,7 +3,9 @@
 // surfaces: a column for each surface field of the points (0: none, 1: moving, 2 + index):
 //   row 0  normal, and distance; of a cylinder its side (+1, -1) in place of the distance
 //   row 1  of a cylinder its axis (x, y), its radius and 1; else zeros
-//   row 2  colour, and how much of it shows whatever the points are coloured by
+//   row 2  colour, and a number: how much of it shows whatever the points are coloured by, below 1,
+//          plus 2 where the surface is hidden, since it is seen from behind, plus 4 for a cylinder, of
+//          which each place has to be looked at
 
 const VISIBILITY = `
 precision highp float;
@@ -17,13 +19,12 @@ uniform sampler2D surfaces;
 
 vec4 surface_row(float field, int row) { return texelFetch(surfaces, ivec2(int(field), row), 0); }
 
-vec3 normal_at(vec4 plane, vec4 cylinder, vec3 p) {
-  return cylinder.w > 0.0 ? plane.w * vec3(normalize(p.xy - cylinder.xy), 0.0) : plane.xyz;
-}
-
-bool is_behind(float field, vec3 p) {
-  if (hide_backs == 0.0 || field < 2.0) return false;
-  return dot(normal_at(surface_row(field, 0), surface_row(field, 1), p), eye - p) < 0.0;
+// own: row 2 of the surface.
+bool is_hidden(vec4 own, float field, vec3 p) {
+  if (own.a < 2.0 || hide_backs == 0.0) return false;
+  if (own.a < 4.0) return true;
+  vec2 away = p.xy - surface_row(field, 1).xy;
+  return surface_row(field, 0).w * dot(away, eye.xy - p.xy) < 0.0;
 }
 `;
 
@@ -51,15 +52,16 @@ float residual(vec4 plane, vec4 cylinder, vec3 p) {
 void main() {
   vec3 p = origin + step_m * place.xyz;
   float field = place.w;
+  vec4 own = surface_row(field, 2);
+  if (p.z < heights.x || p.z > heights.y || moment.x < times.x || moment.x > times.y ||
+      is_hidden(own, field, p)) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of sight
+    gl_PointSize = 1.0;
+    return;
+  }
   vec4 in_view = viewMatrix * vec4(p, 1.0);
   gl_Position = projectionMatrix * in_view;
   gl_PointSize = clamp(point_m * pixels / -in_view.z, smallest, 24.0);
-  if (p.z < heights.x || p.z > heights.y || moment.x < times.x || moment.x > times.y ||
-      is_behind(field, p)) {
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of sight
-    return;
-  }
-  vec4 own = surface_row(field, 2);
   float value = p.z;
   if (coloured_by == 0) {
     colour = own.rgb;
@@ -75,7 +77,7 @@ void main() {
     float share = clamp((value - ramp_ends.x) / (ramp_ends.y - ramp_ends.x), 0.0, 1.0);
     colour = texture(ramp, vec2(share, 0.5)).rgb;
   }
-  colour = mix(colour, own.rgb, own.a);
+  colour = mix(colour, own.rgb, mod(own.a, 2.0));
 }
 `;
 
@@ -122,9 +124,10 @@ void main() {
     vec2 across = size > 0.0 ? vec2(-along.y, along.x) / size : vec2(0.0);
     gl_Position.xy += 0.5 * width * side * across / half_screen * gl_Position.w;
   }
-  hidden = is_behind(field, position) ? 1.0 : 0.0;
+  vec4 own = surface_row(field, 2);
+  hidden = is_hidden(own, field, position) ? 1.0 : 0.0;
   height = position.z;
-  colour = mix(tint, 0.8 * surface_row(field, 2).rgb, own_colour);
+  colour = mix(tint, 0.8 * own.rgb, own_colour);
 }
 `;
 

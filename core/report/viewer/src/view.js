@@ -1,14 +1,17 @@
 // The 3D view: camera, controls, and drawing on demand.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { NUM_LEVELS } from './data.js';
 import { Drawings } from './drawings.js';
-import { colourSurfaces, PointCloud, surfaceTexture } from './point_cloud.js';
+import { colourSurfaces, markHidden, PointCloud, surfaceTexture } from './point_cloud.js';
 import { COMPOSE_FRAGMENT, COMPOSE_VERTEX } from './shaders.js';
 import { addScaled, dot, normalAt, rayDistance, subtract } from './surface.js';
 
 const GROUND = [0.965, 0.968, 0.972];
 const FIELD_OF_VIEW = 50; // degrees
 const FRAME_MS = 33; // a frame takes at most so long while the view moves
+const REST_MS = 120; // after so long without movement all points are drawn
+const AT_REST = 100_000; // points, at least, in a frame then
 const SHADE_RADIUS = 1.4; // pixels of the screen
 const CLICK_RADIUS = 4; // pixels
 const MAX_PIXELS = 2.5e6; // of the picture, on dense screens
@@ -34,6 +37,7 @@ export class View {
     if (!context) throw new NoWebgl();
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
+    this.ground = new THREE.Color().setRGB(...GROUND, THREE.LinearSRGBColorSpace);
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1000);
     this.camera.up.set(0, 0, 1);
     this.shared = {
@@ -54,7 +58,8 @@ export class View {
     this.controls.addEventListener('change', () => this.moved());
     this.choose([]);
     this.numDrawn = 0; // points that the picture holds
-    this.numMoving = Math.min(points.count, 250_000); // drawn in a frame while the view moves
+    this.numMoving = Math.min(points.count, 200_000); // drawn in a frame while the view moves
+    this.isSlow = this.drawsInSoftware();
     this.frames = 0;
     this.listen();
     this.resize();
@@ -140,7 +145,14 @@ export class View {
 
   changed() {
     this.numDrawn = 0;
+    this.isStale = true;
     this.schedule();
+  }
+
+  drawsInSoftware() {
+    const context = this.renderer.getContext();
+    const named = context.getExtension('WEBGL_debug_renderer_info');
+    return !!named && /swiftshader|llvmpipe|software/i.test(context.getParameter(named.UNMASKED_RENDERER_WEBGL));
   }
 
   schedule() {
@@ -150,19 +162,30 @@ export class View {
   }
 
   // Draws as many more points as a frame's time allows; what they are is kept until the view
-  // changes.
+  // changes. Where that is slow, a moving view is drawn without shading, which takes as long as
+  // many points.
   draw(now) {
     this.isScheduled = false;
     const { count } = this.cloud.points;
-    const starts = this.numDrawn === 0;
-    if (starts) this.adapt(now);
-    if (starts || this.numDrawn < count) this.drawPoints(starts, Math.min(this.numMoving, count - this.numDrawn));
+    if (this.isStale && this.isMoving) this.adapt(now);
+    const isPreview = this.isStale && this.isMoving && this.isSlow;
+    if (this.isStale) this.prepare();
+    this.isStale = false;
+    ++this.frames;
+    this.lastFrame = now;
+    this.renderer.setRenderTarget(null);
+    if (isPreview) {
+      this.drawPreview();
+      this.onDrawn?.();
+      clearTimeout(this.refining);
+      this.refining = setTimeout(() => this.schedule(), REST_MS);
+      return;
+    }
+    if (this.numDrawn === 0 || this.numDrawn < count) this.drawPoints(Math.min(Math.max(this.numMoving, AT_REST), count - this.numDrawn));
     this.renderer.setRenderTarget(null);
     this.renderer.clear();
     this.renderer.render(this.sheet, this.camera);
     this.renderer.render(this.drawings.scene, this.camera);
-    ++this.frames;
-    this.lastFrame = now;
     if (this.numDrawn < count) this.schedule();
     else this.isMoving = false;
     this.onDrawn?.();
@@ -171,20 +194,33 @@ export class View {
   // Draws fewer points in a frame where the last ones took too long, more where they did not.
   adapt(now) {
     const took = now - (this.lastFrame ?? now);
-    if (!this.isMoving || took <= 0 || took > 500) return;
+    if (took <= 0 || took > 500) return;
     this.smoothed = 0.7 * (this.smoothed ?? took) + 0.3 * took;
-    const scale = this.smoothed > FRAME_MS ? 0.9 : this.smoothed < 0.75 * FRAME_MS ? 1.05 : 1;
-    this.numMoving = Math.round(Math.min(this.cloud.points.count, Math.max(30_000, this.numMoving * scale)));
+    if (this.smoothed > 1.2 * FRAME_MS) this.isSlow = true;
+    const scale = this.smoothed > FRAME_MS ? Math.max(0.7, FRAME_MS / this.smoothed) : this.smoothed < 0.75 * FRAME_MS ? 1.08 : 1;
+    this.numMoving = Math.round(Math.min(this.cloud.points.count, Math.max(this.cloud.points.count / NUM_LEVELS, 20_000, this.numMoving * scale)));
   }
 
-  drawPoints(starts, number) {
+  // What depends on where the eye is.
+  prepare() {
+    this.fitDepths();
+    this.shared.eye.value.copy(this.camera.position);
+    markHidden(this.shared.surfaces.value, this.surfaces, this.camera.position.toArray());
+  }
+
+  drawPreview() {
+    const { camera, cloud, renderer } = this;
+    renderer.setClearColor(this.ground);
+    renderer.clear();
+    cloud.geometry.setDrawRange(0, this.numMoving);
+    renderer.render(cloud.scene, camera);
+    renderer.render(this.drawings.scene, camera);
+  }
+
+  drawPoints(number) {
     const { camera, cloud, renderer } = this;
     renderer.setRenderTarget(this.target);
-    if (starts) {
-      this.fitDepths();
-      this.shared.eye.value.copy(camera.position);
-      renderer.clear();
-    }
+    if (this.numDrawn === 0) renderer.clear();
     cloud.geometry.setDrawRange(this.numDrawn, number);
     renderer.render(cloud.scene, camera);
     this.numDrawn += number;

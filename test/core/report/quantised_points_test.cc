@@ -1,4 +1,4 @@
-#include "core/report/packed_points.h"
+#include "core/report/quantised_points.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct Unpacked {
 
 int SignedOf(int code) { return code % 2 == 0 ? code / 2 : -(code + 1) / 2; }
 
-Unpacked Unpack(const PackedPoints& points) {
+Unpacked Unpack(const QuantisedPoints& points) {
   std::map<std::string, std::vector<uint8_t>> sections;
   for (const DataSection& section : points.Sections()) sections[section.name] = section.bytes;
   Unpacked unpacked;
@@ -70,7 +70,7 @@ void ExpectSamePlaces(const std::vector<MapPoint>& points, const Unpacked& unpac
   }
 }
 
-TEST(PackedPoints, AreReadBackWithinHalfAStep) {
+TEST(QuantisedPoints, AreReadBackWithinHalfAStep) {
   for (const float extent_m : {0.0f, 10.0f, 500.0f}) {
     const std::vector<MapPoint> points = RandomPoints(1000, extent_m);
     const Unpacked unpacked = Unpack({points, std::vector<uint16_t>(points.size(), 0)});
@@ -79,16 +79,16 @@ TEST(PackedPoints, AreReadBackWithinHalfAStep) {
   }
 }
 
-TEST(PackedPoints, KeepTheirSurfaces) {
-  const std::vector<uint16_t> fields = {PackedPoints::kOnNoPlane, 65535, 2, 3, 1, 40000, 5};
+TEST(QuantisedPoints, KeepTheirSurfaces) {
+  const std::vector<uint16_t> fields = {QuantisedPoints::kOnNoPlane, 65535, 2, 3, 1, 40000, 5};
   const Unpacked unpacked = Unpack({RandomPoints(fields.size(), 5.0f), fields});
   EXPECT_THAT(unpacked.fields.at("plane"), ElementsAre(0, 65535, 2, 3, 1, 40000, 5));
 }
 
-TEST(PackedPoints, ASelectionIsEven) {
+TEST(QuantisedPoints, ASelectionIsEven) {
   const std::vector<MapPoint> points = RandomPoints(1000, 5.0f);
-  const PackedPoints all(points, std::vector<uint16_t>(points.size(), 0));
-  const PackedPoints selection = all.Selection(250);
+  const QuantisedPoints all(points, std::vector<uint16_t>(points.size(), 0));
+  const QuantisedPoints selection = all.Selection(250);
   EXPECT_EQ(selection.size(), 250);
   std::vector<MapPoint> expected;
   for (size_t i = 0; i < points.size(); i += 4) expected.push_back(points[i]);
@@ -97,7 +97,7 @@ TEST(PackedPoints, ASelectionIsEven) {
   EXPECT_EQ(all.Selection(0).size(), 0);
 }
 
-TEST(PackedPoints, MayBeNone) {
+TEST(QuantisedPoints, MayBeNone) {
   const Unpacked unpacked = Unpack({{}, {}});
   EXPECT_EQ(unpacked.header["count"], 0);
   EXPECT_TRUE(unpacked.fields.empty());

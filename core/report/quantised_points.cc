@@ -1,4 +1,4 @@
-#include "core/report/packed_points.h"
+#include "core/report/quantised_points.h"
 
 #include <glog/logging.h>
 
@@ -25,8 +25,8 @@ uint16_t ZigZag(uint16_t difference) {
 
 }  // namespace
 
-PackedPoints::PackedPoints(const std::vector<MapPoint>& points,
-                           const std::vector<uint16_t>& plane_fields) {
+QuantisedPoints::QuantisedPoints(const std::vector<MapPoint>& points,
+                                 const std::vector<uint16_t>& plane_fields) {
   CHECK_EQ(points.size(), plane_fields.size());
   fields_[kPlane] = plane_fields;
   if (points.empty()) return;
@@ -56,9 +56,9 @@ PackedPoints::PackedPoints(const std::vector<MapPoint>& points,
   }
 }
 
-PackedPoints PackedPoints::Selection(int64_t count) const {
+QuantisedPoints QuantisedPoints::Selection(int64_t count) const {
   if (count >= size()) return *this;
-  PackedPoints selection;
+  QuantisedPoints selection;
   selection.origin_ = origin_;
   selection.step_m_ = step_m_;
   selection.time_step_s_ = time_step_s_;
@@ -72,7 +72,7 @@ PackedPoints PackedPoints::Selection(int64_t count) const {
   return selection;
 }
 
-std::string PackedPoints::HeaderJson() const {
+std::string QuantisedPoints::HeaderJson() const {
   const nlohmann::ordered_json json = {{"count", size()},
                                        {"origin", {origin_.x(), origin_.y(), origin_.z()}},
                                        {"step_m", step_m_},
@@ -80,7 +80,7 @@ std::string PackedPoints::HeaderJson() const {
   return json.dump();
 }
 
-std::vector<DataSection> PackedPoints::Sections() const {
+std::vector<DataSection> QuantisedPoints::Sections() const {
   static constexpr const char* kNames[kNumFields] = {"x", "y", "z", "time", "plane"};
   std::vector<DataSection> sections;
   for (size_t field = 0; field < kNumFields; ++field) {

@@ -14,7 +14,7 @@ namespace plumbline {
 // Points in 16 bits a field, in the order of the map. The page shows
 //   p_world = origin + step_m * (x, y, z)     time = time_step_s * time
 // A residual has no field: the page computes it from p_world and its plane.
-class PackedPoints {
+class QuantisedPoints {
  public:
   static constexpr uint16_t kOnNoPlane = 0;
   static constexpr uint16_t kMoving = 1;
@@ -24,9 +24,10 @@ class PackedPoints {
   static constexpr double kFinestStep = 0.0005;  // m
   static constexpr double kFinestTime = 0.001;   // s
 
-  PackedPoints() = default;
+  QuantisedPoints() = default;
   // plane_fields: kOnNoPlane, kMoving or kFirstPlane + index, of each point.
-  PackedPoints(const std::vector<MapPoint>& points, const std::vector<uint16_t>& plane_fields);
+  QuantisedPoints(const std::vector<MapPoint>& points,
+                  const std::vector<uint16_t>& plane_fields);
 
   int64_t size() const { return static_cast<int64_t>(scanner_.size()); }
 
@@ -34,7 +35,7 @@ class PackedPoints {
   std::string HeaderJson() const;
 
   // Returns an even selection of so many of the points; all, where there are fewer.
-  PackedPoints Selection(int64_t count) const;
+  QuantisedPoints Selection(int64_t count) const;
 
   // Makes a section of each byte of each field, named points-<field>-<byte>; differences from
   // point to point, those that may be negative as 0, -1, 1, -2, ...
