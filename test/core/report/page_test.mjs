@@ -199,6 +199,8 @@ async function checkKeysAndControls(page) {
   await page.keyboard.press('PageDown');
   assert.ok((await page.textContent('#heights')).includes('0.10 m'));
   await changes('outlines', () => page.uncheck('#outlines'));
+  await changes('points', () => page.uncheck('#points-shown'));
+  await page.check('#points-shown');
   const camera = () => page.evaluate(() => window.plumbline.view.camera.position.toArray());
   const place = await camera();
   const box = await page.locator('#view').boundingBox();

@@ -3,10 +3,26 @@ import { h } from './dom.js';
 import { css, rampGradient, scannerColour } from './colours.js';
 import { digits } from './format.js';
 import { COLOURINGS, RAMP_OF } from './point_cloud.js';
+import { extents } from './surface.js';
 
 const FLAT = 0.05; // m: a map that is not higher has no heights to choose from
+const STOREY = 1.8; // m: floors are at least so far apart
+const BELOW_FLOOR = 0.3; // m: a storey begins so far below its floor, where a ceiling is not yet
 const VIEWS = { overview: 'Overview', top: 'From above', front: 'Front', side: 'Side' };
 const LABELS = { surface: 'Surface', height: 'Height', time: 'Time', scanner: 'Scanner', residual: 'Residual' };
+
+// The heights of the storeys' floors, lowest first: level surfaces, seen from above, that take a fair
+// share of all such area, as many of them as lie a storey apart.
+export function storeyHeights(surfaces) {
+  const floors = surfaces.filter((surface) => surface.type === 'horizontal' && surface.normal[2] > 0);
+  const area = (surface) => extents(surface).reduce((a, b) => a * b);
+  const total = floors.reduce((sum, surface) => sum + area(surface), 0);
+  const heights = [];
+  for (const surface of floors.filter((floor) => area(floor) > 0.1 * total).sort((a, b) => area(b) - area(a))) {
+    if (heights.every((height) => Math.abs(height - surface.centre[2]) > STOREY)) heights.push(surface.centre[2]);
+  }
+  return heights.sort((a, b) => a - b);
+}
 
 export class Controls {
   constructor(view, plan, report) {
@@ -28,12 +44,13 @@ export class Controls {
     const size = h('input', { type: 'range', id: 'size', min: 0.005, max: 0.08, step: 0.005, value: 0.02, 'aria-label': 'size of points', oninput: () => view.pointSize(Number(size.value)) });
     this.element = h('section', { class: 'controls', 'aria-label': 'view' },
       h('h3', {}, 'Colour by'), this.colours, this.legend,
-      ...(this.range[1] - this.range[0] > FLAT ? [h('h3', {}, 'Heights ', this.heightText), this.low, this.high] : []),
+      ...(this.range[1] - this.range[0] > FLAT ? [h('h3', {}, 'Heights ', this.heightText), this.low, this.high, this.drawStoreys(report.planes)].filter(Boolean) : []),
       h('h3', {}, 'Look from'),
       h('div', { class: 'buttons' }, Object.entries(VIEWS).map(([name, text]) => h('button', { 'data-view': name, onclick: () => view.lookFrom(name) }, text))),
       h('h3', {}, 'Show'),
       check('backs', 'surfaces from behind', false, (on) => view.hideBacks(!on)),
       check('points-shown', 'points', true, (on) => { view.cloud.object.visible = on; }),
+      check('loose', 'points on no surface', true, (on) => { view.cloud.uniforms.hide_loose.value = on ? 0 : 1; }),
       check('outlines', 'outlines', true, (on) => { view.drawings.outlines.visible = on; }),
       check('path', 'the rig’s way', true, (on) => { view.drawings.path.visible = on; view.drawings.rig.visible = on; }),
       h('label', { class: 'check' }, 'size of points ', size));
@@ -50,6 +67,17 @@ export class Controls {
       this.clip();
     });
     return slider;
+  }
+
+  // Buttons that show one storey each, without its ceiling, where the map has several.
+  drawStoreys(surfaces) {
+    const floors = storeyHeights(surfaces);
+    if (floors.length < 2) return null;
+    const buttons = floors.map((floor, i) => {
+      const top = (floors[i + 1] ?? this.range[1] + BELOW_FLOOR) - BELOW_FLOOR;
+      return h('button', { 'data-storey': i + 1, onclick: () => this.setHeights(floor - BELOW_FLOOR, top) }, `Storey ${i + 1}`);
+    });
+    return h('div', { class: 'buttons storeys' }, buttons, h('button', { onclick: () => this.setHeights(...this.range) }, 'All'));
   }
 
   setHeights(low, high) {

@@ -97,6 +97,7 @@ export class PointCloud {
       point_m: { value: 0.02 },
       pixels: { value: 1000 },
       smallest: { value: 1.5 },
+      hide_loose: { value: 0 },
     };
     this.geometry = new THREE.BufferGeometry();
     this.geometry.setAttribute('place', new THREE.BufferAttribute(points.place, 4));

@@ -40,13 +40,22 @@ uniform sampler2D scanners;
 uniform float point_m;     // size of a point
 uniform float pixels;      // that 1 m takes at a distance of 1 m
 uniform float smallest;    // size of a point, pixels
+uniform float hide_loose;  // 1: not the points on no surface
 in vec4 place;             // x, y, z in steps, surface field
 in vec2 moment;            // time in steps, scanner
 out vec3 colour;
 
-float residual(vec4 plane, vec4 cylinder, vec3 p) {
-  if (cylinder.w > 0.0) return plane.w * (length(p.xy - cylinder.xy) - cylinder.z);
-  return dot(plane.xyz, p) - plane.w;
+// The signed distance from the surface, and the surface's normal there.
+float residual(float field, vec3 p, out vec3 normal) {
+  vec4 plane = surface_row(field, 0);
+  vec4 cylinder = surface_row(field, 1);
+  if (cylinder.w == 0.0) {
+    normal = plane.xyz;
+    return dot(plane.xyz, p) - plane.w;
+  }
+  vec2 away = p.xy - cylinder.xy;
+  normal = plane.w * vec3(normalize(away), 0.0);
+  return plane.w * (length(away) - cylinder.z);
 }
 
 void main() {
@@ -54,30 +63,30 @@ void main() {
   float field = place.w;
   vec4 own = surface_row(field, 2);
   if (p.z < heights.x || p.z > heights.y || moment.x < times.x || moment.x > times.y ||
-      is_hidden(own, field, p)) {
+      (field < 2.0 && hide_loose > 0.0) || is_hidden(own, field, p)) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of sight
     gl_PointSize = 1.0;
     return;
   }
-  vec4 in_view = viewMatrix * vec4(p, 1.0);
-  gl_Position = projectionMatrix * in_view;
-  gl_PointSize = clamp(point_m * pixels / -in_view.z, smallest, 24.0);
   float value = p.z;
-  if (coloured_by == 0) {
-    colour = own.rgb;
-    return;
-  }
+  colour = own.rgb;
   if (coloured_by == 3) {
     colour = texelFetch(scanners, ivec2(int(moment.y), 0), 0).rgb;
-  } else if (coloured_by == 4 && field < 2.0) {
-    colour = own.rgb;
-  } else {
+  } else if (coloured_by != 0 && (coloured_by != 4 || field >= 2.0)) {
     if (coloured_by == 2) value = moment.x;
-    if (coloured_by == 4) value = residual(surface_row(field, 0), surface_row(field, 1), p);
+    if (coloured_by == 4) {
+      // On the surface: else only those nearest to the eye, with residuals of one sign, would show.
+      vec3 normal;
+      value = residual(field, p, normal);
+      p -= value * normal;
+    }
     float share = clamp((value - ramp_ends.x) / (ramp_ends.y - ramp_ends.x), 0.0, 1.0);
     colour = texture(ramp, vec2(share, 0.5)).rgb;
   }
-  colour = mix(colour, own.rgb, mod(own.a, 2.0));
+  if (coloured_by != 0) colour = mix(colour, own.rgb, mod(own.a, 2.0));
+  vec4 in_view = viewMatrix * vec4(p, 1.0);
+  gl_Position = projectionMatrix * in_view;
+  gl_PointSize = clamp(point_m * pixels / -in_view.z, smallest, 24.0);
 }
 `;
 

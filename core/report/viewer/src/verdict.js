@@ -96,6 +96,14 @@ export function drawVerdict(report, onTime) {
   );
 }
 
+// Where the truth is known.
+function errorFigure(evaluation, figure) {
+  const positions = evaluation?.trajectory?.unaligned?.position_m?.rmse;
+  if (positions === undefined) return [];
+  const note = evaluation.planes ? `RMS of positions; surfaces ${millimetres(evaluation.planes.distance_m.rmse)}` : 'RMS of positions';
+  return [figure(millimetres(positions), 'error against the truth', note)];
+}
+
 export function drawFigures(report, poses) {
   const { summary, planes } = report;
   const figure = (value, name, note) =>
@@ -115,6 +123,7 @@ export function drawFigures(report, poses) {
       `median; in direction ± ${digits(median(walls.map((plane) => plane.sigma_angle_deg)))}°`,
     ),
     figure(`± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`, 'precision of positions', `median; worst ± ${millimetres(worstPose)}`),
+    ...errorFigure(report.evaluation, figure),
     figure(`${digits(summary.real_time_factor)} ×`, 'real time', `${seconds(summary.stages?.total)} for the map`),
   );
 }

@@ -282,7 +282,6 @@ export class View {
   lookFrom(name) {
     const low = new THREE.Vector3(...this.cloud.lowest);
     const high = new THREE.Vector3(...this.cloud.highest);
-    const target = low.clone().add(high).multiplyScalar(0.5);
     // The directions' second numbers keep azimuths where they are wanted.
     const towards = {
       overview: [-0.45, -0.75, 0.95],
@@ -291,25 +290,32 @@ export class View {
       side: [-1, -0.001, 0.12],
     }[name];
     const direction = new THREE.Vector3(...towards).normalize();
-    this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction, 1);
-    this.camera.lookAt(target);
-    this.camera.updateMatrixWorld();
-    // As near as the box fits: each corner within the cone of view.
-    const inverse = this.camera.quaternion.clone().invert();
-    const tan = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    let away = 1;
-    for (let corner = 0; corner < 8; ++corner) {
-      const offset = new THREE.Vector3(
-        corner & 1 ? high.x : low.x,
-        corner & 2 ? high.y : low.y,
-        corner & 4 ? high.z : low.z,
-      ).sub(target).applyQuaternion(inverse);
-      away = Math.max(away, offset.z + Math.max(Math.abs(offset.y), Math.abs(offset.x) / this.camera.aspect) / tan);
-    }
-    this.camera.position.copy(target).addScaledVector(direction, 1.04 * away);
+    this.controls.target.copy(low).add(high).multiplyScalar(0.5);
+    this.camera.position.copy(this.controls.target).add(direction);
+    this.camera.lookAt(this.controls.target);
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map(
+      (corner) => new THREE.Vector3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z),
+    );
+    for (let round = 0; round < 4; ++round) this.fit(corners, direction);
     this.controls.update();
     this.moved();
+  }
+
+  // Moves the target to the middle of what the corners take of the picture, and the camera as near
+  // as they fit.
+  fit(corners, direction) {
+    const tan = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const inverse = this.camera.quaternion.clone().invert();
+    const inView = corners.map((corner) => corner.clone().sub(this.controls.target).applyQuaternion(inverse));
+    const reach = ({ x, y, z }) => z + Math.max(Math.abs(y), Math.abs(x) / this.camera.aspect) / tan;
+    const away = 1.03 * Math.max(1, ...inView.map(reach));
+    const middle = (axis) => {
+      const places = inView.map((corner) => corner[axis] / (away - corner.z));
+      return ((Math.max(...places) + Math.min(...places)) / 2) * away;
+    };
+    const shift = new THREE.Vector3(middle('x'), middle('y'), 0).applyQuaternion(this.camera.quaternion);
+    this.controls.target.add(shift);
+    this.camera.position.copy(this.controls.target).addScaledVector(direction, away);
   }
 
   lookAt(point) {
