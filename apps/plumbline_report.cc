@@ -9,6 +9,7 @@
 
 #include "apps/app.h"
 #include "core/report/report.h"
+#include "core/result/result_files.h"
 
 DEFINE_string(result,
               "",
@@ -21,15 +22,34 @@ DEFINE_string(title, "", "title of the page; without it, the name of the result'
 
 namespace {
 
-plumbline::ReportJob JobFromFlags() {
-  namespace fs = std::filesystem;
+namespace fs = std::filesystem;
+
+void Write(const plumbline::ReportJob& job) {
+  const plumbline::ReportSize size = plumbline::WriteReport(job);
+  std::printf("Report: %s (%lld points, %.1f MB)\n",
+              job.output.c_str(),
+              static_cast<long long>(size.points),
+              static_cast<double>(size.bytes) * 1e-6);
+}
+
+// Writes the report of the result, and into the folders of its parts theirs, where no other
+// place is asked for.
+void WriteAll() {
   plumbline::ReportJob job;
   job.result_directory = FLAGS_result;
-  job.output =
-      FLAGS_output.empty() ? (fs::path(FLAGS_result) / "report.html").string() : FLAGS_output;
+  job.output = FLAGS_output;
   job.title = FLAGS_title.empty() ? plumbline::ReportTitle(FLAGS_result) : FLAGS_title;
   job.evaluation = FLAGS_evaluation;
-  return job;
+  if (job.output.empty()) job.output = (fs::path(FLAGS_result) / "report.html").string();
+  Write(job);
+  if (!FLAGS_output.empty()) return;
+  for (const std::string& part : plumbline::PartsOf(FLAGS_result)) {
+    plumbline::ReportJob of_part;
+    of_part.result_directory = (fs::path(FLAGS_result) / part).string();
+    of_part.output = of_part.result_directory + "/report.html";
+    of_part.title = job.title + ", " + part;
+    Write(of_part);
+  }
 }
 
 }  // namespace
@@ -47,12 +67,5 @@ int main(int argc, char** argv) {
       "writes a finished map as one page that opens in any browser, without network",
       __FILE__,
       {"result"},
-      [] {
-        const plumbline::ReportJob job = JobFromFlags();
-        const plumbline::ReportSize size = plumbline::WriteReport(job);
-        std::printf("Report: %s (%lld points, %.1f MB)\n",
-                    job.output.c_str(),
-                    static_cast<long long>(size.points),
-                    static_cast<double>(size.bytes) * 1e-6);
-      });
+      WriteAll);
 }

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <system_error>
 #include <unordered_map>
 
 #include "core/report/point_statistics.h"
@@ -296,6 +297,13 @@ std::vector<DataSection> ReadFloorPlans(const std::filesystem::path& directory) 
   }
 }
 
+// Whether a file lies in the directory itself, so that it can name what else does.
+bool StandsIn(const std::filesystem::path& directory, const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path parent = file.has_parent_path() ? file.parent_path() : ".";
+  return std::filesystem::equivalent(directory, parent, error);
+}
+
 // "<" would end the element in which the text stands; it occurs in strings only.
 std::string JsonText(const Json& json) {
   const std::string dumped = json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -347,6 +355,7 @@ ReportContent ReadReportContent(const ReportJob& job) {
   content.sections.push_back(CovarianceSection(covariance, largest));
   std::vector<DataSection> plans = ReadFloorPlans(directory);
   json["floor_plans"] = plans.size();
+  json["part_reports"] = StandsIn(directory, job.output);
   for (DataSection& plan : plans) content.sections.push_back(std::move(plan));
   content.json = JsonText(json);
   return content;

@@ -10,15 +10,24 @@ const expected = JSON.parse(readFileSync(expectedPath, 'utf8'));
 const url = pathToFileURL(reportPath).href;
 
 const FLAGS = [
-  '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync',
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
 ];
 // Draws in software.
 const WITH_WEBGL = [...FLAGS, '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 const WITHOUT_WEBGL = [...FLAGS, '--disable-3d-apis'];
 
 function near(found, wanted, tolerance, what) {
-  assert.ok(Math.abs(found - wanted) <= tolerance, `${what}: ${found}, expected ${wanted} ± ${tolerance}`);
+  assert.ok(
+    Math.abs(found - wanted) <= tolerance,
+    `${what}: ${found}, expected ${wanted} ± ${tolerance}`,
+  );
 }
 
 // Half of a text's last digit.
@@ -39,9 +48,13 @@ async function open(flags, viewport, check) {
   try {
     const page = await browser.newPage({ viewport });
     const complaints = [];
-    page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
+    page.on('console', (message) => {
+      if (message.type() === 'error') complaints.push(message.text());
+    });
     page.on('pageerror', (error) => complaints.push(error.message));
-    page.on('request', (request) => { if (!/^(file|blob|data):/.test(request.url())) complaints.push(request.url()); });
+    page.on('request', (request) => {
+      if (!/^(file|blob|data):/.test(request.url())) complaints.push(request.url());
+    });
     await page.goto(url);
     await page.waitForFunction(() => window.plumbline?.isReady, null, { timeout: 30_000 });
     await check(page);
@@ -52,7 +65,9 @@ async function open(flags, viewport, check) {
 }
 
 const drawn = (page) =>
-  page.waitForFunction(() => window.plumbline.view.numDrawn >= window.plumbline.view.cloud.points.count);
+  page.waitForFunction(
+    () => window.plumbline.view.numDrawn >= window.plumbline.view.cloud.points.count,
+  );
 
 async function checkWords(page) {
   const { summary, planes } = expected;
@@ -65,7 +80,10 @@ async function checkWords(page) {
   assert.ok(figures.includes(`${(1000 * summary.residual_rms_m).toPrecision(3)} mm`), figures);
   const errors = await page.textContent('#errors');
   assert.ok(errors.includes(`${expected.evaluation.planes.matched} surfaces match`), errors);
-  assert.ok(errors.includes((1000 * expected.evaluation.planes.distance_m.rmse).toPrecision(3)), errors);
+  assert.ok(
+    errors.includes((1000 * expected.evaluation.planes.distance_m.rmse).toPrecision(3)),
+    errors,
+  );
 }
 
 async function checkPoints(page) {
@@ -88,7 +106,9 @@ async function checkPoints(page) {
   });
   const { points } = expected;
   assert.equal(found.count, points.count);
-  found.mean.forEach((x, axis) => near(x, points.mean[axis], 0.1 * found.step, 'mean of the points'));
+  found.mean.forEach((x, axis) =>
+    near(x, points.mean[axis], 0.1 * found.step, 'mean of the points'),
+  );
   near(found.last, points.last_time, 0.002, 'last time');
   assert.deepEqual(found.byScanner, points.by_scanner);
   assert.deepEqual(found.byPlane, points.by_plane);
@@ -102,7 +122,12 @@ async function checkSurfaces(page) {
   for (const plane of expected.planes.slice(0, 4)) {
     await page.getByRole('button', { name: `choose surface ${plane.id}`, exact: true }).click();
     const box = page.locator(`.surface[data-id="${plane.id}"]`);
-    checkStated(await box.locator('dd').nth(1).textContent(), plane.distance, plane.sigma_distance_m, `distance of surface ${plane.id}`);
+    checkStated(
+      await box.locator('dd').nth(1).textContent(),
+      plane.distance,
+      plane.sigma_distance_m,
+      `distance of surface ${plane.id}`,
+    );
     assert.ok((await box.textContent()).includes(plane.num_points.toLocaleString('en-US')));
     if (plane.sigma_angle_deg > 0) {
       assert.ok((await box.textContent()).includes(`± ${plane.sigma_angle_deg.toFixed(4)}°`));
@@ -120,14 +145,24 @@ async function checkMeasures(page) {
   }, expected.measurements);
   expected.measurements.forEach(({ a, b, angle, distance }, i) => {
     [...angle, ...distance].forEach((wanted, k) =>
-      near(exact[i][k], wanted, 1e-6 * Math.abs(wanted) + 1e-9, `number ${k} between ${a} and ${b}`));
+      near(
+        exact[i][k],
+        wanted,
+        1e-6 * Math.abs(wanted) + 1e-9,
+        `number ${k} between ${a} and ${b}`,
+      ),
+    );
   });
   const choose = (id) => page.getByRole('button', { name: `choose surface ${id}`, exact: true });
   for (const { a, b, angle, distance } of [expected.measurements[0], expected.measurements[7]]) {
     await choose(a).click();
     await choose(b).click({ modifiers: ['Shift'] });
     checkStated(await page.textContent('#measured-distance'), ...distance, 'distance measured');
-    checkStated(await page.textContent('#measured-angle'), ...angle.map((x) => (x * 180) / Math.PI), 'angle measured');
+    checkStated(
+      await page.textContent('#measured-angle'),
+      ...angle.map((x) => (x * 180) / Math.PI),
+      'angle measured',
+    );
   }
   // The same with the button, as on a screen that is touched.
   const { a, b } = expected.measurements[0];
@@ -154,8 +189,11 @@ async function checkPicking(page) {
     for (let i = 0; i < points.count; i += 7) {
       if (points.place[4 * i + 3] !== field) continue;
       const world = points.origin.map((x, axis) => x + points.step_m * points.place[4 * i + axis]);
-      const at = view.project(world);
-      const off = Math.hypot(at.x - view.canvas.clientWidth / 2, at.y - view.canvas.clientHeight / 2);
+      const at = view.eye.project(world);
+      const off = Math.hypot(
+        at.x - view.canvas.clientWidth / 2,
+        at.y - view.canvas.clientHeight / 2,
+      );
       if (!best || off < best.off) best = { ...at, off };
     }
     return best;
@@ -185,10 +223,13 @@ async function checkKeysAndControls(page) {
     assert.notEqual(after, before, `${what} changes nothing`);
     before = after;
   };
-  for (const key of ['2', '3', '4', '5']) await changes(`colouring ${key}`, () => page.keyboard.press(key));
+  for (const key of ['2', '3', '4', '5'])
+    await changes(`colouring ${key}`, () => page.keyboard.press(key));
   assert.equal(await page.getAttribute('[data-colour=residual]', 'aria-pressed'), 'true');
   await changes('a button for a colour', () => page.click('[data-colour=surface]'));
-  await changes('an arrow', () => page.keyboard.press('ArrowLeft').then(() => page.click('[data-view=front]')));
+  await changes('an arrow', () =>
+    page.keyboard.press('ArrowLeft').then(() => page.click('[data-view=front]')),
+  );
   await page.focus('#view');
   await changes('turning', () => page.keyboard.press('ArrowUp'));
   await changes('zoom', () => page.keyboard.press('+'));
@@ -201,7 +242,7 @@ async function checkKeysAndControls(page) {
   await changes('outlines', () => page.uncheck('#outlines'));
   await changes('points', () => page.uncheck('#points-shown'));
   await page.check('#points-shown');
-  const camera = () => page.evaluate(() => window.plumbline.view.camera.position.toArray());
+  const camera = () => page.evaluate(() => window.plumbline.view.eye.position);
   const place = await camera();
   const box = await page.locator('#view').boundingBox();
   await page.mouse.move(box.x + 300, box.y + 200);
@@ -217,13 +258,20 @@ async function checkTime(page) {
       const { timeline, plan } = window.plumbline;
       timeline.set(time);
       const centre = [plan.rig.getAttribute('cx'), plan.rig.getAttribute('cy')];
-      return { readout: timeline.readout.textContent, t: timeline.t, centre, body: window.plumbline.view.drawings.body.geometry.attributes.position.array };
+      return {
+        readout: timeline.readout.textContent,
+        t: timeline.t,
+        centre,
+        body: window.plumbline.view.drawings.body.geometry.attributes.position.array,
+      };
     }, t - expected.start);
     near(at.t, t - expected.start, 0.001, 'time of the slider');
     assert.ok(at.readout.startsWith(`${(t - expected.start).toFixed(2)} s`), at.readout);
     const corners = Object.values(at.body);
     [x, y, z].forEach((wanted, axis) => {
-      const mean = corners.filter((_, i) => i % 3 === axis).reduce((sum, c) => sum + c, 0) / (corners.length / 3);
+      const mean =
+        corners.filter((_, i) => i % 3 === axis).reduce((sum, c) => sum + c, 0) /
+        (corners.length / 3);
       near(mean, wanted, 0.002, 'place of the rig');
     });
   }
@@ -240,13 +288,20 @@ async function checkTime(page) {
   // A plot takes to its time.
   const plot = page.locator('.plot svg').nth(4);
   await plot.click({ position: { x: (await plot.boundingBox()).width / 2, y: 60 } });
-  near(await page.evaluate(() => window.plumbline.timeline.t), expected.summary.duration_s / 2, 1, 'time clicked in a plot');
+  near(
+    await page.evaluate(() => window.plumbline.timeline.t),
+    expected.summary.duration_s / 2,
+    1,
+    'time clicked in a plot',
+  );
 }
 
 async function checkFloorPlan(page) {
   const image = page.locator('.floor-plan img');
   assert.equal(await image.count(), 1);
-  assert.ok((await image.evaluate((element) => element.decode().then(() => element.naturalWidth))) > 0);
+  assert.ok(
+    (await image.evaluate((element) => element.decode().then(() => element.naturalWidth))) > 0,
+  );
   assert.equal(await page.evaluate(() => window.floorPlanRan), undefined);
 }
 
@@ -263,13 +318,23 @@ async function checkNarrow(page) {
 async function checkWithoutWebgl(page) {
   assert.ok((await page.textContent('.stage')).includes('no WebGL 2'));
   assert.equal(await page.locator('#surfaces tbody tr').count(), expected.planes.length);
-  await page.getByRole('button', { name: `choose surface ${expected.planes[0].id}`, exact: true }).click();
+  await page
+    .getByRole('button', { name: `choose surface ${expected.planes[0].id}`, exact: true })
+    .click();
   assert.equal(await page.locator('.surface').count(), 1);
 }
 
 await open(WITH_WEBGL, { width: 1000, height: 640 }, async (page) => {
-  for (const check of [checkWords, checkPoints, checkSurfaces, checkMeasures, checkPicking,
-    checkKeysAndControls, checkTime, checkFloorPlan]) {
+  for (const check of [
+    checkWords,
+    checkPoints,
+    checkSurfaces,
+    checkMeasures,
+    checkPicking,
+    checkKeysAndControls,
+    checkTime,
+    checkFloorPlan,
+  ]) {
     const start = Date.now();
     await check(page);
     console.log(`${check.name} passed in ${Date.now() - start} ms`);

@@ -100,7 +100,7 @@ TEST_F(ReportTest, HoldsTheResultAndThePage) {
   EXPECT_EQ(size.bytes, static_cast<int64_t>(html.size()));
   EXPECT_THAT(html, StartsWith("<!DOCTYPE html>"));
   EXPECT_THAT(html, HasSubstr("<title>a &lt;b> &amp; &quot;c&quot;</title>"));
-  EXPECT_THAT(html, HasSubstr("Three.js Authors"));
+  EXPECT_THAT(html, HasSubstr("three.js authors"));
   EXPECT_THAT(html, Not(HasSubstr("</script> is no end")));
   const auto report = nlohmann::json::parse(Element(html, "report"));
   EXPECT_EQ(report["title"], job_.title);
@@ -177,6 +177,17 @@ TEST_F(ReportTest, NamesWhatIsMissingOrBroken) {
   WriteBytes(Result("summary.json"), "[]");
   EXPECT_THAT(Fault(), HasSubstr("summary.json: is not an object"));
   EXPECT_FALSE(std::filesystem::exists(job_.output));
+}
+
+TEST_F(ReportTest, NamesReportsOfPartsWhereItStandsBesideThem) {
+  WriteReport(job_);
+  const auto names_parts = [this] {
+    return nlohmann::json::parse(Element(ReadBytes(job_.output), "report"))["part_reports"];
+  };
+  EXPECT_EQ(names_parts(), false);
+  job_.output = Result("report.html");
+  WriteReport(job_);
+  EXPECT_EQ(names_parts(), true);
 }
 
 TEST(ReportTitle, IsTheDirectorysName) {

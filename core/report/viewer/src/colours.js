@@ -22,9 +22,19 @@ function oklch(lightness, chroma, hueDegrees) {
 }
 
 // Hues of successive numbers are far apart (golden angle).
-export const surfaceColour = (id) => oklch(0.7 + 0.05 * ((id % 3) - 1), 0.095, 40 + 137.50776405 * id);
+export const surfaceColour = (id) =>
+  oklch(0.7 + 0.05 * ((id % 3) - 1), 0.095, 40 + 137.50776405 * id);
 
-const SCANNERS = ['#2f6db5', '#d07a1c', '#3c8f55', '#b03a5b', '#7a5bb0', '#7d6a4a', '#2b9aa0', '#8b8b2e'];
+const SCANNERS = [
+  '#2f6db5',
+  '#d07a1c',
+  '#3c8f55',
+  '#b03a5b',
+  '#7a5bb0',
+  '#7d6a4a',
+  '#2b9aa0',
+  '#8b8b2e',
+];
 export const scannerColour = (scanner) => rgb(SCANNERS[scanner % SCANNERS.length]);
 
 export function rgb(hex) {

@@ -52,7 +52,13 @@ export async function readPoses(count) {
       i * width,
       (i + 1) * width,
     );
-    poses.push({ t, position: [x, y, z], rotation: [qx, qy, qz, qw], positionStddev, rotationStddev });
+    poses.push({
+      t,
+      position: [x, y, z],
+      rotation: [qx, qy, qz, qw],
+      positionStddev,
+      rotationStddev,
+    });
   }
   return poses;
 }
@@ -64,7 +70,8 @@ export const NUM_LEVELS = 1 << LEVEL_BITS;
 
 function reversedBits(level) {
   let reversed = 0;
-  for (let bit = 0; bit < LEVEL_BITS; ++bit) reversed |= ((level >> bit) & 1) << (LEVEL_BITS - 1 - bit);
+  for (let bit = 0; bit < LEVEL_BITS; ++bit)
+    reversed |= ((level >> bit) & 1) << (LEVEL_BITS - 1 - bit);
   return reversed;
 }
 
@@ -87,8 +94,13 @@ const FIELDS = ['x', 'y', 'z', 'time', 'plane'];
 export async function readPoints() {
   const header = readJson('points');
   const { count } = header;
-  const ids = [...FIELDS.flatMap((name) => [`points-${name}-0`, `points-${name}-1`]), 'points-scanner-0'];
-  const [x0, x1, y0, y1, z0, z1, time0, time1, plane0, plane1, scanner] = await Promise.all(ids.map(readSection));
+  const ids = [
+    ...FIELDS.flatMap((name) => [`points-${name}-0`, `points-${name}-1`]),
+    'points-scanner-0',
+  ];
+  const [x0, x1, y0, y1, z0, z1, time0, time1, plane0, plane1, scanner] = await Promise.all(
+    ids.map(readSection),
+  );
   const starts = levelStarts(count);
   const place = new Uint16Array(4 * count);
   const moment = new Uint16Array(2 * count);

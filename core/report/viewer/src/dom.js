@@ -1,6 +1,17 @@
 // Makes elements: h('button', { class: 'x', onclick: f }, 'text', child). Attributes that are
 // false or undefined are left out.
-const SVG = new Set(['svg', 'g', 'path', 'line', 'rect', 'circle', 'text', 'polyline', 'title', 'polygon']);
+const SVG = new Set([
+  'svg',
+  'g',
+  'path',
+  'line',
+  'rect',
+  'circle',
+  'text',
+  'polyline',
+  'title',
+  'polygon',
+]);
 
 export function h(tag, attributes = {}, ...children) {
   const made = SVG.has(tag)
@@ -24,8 +35,28 @@ export function table(head, rows, attributes = {}) {
     h(
       'table',
       attributes,
-      h('thead', {}, h('tr', {}, head.map((name) => h('th', { scope: 'col' }, name)))),
-      h('tbody', {}, rows.map((row) => (row instanceof Node ? row : h('tr', {}, row.map((cell) => h('td', {}, cell)))))),
+      h(
+        'thead',
+        {},
+        h(
+          'tr',
+          {},
+          head.map((name) => h('th', { scope: 'col' }, name)),
+        ),
+      ),
+      h(
+        'tbody',
+        {},
+        rows.map((row) =>
+          row instanceof Node
+            ? row
+            : h(
+                'tr',
+                {},
+                row.map((cell) => h('td', {}, cell)),
+              ),
+        ),
+      ),
     ),
   );
 }

@@ -7,11 +7,26 @@ import { facets, isCylinder, tangents, dot } from './surface.js';
 const FIRST_PLANE = 2;
 const INTERVALS = { doubtful: '#c0262d', degenerate: '#d98e04' };
 const PATH = '#20242c';
-const AXES = [[[0.5, 0, 0], '#b3261e'], [[0, 0.3, 0], '#2e7d32'], [[0, 0, 0.3], '#1f5fbf']];
+const AXES = [
+  [[0.5, 0, 0], '#b3261e'],
+  [[0, 0.3, 0], '#2e7d32'],
+  [[0, 0, 0.3], '#1f5fbf'],
+];
 // The corners of an octahedron's triangles, m.
-const BODY = [-0.08, 0.08].flatMap((x) => [-0.08, 0.08].flatMap((y) => [-0.08, 0.08].flatMap((z) => [[x, 0, 0], [0, y, 0], [0, 0, z]])));
+const BODY = [-0.08, 0.08].flatMap((x) =>
+  [-0.08, 0.08].flatMap((y) =>
+    [-0.08, 0.08].flatMap((z) => [
+      [x, 0, 0],
+      [0, y, 0],
+      [0, 0, z],
+    ]),
+  ),
+);
 
-function material(shared, { tint = '#000000', nearer = 0.05, opacity = 1, ownColour = 0, width = 0 }) {
+function material(
+  shared,
+  { tint = '#000000', nearer = 0.05, opacity = 1, ownColour = 0, width = 0 },
+) {
   const colour = new THREE.Color();
   colour.setStyle(tint, THREE.LinearSRGBColorSpace); // as it shows
   const made = new THREE.RawShaderMaterial({
@@ -89,7 +104,9 @@ function triangles(surface) {
     if (isCylinder(surface)) return [0, 1, 2, 0, 2, 3].map((i) => polygon[i]);
     const [u, v] = tangents(surface.normal);
     const flat = polygon.map((corner) => new THREE.Vector2(dot(corner, u), dot(corner, v)));
-    return THREE.ShapeUtils.triangulateShape(flat, []).flatMap((face) => face.map((i) => polygon[i]));
+    return THREE.ShapeUtils.triangulateShape(flat, []).flatMap((face) =>
+      face.map((i) => polygon[i]),
+    );
   });
 }
 
@@ -103,7 +120,10 @@ export class Drawings {
     this.scene = new THREE.Scene();
     const edges = surfaces.map(outlineEdges);
     const fields = edges.flatMap((ends, i) => ends.map(() => i + FIRST_PLANE));
-    this.outlines = drawn(lines(edges.flat(), fields), material(shared, { ownColour: 1, width: 1.4 }));
+    this.outlines = drawn(
+      lines(edges.flat(), fields),
+      material(shared, { ownColour: 1, width: 1.4 }),
+    );
     this.chosen = new THREE.Group();
     this.path = this.drawPath(poses, intervals);
     this.rig = new THREE.Group();
@@ -119,7 +139,13 @@ export class Drawings {
   }
 
   line(ends, options) {
-    return drawn(lines(ends, ends.map(() => 0)), material(this.shared, options));
+    return drawn(
+      lines(
+        ends,
+        ends.map(() => 0),
+      ),
+      material(this.shared, options),
+    );
   }
 
   drawPath(poses, intervals) {
@@ -133,7 +159,8 @@ export class Drawings {
     };
     add(() => true, { tint: PATH, nearer: 0.1, width: 2 });
     for (const kind of ['degenerate', 'doubtful']) {
-      const within = (t) => intervals[kind].some(({ start_s: start, end_s: end }) => t >= start && t <= end);
+      const within = (t) =>
+        intervals[kind].some(({ start_s: start, end_s: end }) => t >= start && t <= end);
       add(within, { tint: INTERVALS[kind], nearer: 0.15, width: 4 });
     }
     return group;
@@ -143,10 +170,19 @@ export class Drawings {
   moveRig({ position, rotation }) {
     const turn = new THREE.Quaternion(...rotation);
     const place = new THREE.Vector3(...position);
-    const moved = (corner) => new THREE.Vector3(...corner).applyQuaternion(turn).add(place).toArray();
+    const moved = (corner) =>
+      new THREE.Vector3(...corner).applyQuaternion(turn).add(place).toArray();
     this.clear(this.rig);
-    this.body = drawn(areas(BODY.map(moved), 0), material(this.shared, { tint: PATH, nearer: 0.3 }));
-    this.rig.add(this.body, ...AXES.map(([end, tint]) => this.line([[0, 0, 0], end].map(moved), { tint, nearer: 0.3, width: 3 })));
+    this.body = drawn(
+      areas(BODY.map(moved), 0),
+      material(this.shared, { tint: PATH, nearer: 0.3 }),
+    );
+    this.rig.add(
+      this.body,
+      ...AXES.map(([end, tint]) =>
+        this.line([[0, 0, 0], end].map(moved), { tint, nearer: 0.3, width: 3 }),
+      ),
+    );
     this.scaleLines();
   }
 
@@ -167,8 +203,14 @@ export class Drawings {
       // A chosen surface shows from behind, too.
       const shared = { ...this.shared, hide_backs: { value: 0 } };
       this.chosen.add(
-        drawn(areas(triangles(surface), field), material(shared, { tint, nearer: 0.06, opacity: 0.25 })),
-        drawn(lines(outlineEdges(surface), new Array(2 * surface.outline.length).fill(field)), material(shared, { tint, nearer: 0.1, width: 3 })),
+        drawn(
+          areas(triangles(surface), field),
+          material(shared, { tint, nearer: 0.06, opacity: 0.25 }),
+        ),
+        drawn(
+          lines(outlineEdges(surface), new Array(2 * surface.outline.length).fill(field)),
+          material(shared, { tint, nearer: 0.1, width: 3 }),
+        ),
       );
     });
     this.scaleLines();

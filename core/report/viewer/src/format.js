@@ -11,7 +11,8 @@ export function digits(value, count = 3) {
   return value.toFixed(places);
 }
 
-export const metres = (value, places = 2) => (known(value) ? `${value.toFixed(places)} m` : 'unknown');
+export const metres = (value, places = 2) =>
+  known(value) ? `${value.toFixed(places)} m` : 'unknown';
 export const millimetres = (value) => (known(value) ? `${digits(1000 * value)} mm` : 'unknown');
 export const degrees = (radians, places = 3) =>
   known(radians) ? `${(DEGREES * radians).toFixed(places)}°` : 'unknown';

@@ -1,6 +1,16 @@
 // Angles and distances between surfaces with their standard deviations, from the joint covariance
 // of all surfaces' parameters; the formulas of core/result/plane_covariance.cc.
-import { addScaled, cross, dot, norm, normalAt, sideOf, signedDistance, subtract, tangents } from './surface.js';
+import {
+  addScaled,
+  cross,
+  dot,
+  norm,
+  normalAt,
+  sideOf,
+  signedDistance,
+  subtract,
+  tangents,
+} from './surface.js';
 
 const NUM_PARAMETERS = { horizontal: 1, vertical: 2, general: 3, cylinder: 3 };
 // Parameters that turn the normal: each towards a tangent.
@@ -50,10 +60,17 @@ export class JointCovariance {
       case 'horizontal':
         return [[offset, -1]];
       case 'vertical':
-        return [[offset, dot(u, point)], [offset + 1, -1]];
+        return [
+          [offset, dot(u, point)],
+          [offset + 1, -1],
+        ];
       case 'general': {
         const arm = subtract(point, surface.centre);
-        return [[offset, dot(arm, u)], [offset + 1, dot(arm, v)], [offset + 2, -1]];
+        return [
+          [offset, dot(arm, u)],
+          [offset + 1, dot(arm, v)],
+          [offset + 2, -1],
+        ];
       }
       default: {
         // A cylinder's axis moves along with its centre and its radius.

@@ -22,7 +22,7 @@ export class Labels {
 
   place() {
     for (const { point, element, isAbove } of this.labels) {
-      const { x, y, isInFront } = this.view.project(point);
+      const { x, y, isInFront } = this.view.eye.project(point);
       element.style.display = isInFront ? '' : 'none';
       element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, ${isAbove ? '-160%' : '-50%'})`;
     }

@@ -35,8 +35,15 @@ export class Plan {
   }
 
   box() {
-    const corners = [...this.walls.flatMap(({ surface }) => surface.outline), ...this.poses.map((pose) => pose.position)];
-    const range = (axis) => corners.reduce(([low, high], corner) => [Math.min(low, corner[axis]), Math.max(high, corner[axis])], [Infinity, -Infinity]);
+    const corners = [
+      ...this.walls.flatMap(({ surface }) => surface.outline),
+      ...this.poses.map((pose) => pose.position),
+    ];
+    const range = (axis) =>
+      corners.reduce(
+        ([low, high], corner) => [Math.min(low, corner[axis]), Math.max(high, corner[axis])],
+        [Infinity, -Infinity],
+      );
     return [...range(0), ...range(1)];
   }
 
@@ -52,10 +59,22 @@ export class Plan {
     const line = (points) => points.map((point) => `${x(point)},${y(point)}`).join(' ');
     this.svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
     const stride = Math.max(1, Math.floor(this.poses.length / 4000));
-    const path = h('polyline', { class: 'path', points: line(this.poses.filter((_, i) => i % stride === 0).map((pose) => pose.position)), 'stroke-width': 1.5 * this.unit });
+    const path = h('polyline', {
+      class: 'path',
+      points: line(this.poses.filter((_, i) => i % stride === 0).map((pose) => pose.position)),
+      'stroke-width': 1.5 * this.unit,
+    });
     this.lines = this.walls.map(({ surface, index }) =>
-      h('polyline', { class: 'wall', points: line(traceOf(surface)), 'data-id': surface.id, onclick: (event) => this.onPick(index, event.shiftKey) },
-        h('title', {}, `surface ${surface.id}`)),
+      h(
+        'polyline',
+        {
+          class: 'wall',
+          points: line(traceOf(surface)),
+          'data-id': surface.id,
+          onclick: (event) => this.onPick(index, event.shiftKey),
+        },
+        h('title', {}, `surface ${surface.id}`),
+      ),
     );
     this.rig = h('circle', { class: 'rig', r: 5 * this.unit, cx: -99, cy: -99 });
     this.place = (point) => [x(point), y(point)];
@@ -68,9 +87,16 @@ export class Plan {
     const steps = ticks(0, size / 4, 1).filter((step) => step > 0);
     const length = steps[steps.length - 1] ?? 1;
     const y = height - 0.6 * margin;
-    return h('g', { class: 'scale' },
+    return h(
+      'g',
+      { class: 'scale' },
       h('line', { x1: margin, x2: margin + length, y1: y, y2: y, 'stroke-width': 2.5 * this.unit }),
-      h('text', { x: margin + length + 8 * this.unit, y: y + 5 * this.unit, 'font-size': 16 * this.unit }, `${length} m`));
+      h(
+        'text',
+        { x: margin + length + 8 * this.unit, y: y + 5 * this.unit, 'font-size': 16 * this.unit },
+        `${length} m`,
+      ),
+    );
   }
 
   show() {

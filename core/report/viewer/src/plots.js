@@ -13,7 +13,8 @@ export function ticks(low, high, about) {
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find((factor) => factor * power >= rough) * power;
   const found = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i) found.push(i * step);
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
+    found.push(i * step);
   return found;
 }
 
@@ -22,18 +23,39 @@ const label = (value) => String(Number(value.toPrecision(6)));
 class Frame {
   constructor(width, [left, right], [low, high]) {
     this.width = width;
-    this.x = (value) => MARGIN.left + ((value - left) / (right - left || 1)) * (width - MARGIN.left - MARGIN.right);
-    this.y = (value) => HEIGHT - MARGIN.bottom - ((value - low) / (high - low || 1)) * (HEIGHT - MARGIN.top - MARGIN.bottom);
-    this.value = (x) => left + ((x - MARGIN.left) / (width - MARGIN.left - MARGIN.right)) * (right - left);
+    this.x = (value) =>
+      MARGIN.left + ((value - left) / (right - left || 1)) * (width - MARGIN.left - MARGIN.right);
+    this.y = (value) =>
+      HEIGHT -
+      MARGIN.bottom -
+      ((value - low) / (high - low || 1)) * (HEIGHT - MARGIN.top - MARGIN.bottom);
+    this.value = (x) =>
+      left + ((x - MARGIN.left) / (width - MARGIN.left - MARGIN.right)) * (right - left);
     this.svg = h('svg', { width, height: HEIGHT, viewBox: `0 0 ${width} ${HEIGHT}`, role: 'img' });
     for (const tick of ticks(low, high, 4)) {
       this.svg.append(
-        h('line', { class: 'grid', x1: MARGIN.left, x2: width - MARGIN.right, y1: this.y(tick), y2: this.y(tick) }),
-        h('text', { class: 'tick', x: MARGIN.left - 6, y: this.y(tick) + 4, 'text-anchor': 'end' }, label(tick)),
+        h('line', {
+          class: 'grid',
+          x1: MARGIN.left,
+          x2: width - MARGIN.right,
+          y1: this.y(tick),
+          y2: this.y(tick),
+        }),
+        h(
+          'text',
+          { class: 'tick', x: MARGIN.left - 6, y: this.y(tick) + 4, 'text-anchor': 'end' },
+          label(tick),
+        ),
       );
     }
     for (const tick of ticks(left, right, width / 80)) {
-      this.svg.append(h('text', { class: 'tick', x: this.x(tick), y: HEIGHT - 6, 'text-anchor': 'middle' }, label(tick)));
+      this.svg.append(
+        h(
+          'text',
+          { class: 'tick', x: this.x(tick), y: HEIGHT - 6, 'text-anchor': 'middle' },
+          label(tick),
+        ),
+      );
     }
   }
 
@@ -41,7 +63,12 @@ class Frame {
     // At most two points a pixel column show.
     const stride = Math.max(1, Math.floor(points.length / (2 * this.width)));
     const shown = points.filter((_, i) => i % stride === 0);
-    const text = shown.map(([x, y], i) => `${i && y !== null ? 'L' : 'M'}${this.x(x).toFixed(1)} ${this.y(y ?? 0).toFixed(1)}`).join('');
+    const text = shown
+      .map(
+        ([x, y], i) =>
+          `${i && y !== null ? 'L' : 'M'}${this.x(x).toFixed(1)} ${this.y(y ?? 0).toFixed(1)}`,
+      )
+      .join('');
     this.svg.append(h('path', { d: text, fill: 'none', ...attributes }));
   }
 }
@@ -58,26 +85,54 @@ function plot(title, note, draw) {
     svg.setAttribute('aria-label', title);
     place.replaceChildren(svg);
   }).observe(place);
-  return h('figure', { class: 'plot' }, h('figcaption', {}, h('b', {}, title), ' ', note ?? ''), place);
+  return h(
+    'figure',
+    { class: 'plot' },
+    h('figcaption', {}, h('b', {}, title), ' ', note ?? ''),
+    place,
+  );
 }
 
 // lines: [{ name, class, points: [[t, value], ...] }]. A click asks for that time.
 export function timePlot(title, unit, lines, { intervals, end, onTime }) {
   const highest = Math.max(1e-9, ...lines.flatMap(({ points }) => points.map(([, y]) => y)));
-  const note = h('span', {}, lines.length > 1 ? lines.map((line) => h('span', { class: `key ${line.class}` }, line.name)) : '', ` ${unit}`);
+  const note = h(
+    'span',
+    {},
+    lines.length > 1
+      ? lines.map((line) => h('span', { class: `key ${line.class}` }, line.name))
+      : '',
+    ` ${unit}`,
+  );
   return plot(title, note, (width) => {
     const frame = new Frame(width, [0, end], [0, 1.08 * highest]);
     for (const kind of INTERVAL_KINDS) {
       for (const { start_s: from, end_s: to, reason, direction } of intervals[kind]) {
         const x = frame.x(from);
         frame.svg.append(
-          h('rect', { class: `interval ${kind}`, x, width: Math.max(2, frame.x(to) - x), y: MARGIN.top, height: HEIGHT - MARGIN.top - MARGIN.bottom },
-            h('title', {}, `${kind}: ${reason ?? direction}`)),
+          h(
+            'rect',
+            {
+              class: `interval ${kind}`,
+              x,
+              width: Math.max(2, frame.x(to) - x),
+              y: MARGIN.top,
+              height: HEIGHT - MARGIN.top - MARGIN.bottom,
+            },
+            h('title', {}, `${kind}: ${reason ?? direction}`),
+          ),
         );
       }
     }
     for (const line of lines) frame.path(line.points, { class: `curve ${line.class}` });
-    const cursor = h('line', { class: 'cursor', y1: MARGIN.top, y2: HEIGHT - MARGIN.bottom, x1: 0, x2: 0, visibility: 'hidden' });
+    const cursor = h('line', {
+      class: 'cursor',
+      y1: MARGIN.top,
+      y2: HEIGHT - MARGIN.bottom,
+      x1: 0,
+      x2: 0,
+      visibility: 'hidden',
+    });
     const readout = h('text', { class: 'tick value', y: MARGIN.top + 10, visibility: 'hidden' });
     frame.svg.append(cursor, readout);
     const timeAt = (event) => frame.value(event.clientX - frame.svg.getBoundingClientRect().left);
@@ -110,7 +165,8 @@ export function residualPlot(statistics, rms) {
   const range = Math.min(half, Math.max(5, Math.ceil((4 * rms) / bin)));
   const bins = histogram.slice(half - range, half + range);
   const total = histogram.reduce((sum, x) => sum + x, 0);
-  const normal = (x) => ((total * bin) / (rms * Math.sqrt(2 * Math.PI))) * Math.exp(-0.5 * (x / rms) ** 2);
+  const normal = (x) =>
+    ((total * bin) / (rms * Math.sqrt(2 * Math.PI))) * Math.exp(-0.5 * (x / rms) ** 2);
   const scale = 100 / (total || 1);
   const outside = total - bins.reduce((sum, x) => sum + x, 0);
   const note = `% of points by mm; curve: normal, RMS ${digits(1000 * rms)} mm; ${digits(outside * scale, 2)} % lie beyond`;
@@ -120,7 +176,15 @@ export function residualPlot(statistics, rms) {
     bins.forEach((number, i) => {
       const left = frame.x((i - range) * bin * 1000);
       const right = frame.x((i - range + 1) * bin * 1000);
-      frame.svg.append(h('rect', { class: 'bar', x: left, width: Math.max(0.5, right - left - 0.5), y: frame.y(number * scale), height: frame.y(0) - frame.y(number * scale) }));
+      frame.svg.append(
+        h('rect', {
+          class: 'bar',
+          x: left,
+          width: Math.max(0.5, right - left - 0.5),
+          y: frame.y(number * scale),
+          height: frame.y(0) - frame.y(number * scale),
+        }),
+      );
     });
     const curve = [];
     for (let i = 0; i <= 120; ++i) {
@@ -138,15 +202,34 @@ export function barPlot(title, note, rows, format) {
   const highest = Math.max(1e-12, ...rows.map(([, value]) => value));
   return plot(title, note, (width) => {
     const left = 110;
-    const svg = h('svg', { width, height: ROW * rows.length + 4, viewBox: `0 0 ${width} ${ROW * rows.length + 4}`, role: 'img' });
+    const svg = h('svg', {
+      width,
+      height: ROW * rows.length + 4,
+      viewBox: `0 0 ${width} ${ROW * rows.length + 4}`,
+      role: 'img',
+    });
     rows.forEach(([name, value, colour], i) => {
       const y = ROW * i + 4;
-      const bar = h('rect', { class: 'bar', x: left, y, height: ROW - 8, width: Math.max(1, ((width - left - 80) * value) / highest) });
+      const bar = h('rect', {
+        class: 'bar',
+        x: left,
+        y,
+        height: ROW - 8,
+        width: Math.max(1, ((width - left - 80) * value) / highest),
+      });
       if (colour) bar.style.fill = colour;
       svg.append(
         h('text', { class: 'tick', x: left - 8, y: y + 12, 'text-anchor': 'end' }, name),
         bar,
-        h('text', { class: 'tick', x: left + 6 + Math.max(1, ((width - left - 80) * value) / highest), y: y + 12 }, format(value)),
+        h(
+          'text',
+          {
+            class: 'tick',
+            x: left + 6 + Math.max(1, ((width - left - 80) * value) / highest),
+            y: y + 12,
+          },
+          format(value),
+        ),
       );
     });
     return svg;

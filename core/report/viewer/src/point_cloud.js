@@ -27,7 +27,10 @@ export function surfaceTexture(surfaces) {
     const round = isCylinder(surface);
     data.set([...surface.normal, round ? sideOf(surface) : surface.distance], column);
     if (round) {
-      data.set([surface.axis_point[0], surface.axis_point[1], surface.radius, 1], 4 * width + column);
+      data.set(
+        [surface.axis_point[0], surface.axis_point[1], surface.radius, 1],
+        4 * width + column,
+      );
     }
   });
   return texture(data, width, 3, THREE.FloatType);
@@ -116,7 +119,8 @@ export class PointCloud {
 
   // Values of the ramp's ends, in the units of the colouring; null where it has no ramp.
   rampEnds(name, heights) {
-    if (name === 'height') return [Math.max(heights[0], this.lowest[2]), Math.min(heights[1], this.highest[2])];
+    if (name === 'height')
+      return [Math.max(heights[0], this.lowest[2]), Math.min(heights[1], this.highest[2])];
     if (name === 'residual') return [-this.residualRange, this.residualRange];
     if (name === 'time') return [0, this.lastTime];
     return null;

@@ -3,9 +3,9 @@
 // surfaces: a column for each surface field of the points (0: none, 1: moving, 2 + index):
 //   row 0  normal, and distance; of a cylinder its side (+1, -1) in place of the distance
 //   row 1  of a cylinder its axis (x, y), its radius and 1; else zeros
-//   row 2  colour, and a number: how much of it shows whatever the points are coloured by, below 1,
-//          plus 2 where the surface is hidden, since it is seen from behind, plus 4 for a cylinder, of
-//          which each place has to be looked at
+//   row 2  colour, and a number: how much of it shows whatever the points are coloured by, below
+//          1; plus 2 where the surface is hidden, since it is seen from behind; plus 4 for a
+//          cylinder, of which each place has to be looked at
 
 const VISIBILITY = `
 precision highp float;
@@ -97,8 +97,8 @@ out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }
 `;
 
-// Lines and areas on surfaces, drawn a little nearer than they are: points scatter about them. A line
-// has a width in pixels: each of its ends is two corners, at either side of it.
+// Lines and areas on surfaces, drawn a little nearer than they are: points scatter about them. A
+// line has a width in pixels: each of its ends is two corners, at either side of it.
 export const OVERLAY_VERTEX = `
 ${VISIBILITY}
 uniform float nearer;      // m
@@ -126,8 +126,9 @@ void main() {
     vec4 end = placed(other);
     float near = 0.02;
     // Of a line that passes the eye, the part before it.
-    if (gl_Position.w < near) gl_Position = mix(gl_Position, end, (near - gl_Position.w) / (end.w - gl_Position.w));
-    if (end.w < near) end = mix(end, gl_Position, (near - end.w) / (gl_Position.w - end.w));
+    float step = end.w - gl_Position.w;
+    if (gl_Position.w < near) gl_Position = mix(gl_Position, end, (near - gl_Position.w) / step);
+    if (end.w < near) end = mix(end, gl_Position, (end.w - near) / step);
     vec2 along = (end.xy / end.w - gl_Position.xy / gl_Position.w) * half_screen;
     float size = length(along);
     vec2 across = size > 0.0 ? vec2(-along.y, along.x) / size : vec2(0.0);

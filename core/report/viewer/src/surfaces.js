@@ -1,7 +1,16 @@
 // The chosen surfaces, what is known of them and between them, and the list of all.
 import { h, table } from './dom.js';
 import { SELECTED } from './colours.js';
-import { angleWithStddev, count, degrees, lengthWithStddev, metres, millimetres, seconds } from './format.js';
+import {
+  angleWithStddev,
+  count,
+  degrees,
+  digits,
+  lengthWithStddev,
+  metres,
+  millimetres,
+  seconds,
+} from './format.js';
 import { extents } from './surface.js';
 
 const TYPES = { horizontal: 'level', vertical: 'upright', general: 'sloping', cylinder: 'round' };
@@ -15,7 +24,11 @@ const size = (surface, places) => {
 };
 
 function facts(rows) {
-  return h('dl', { class: 'facts' }, rows.filter(Boolean).flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]));
+  return h(
+    'dl',
+    { class: 'facts' },
+    rows.filter(Boolean).flatMap(([name, value]) => [h('dt', {}, name), h('dd', {}, value)]),
+  );
 }
 
 // What is known of one surface.
@@ -25,15 +38,30 @@ function describe(surface, start, errors) {
     ['distance', lengthWithStddev(surface.distance, surface.sigma_distance_m)],
     [
       'direction',
-      surface.sigma_angle_deg > 0 ? `± ${degrees(surface.sigma_angle_deg * RADIANS, 4)}` : surface.type === 'horizontal' ? 'level' : 'held: it is the reference',
+      surface.sigma_angle_deg > 0
+        ? `± ${degrees(surface.sigma_angle_deg * RADIANS, 4)}`
+        : surface.type === 'horizontal'
+          ? 'level'
+          : 'held: it is the reference',
     ],
-    surface.type === 'cylinder' && ['radius', lengthWithStddev(surface.radius, surface.sigma_radius_m)],
+    surface.type === 'cylinder' && [
+      'radius',
+      lengthWithStddev(surface.radius, surface.sigma_radius_m),
+    ],
     ['normal', surface.normal.map((x) => x.toFixed(4)).join(', ')],
     ['points', `${count(surface.num_points)} in ${count(surface.num_segments)} segments`],
-    ['seen', `from ${seconds(surface.first_time - start)} to ${seconds(surface.last_time - start)}`],
+    [
+      'seen',
+      `from ${seconds(surface.first_time - start)} to ${seconds(surface.last_time - start)}`,
+    ],
   ];
   if (errors) {
-    rows.push(['against the truth', errors.status === 'wrong' ? 'matches no true face' : `${millimetres(Math.abs(errors.distance_m))} and ${degrees(errors.angle_deg * RADIANS, 4)} off${errors.status === 'doubled' ? ', doubled' : ''}`]);
+    rows.push([
+      'against the truth',
+      errors.status === 'wrong'
+        ? 'matches no true face'
+        : `${millimetres(Math.abs(errors.distance_m))} and ${digits(errors.angle_deg)}° off${errors.status === 'doubled' ? ', doubled' : ''}`,
+    ]);
   }
   return facts(rows);
 }
@@ -56,13 +84,28 @@ export class Surfaces {
     this.covariance = covariance;
     this.onChoose = onChoose;
     this.onMeasure = onMeasure;
-    this.errors = new Map((report.evaluation?.planes?.list ?? []).map((entry) => [entry.id, entry]));
+    this.errors = new Map(
+      (report.evaluation?.planes?.list ?? []).map((entry) => [entry.id, entry]),
+    );
     this.chosen = []; // ids, at most two
     this.place = null; // where the first one was clicked
     this.isMeasuring = false;
-    this.button = h('button', { id: 'measure', 'aria-pressed': 'false', onclick: () => this.measureNext(!this.isMeasuring) }, 'Measure to a second surface');
+    this.button = h(
+      'button',
+      {
+        id: 'measure',
+        'aria-pressed': 'false',
+        onclick: () => this.measureNext(!this.isMeasuring),
+      },
+      'Measure to a second surface',
+    );
     this.details = h('div', { class: 'details', 'aria-live': 'polite' });
-    this.element = h('section', { class: 'chosen', 'aria-label': 'chosen surfaces' }, this.details, this.button);
+    this.element = h(
+      'section',
+      { class: 'chosen', 'aria-label': 'chosen surfaces' },
+      this.details,
+      this.button,
+    );
     this.list = this.drawList();
     this.show();
   }
@@ -117,13 +160,24 @@ export class Surfaces {
     }
     this.button.disabled = !a;
     if (!a) {
-      this.details.replaceChildren(h('p', { class: 'hint' }, 'Click a surface for its number and precision; click a second one with Shift, or after the button below, to measure between both.'));
+      this.details.replaceChildren(
+        h(
+          'p',
+          { class: 'hint' },
+          'Click a surface for its number and precision; click a second one with Shift, or after the button below, to measure between both.',
+        ),
+      );
       return;
     }
     const parts = [a, b].filter(Boolean).map((surface, i) => {
       const dot = h('i', { class: 'dot' });
       dot.style.background = SELECTED[i];
-      return h('div', { class: 'surface', 'data-id': surface.id }, h('h3', {}, dot, `Surface ${surface.id}`), describe(surface, this.report.start_s, this.errors.get(surface.id)));
+      return h(
+        'div',
+        { class: 'surface', 'data-id': surface.id },
+        h('h3', {}, dot, `Surface ${surface.id}`),
+        describe(surface, this.report.start_s, this.errors.get(surface.id)),
+      );
     });
     if (b) parts.unshift(this.drawMeasured(a, b));
     this.details.replaceChildren(...parts);
@@ -131,27 +185,53 @@ export class Surfaces {
 
   // What is written into the picture.
   labels() {
-    const labels = this.chosen.map((id, i) => ({ point: this.find(id).centre, text: String(id), colour: SELECTED[i] }));
+    const labels = this.chosen.map((id, i) => ({
+      point: this.find(id).centre,
+      text: String(id),
+      colour: SELECTED[i],
+    }));
     if (!this.measured) return labels;
-    const { distance, ends: [from, to] } = this.measured;
+    const {
+      distance,
+      ends: [from, to],
+    } = this.measured;
     const middle = from.map((x, axis) => (x + to[axis]) / 2);
-    labels.push({ point: middle, isAbove: true, text: lengthWithStddev(distance.value, distance.stddev), colour: '#20242c' });
+    labels.push({
+      point: middle,
+      isAbove: true,
+      text: lengthWithStddev(distance.value, distance.stddev),
+      colour: '#20242c',
+    });
     return labels;
   }
 
   drawMeasured(a, b) {
     this.measured = this.between(a, b, this.place);
     if (!this.measured) {
-      return h('p', { class: 'hint' }, 'The report holds the joint covariance of the largest surfaces only, and one of these is not among them; plane_covariance.csv has all.');
+      return h(
+        'p',
+        { class: 'hint' },
+        'The report holds the joint covariance of the largest surfaces only, and one of these is not among them; plane_covariance.csv has all.',
+      );
     }
     const { angle, distance } = this.measured;
-    return h('div', { class: 'measured' },
+    return h(
+      'div',
+      { class: 'measured' },
       h('h3', {}, `Between ${a.id} and ${b.id}`),
       facts([
-        ['distance', h('b', { id: 'measured-distance' }, lengthWithStddev(distance.value, distance.stddev))],
+        [
+          'distance',
+          h('b', { id: 'measured-distance' }, lengthWithStddev(distance.value, distance.stddev)),
+        ],
         ['angle', h('b', { id: 'measured-angle' }, angleWithStddev(angle.value, angle.stddev))],
       ]),
-      h('p', { class: 'hint' }, `${relation(angle.value)}${relation(angle.value) ? '; ' : ''}distance of surface ${b.id} from the ${this.place ? 'clicked place' : 'centre'} of ${a.id}; standard deviations from the joint covariance`));
+      h(
+        'p',
+        { class: 'hint' },
+        `${relation(angle.value)}${relation(angle.value) ? '; ' : ''}distance of surface ${b.id} from the ${this.place ? 'clicked place' : 'centre'} of ${a.id}; standard deviations from the joint covariance`,
+      ),
+    );
   }
 
   // --- the list of all surfaces ---
@@ -163,32 +243,71 @@ export class Surfaces {
       ['size', (s) => extents(s)[0] * extents(s)[1], (s) => size(s, 1)],
       ['points', (s) => s.num_points, (s) => count(s.num_points)],
       ['± along the normal', (s) => s.sigma_distance_m, (s) => millimetres(s.sigma_distance_m)],
-      ['± direction', (s) => s.sigma_angle_deg, (s) => (s.sigma_angle_deg > 0 ? degrees(s.sigma_angle_deg * RADIANS, 4) : '–')],
+      [
+        '± direction',
+        (s) => s.sigma_angle_deg,
+        (s) => (s.sigma_angle_deg > 0 ? degrees(s.sigma_angle_deg * RADIANS, 4) : '–'),
+      ],
     ];
     if (this.surfaces.some((s) => s.type === 'cylinder')) {
-      columns.push(['radius', (s) => s.radius ?? -1, (s) => (s.radius ? `${metres(s.radius, 3)} ± ${millimetres(s.sigma_radius_m)}` : '–')]);
+      columns.push([
+        'radius',
+        (s) => s.radius ?? -1,
+        (s) => (s.radius ? `${metres(s.radius, 3)} ± ${millimetres(s.sigma_radius_m)}` : '–'),
+      ]);
     }
     if (this.errors.size > 0) {
-      columns.push(['error', (s) => Math.abs(this.errors.get(s.id)?.distance_m ?? Infinity), (s) => {
-        const entry = this.errors.get(s.id);
-        return entry?.distance_m === undefined ? (entry?.status ?? '–') : millimetres(Math.abs(entry.distance_m));
-      }]);
+      columns.push([
+        'error',
+        (s) => Math.abs(this.errors.get(s.id)?.distance_m ?? Infinity),
+        (s) => {
+          const entry = this.errors.get(s.id);
+          return entry?.distance_m === undefined
+            ? (entry?.status ?? '–')
+            : millimetres(Math.abs(entry.distance_m));
+        },
+      ]);
     }
-    const row = (surface, index) => h('tr', { 'data-id': surface.id },
-      columns.map(([, , text], k) => h('td', {}, k === 0
-        ? h('button', { class: 'link', 'aria-label': `choose surface ${surface.id}`, onclick: (event) => this.pick(index, null, event.shiftKey) }, text(surface))
-        : text(surface))));
+    const row = (surface, index) =>
+      h(
+        'tr',
+        { 'data-id': surface.id },
+        columns.map(([, , text], k) =>
+          h(
+            'td',
+            {},
+            k === 0
+              ? h(
+                  'button',
+                  {
+                    class: 'link',
+                    'aria-label': `choose surface ${surface.id}`,
+                    onclick: (event) => this.pick(index, null, event.shiftKey),
+                  },
+                  text(surface),
+                )
+              : text(surface),
+          ),
+        ),
+      );
     const rows = this.surfaces.map(row);
     const list = table([], rows, { class: 'list' });
     let sorted = null;
     columns.forEach(([name, key], k) => {
-      const button = h('button', { class: 'link', onclick: () => {
-        const order = this.surfaces.map((surface, i) => [key(surface), rows[i]]);
-        const sign = sorted === k ? -1 : 1;
-        sorted = sorted === k ? null : k;
-        order.sort(([x], [y]) => sign * (x < y ? -1 : x > y ? 1 : 0));
-        list.querySelector('tbody').replaceChildren(...order.map(([, element]) => element));
-      } }, name);
+      const button = h(
+        'button',
+        {
+          class: 'link',
+          onclick: () => {
+            const order = this.surfaces.map((surface, i) => [key(surface), rows[i]]);
+            const sign = sorted === k ? -1 : 1;
+            sorted = sorted === k ? null : k;
+            order.sort(([x], [y]) => sign * (x < y ? -1 : x > y ? 1 : 0));
+            list.querySelector('tbody').replaceChildren(...order.map(([, element]) => element));
+          },
+        },
+        name,
+      );
       list.querySelector('thead tr').append(h('th', { scope: 'col' }, button));
     });
     return list;

@@ -16,20 +16,55 @@ export class Timeline {
     this.mode = 'all';
     this.t = this.start;
     this.slider = h('input', {
-      type: 'range', id: 'time', min: this.start, max: this.end, step: 0.01, value: this.start,
-      'aria-label': 'time in seconds since the recording began', oninput: () => this.set(Number(this.slider.value)),
+      type: 'range',
+      id: 'time',
+      min: this.start,
+      max: this.end,
+      step: 0.01,
+      value: this.start,
+      'aria-label': 'time in seconds since the recording began',
+      oninput: () => this.set(Number(this.slider.value)),
     });
-    this.button = h('button', { id: 'play', 'aria-label': 'play', onclick: () => this.toggle() }, '▶');
-    this.rate = h('select', { id: 'rate', 'aria-label': 'speed of playing' }, [1, 2, 5, 10, 30].map((rate) => h('option', { value: rate, selected: rate === 5 }, `${rate} ×`)));
-    this.modes = h('select', { id: 'time-mode', 'aria-label': 'points shown', onchange: () => { this.mode = this.modes.value; this.tell(); } },
-      Object.entries(MODES).map(([value, text]) => h('option', { value }, text)));
+    this.button = h(
+      'button',
+      { id: 'play', 'aria-label': 'play', onclick: () => this.toggle() },
+      '▶',
+    );
+    this.rate = h(
+      'select',
+      { id: 'rate', 'aria-label': 'speed of playing' },
+      [1, 2, 5, 10, 30].map((rate) =>
+        h('option', { value: rate, selected: rate === 5 }, `${rate} ×`),
+      ),
+    );
+    this.modes = h(
+      'select',
+      {
+        id: 'time-mode',
+        'aria-label': 'points shown',
+        onchange: () => {
+          this.mode = this.modes.value;
+          this.tell();
+        },
+      },
+      Object.entries(MODES).map(([value, text]) => h('option', { value }, text)),
+    );
     this.readout = h('output', { class: 'readout', for: 'time' });
-    this.element = h('div', { class: 'timeline' }, this.button, h('div', { class: 'track' }, this.slider, this.drawMarks(report)), this.rate, this.modes, this.readout);
+    this.element = h(
+      'div',
+      { class: 'timeline' },
+      this.button,
+      h('div', { class: 'track' }, this.slider, this.drawMarks(report)),
+      this.rate,
+      this.modes,
+      this.readout,
+    );
     this.tell();
   }
 
   drawMarks(report) {
-    const share = (t) => `${(100 * (Math.min(this.end, Math.max(this.start, t)) - this.start)) / (this.end - this.start || 1)}%`;
+    const share = (t) =>
+      `${(100 * (Math.min(this.end, Math.max(this.start, t)) - this.start)) / (this.end - this.start || 1)}%`;
     const marks = h('div', { class: 'marks', 'aria-hidden': 'true' });
     for (const kind of ['degenerate', 'doubtful', 'gap']) {
       for (const interval of report.intervals[kind]) {

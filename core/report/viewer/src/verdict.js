@@ -20,41 +20,36 @@ export function noiseInWords(factor) {
   const scale = Math.sqrt(factor);
   if (scale > 0.9 && scale < 1.1) return 'The scanners measured as precisely as the rig file says.';
   if (scale > 1) {
-    return `Points scatter ${digits(scale, 2)} times as far as the rig file's noise says: the noise that it states is too small, or the scanners sit elsewhere than it says. Stated standard deviations are too small.`;
+    return `Points scatter ${digits(scale, 2)} times as far as the rig file's noise says: the noise that it states is too small, or the scanners sit elsewhere than it says. Stated standard deviations may be too small.`;
   }
-  return `Points scatter only ${digits(scale, 2)} times as far as the rig file's noise says: stated standard deviations are too large.`;
+  return `Points scatter only ${digits(scale, 2)} times as far as the rig file's noise says: stated standard deviations may be too large.`;
 }
 
-function intervalSentences(report) {
-  const { consistency = {}, gaps = [] } = report.summary;
-  const span = ({ start_s: start, end_s: end }) => `From ${start.toFixed(2)} to ${end.toFixed(2)} s: `;
-  const sentences = (consistency.doubtful_intervals ?? []).map((interval) => ({
-    kind: 'doubtful',
-    at: interval.start_s,
-    text: `${span(interval)}${interval.reason}.`,
-  }));
-  for (const interval of consistency.degenerate_intervals ?? []) {
-    sentences.push({
-      kind: 'degenerate',
-      at: interval.start_s,
-      text: `${span(interval)}one second of scans leaves the position open ${interval.direction} (standard deviation ${metres(interval.stddev_m, 3)}); the motion bridges that.`,
-    });
-  }
-  for (const gap of gaps) {
-    sentences.push({ kind: 'gap', at: gap.start_s, text: `${span(gap)}nothing is mapped, ${gap.reason}.` });
-  }
-  return sentences.sort((a, b) => a.at - b.at);
+// A warning, with a button that shows the time that it names.
+function warningItem(warning, onTime) {
+  const text = `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`;
+  const time = /([\d.]+)(?: s)? to [\d.]+ s\b/.exec(warning);
+  const show = () => onTime(Number(time[1]));
+  return h(
+    'li',
+    {},
+    text,
+    ' ',
+    time ? h('button', { class: 'link', onclick: show }, 'show') : null,
+  );
 }
 
-function partSentences({ parts = [] }) {
-  return parts
+function partSentences({ summary, part_reports: hasReports }) {
+  return (summary.parts ?? [])
     .filter((part) => part.folder !== '.')
     .map((part) =>
       h(
         'li',
         {},
         `The recording fell into parts. From ${part.start_s.toFixed(1)} to ${part.end_s.toFixed(1)} s it is mapped in `,
-        h('a', { href: `${encodeURIComponent(part.folder)}/report.html` }, part.folder),
+        hasReports
+          ? h('a', { href: `${encodeURIComponent(part.folder)}/report.html` }, part.folder)
+          : part.folder,
         `, on its own: ${part.verdict}.`,
       ),
     );
@@ -72,17 +67,14 @@ export function pathLength(poses) {
 export function drawVerdict(report, onTime) {
   const { summary } = report;
   const verdict = summary.consistency?.verdict;
-  const [word, sentence] = WORDS[verdict] ?? ['Not judged', 'This result does not say whether it can be trusted.'];
-  const items = intervalSentences(report).map(({ kind, at, text }) =>
-    h('li', { class: kind }, text, ' ', h('button', { class: 'link', onclick: () => onTime(at) }, 'show')),
-  );
-  items.push(...partSentences(summary));
-  // What an interval says already is not said twice.
-  const reasons = ['doubtful', 'gap'].flatMap((kind) => report.intervals[kind].map(({ reason }) => reason));
-  const warnings = (summary.warnings ?? []).filter((warning) => !reasons.some((reason) => reason && warning.endsWith(reason)));
-  items.push(...warnings.map((warning) => h('li', {}, `${warning[0].toUpperCase()}${warning.slice(1)}.`)));
-  const ends = summary.consistency?.ends_at_s;
-  if (ends !== undefined) items.unshift(h('li', { class: 'doubtful' }, `The map ends ${ends.toFixed(1)} s after the recording's begin, before the recording does.`));
+  const [word, sentence] = WORDS[verdict] ?? [
+    'Not judged',
+    'This result does not say whether it can be trusted.',
+  ];
+  const items = [
+    ...(summary.warnings ?? []).map((warning) => warningItem(warning, onTime)),
+    ...partSentences(report),
+  ];
   const open = items.length <= 6;
   return h(
     'header',
@@ -92,7 +84,12 @@ export function drawVerdict(report, onTime) {
     h('p', { class: 'lead' }, sentence, ' ', noiseInWords(summary.variance_factor)),
     items.length === 0
       ? h('p', { class: 'none' }, 'No warnings.')
-      : h('details', { open, class: 'warnings' }, h('summary', {}, `${items.length} ${items.length === 1 ? 'warning' : 'warnings'}`), h('ul', {}, items)),
+      : h(
+          'details',
+          { open, class: 'warnings' },
+          h('summary', {}, `${items.length} ${items.length === 1 ? 'warning' : 'warnings'}`),
+          h('ul', {}, items),
+        ),
   );
 }
 
@@ -100,7 +97,9 @@ export function drawVerdict(report, onTime) {
 function errorFigure(evaluation, figure) {
   const positions = evaluation?.trajectory?.unaligned?.position_m?.rmse;
   if (positions === undefined) return [];
-  const note = evaluation.planes ? `RMS of positions; surfaces ${millimetres(evaluation.planes.distance_m.rmse)}` : 'RMS of positions';
+  const note = evaluation.planes
+    ? `RMS of positions; surfaces ${millimetres(evaluation.planes.distance_m.rmse)}`
+    : 'RMS of positions';
   return [figure(millimetres(positions), 'error against the truth', note)];
 }
 
@@ -114,16 +113,36 @@ export function drawFigures(report, poses) {
     'dl',
     { class: 'figures' },
     figure(metres(pathLength(poses), 1), 'the rig’s way', `in ${seconds(summary.duration_s)}`),
-    figure(count(planes.length), 'surfaces', `from ${count(summary.segments)} segments of scan lines`),
-    figure(count(summary.points), 'points', `${digits((100 * summary.points_used) / summary.points)} % lie on surfaces`),
-    figure(millimetres(summary.residual_rms_m), 'residuals, RMS', `variance factor ${digits(summary.variance_factor)}`),
+    figure(
+      count(planes.length),
+      'surfaces',
+      `from ${count(summary.segments)} segments of scan lines`,
+    ),
+    figure(
+      count(summary.points),
+      'points',
+      `${digits((100 * summary.points_used) / summary.points)} % lie on surfaces`,
+    ),
+    figure(
+      millimetres(summary.residual_rms_m),
+      'residuals, RMS',
+      `variance factor ${digits(summary.variance_factor)}`,
+    ),
     figure(
       `± ${millimetres(median(planes.map((plane) => plane.sigma_distance_m)))}`,
       'precision of surfaces',
       `median; in direction ± ${digits(median(walls.map((plane) => plane.sigma_angle_deg)))}°`,
     ),
-    figure(`± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`, 'precision of positions', `median; worst ± ${millimetres(worstPose)}`),
+    figure(
+      `± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`,
+      'precision of positions',
+      `median; worst ± ${millimetres(worstPose)}`,
+    ),
     ...errorFigure(report.evaluation, figure),
-    figure(`${digits(summary.real_time_factor)} ×`, 'real time', `${seconds(summary.stages?.total)} for the map`),
+    figure(
+      `${digits(summary.real_time_factor)} ×`,
+      'real time',
+      `${seconds(summary.stages?.total)} for the map`,
+    ),
   );
 }
