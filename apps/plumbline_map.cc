@@ -47,6 +47,10 @@ DEFINE_string(formats,
 DEFINE_validator(formats, [](const char*, const std::string& list) {
   return plumbline::IsCloudFormatList(list);
 });
+DEFINE_bool(report,
+            false,
+            "also write report.html, a page that shows the map in any browser, as "
+            "plumbline_report does");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -73,20 +77,23 @@ void Print(const plumbline::Summary& summary) {
                               plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
                               FLAGS_output);
   std::fputs(InColour(table, summary.consistency.verdict).c_str(), stdout);
+  if (FLAGS_report) std::printf("Report: %s/report.html\n", FLAGS_output.c_str());
 }
 
 plumbline::Summary Map() {
   plumbline::Progress progress("map");
-  return plumbline::RunMapJob({FLAGS_recording,
-                               FLAGS_rig,
-                               FLAGS_config,
-                               FLAGS_output,
-                               FLAGS_threads,
-                               FLAGS_resume,
-                               FLAGS_checkpoint_after_s,
-                               plumbline::StopSignals(),
-                               plumbline::ParseCloudFormats(FLAGS_formats)},
-                              [&](const auto& state) { progress.Report(state); });
+  plumbline::MapJob job;
+  job.recording = FLAGS_recording;
+  job.rig = FLAGS_rig;
+  job.config = FLAGS_config;
+  job.output = FLAGS_output;
+  job.threads = FLAGS_threads;
+  job.resume = FLAGS_resume;
+  job.checkpoint_after_s = FLAGS_checkpoint_after_s;
+  job.report = FLAGS_report;
+  job.formats = plumbline::ParseCloudFormats(FLAGS_formats);
+  job.stop = plumbline::StopSignals();
+  return plumbline::RunMapJob(job, [&](const auto& state) { progress.Report(state); });
 }
 
 // Says of a map that must not be trusted that it must not.

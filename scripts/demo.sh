@@ -10,7 +10,7 @@ usage() {
 Usage: scripts/demo.sh [--real]
 
 Without arguments: simulates a rig with three scanners in a corridor, maps the recording,
-compares the result with the truth and draws a floor plan. Everything lands in out/demo/.
+compares the result with the truth, draws a floor plan and writes a report. Everything lands in out/demo/.
 
   --real   map a recording of a real robot instead, into out/demo_real/
   --help   this text
@@ -26,7 +26,7 @@ case "${1:-}" in
 esac
 
 # The programs alone: with the tests it takes twice as long.
-"$root/scripts/build.sh" plumbline_bound plumbline_evaluate plumbline_map plumbline_simulate
+"$root/scripts/build.sh" plumbline_bound plumbline_evaluate plumbline_map plumbline_report plumbline_simulate
 
 if $real; then
   out="$root/out/demo_real"
@@ -35,11 +35,13 @@ if $real; then
     --recording="$root/test/data/robot_three_scanners.bag" \
     --rig="$root/configs/rigs/robot_three_scanners.yaml" \
     --config="$root/configs/mapper/robot_three_scanners.yaml" \
-    --output="$out"
+    --output="$out" \
+    --report
   "$root/scripts/figures/floor_plan.py" "$out" --output "$out/floor_plan.png"
   echo
   echo "Map:        $out/map.ply"
   echo "Floor plan: $out/floor_plan.png"
+  echo "Report:     $out/report.html"
   exit 0
 fi
 
@@ -63,6 +65,13 @@ echo "== Comparing with the truth"
   --truth "$out/simulation" \
   --evaluation "$out/evaluation.json" \
   --output "$out/floor_plan.png"
+
+echo "== Writing the report"
+"$bin/plumbline_report" \
+  --result="$out/result" \
+  --evaluation="$out/evaluation.json" \
+  --title="Demo: the corridor" \
+  --output="$out/report.html"
 
 /usr/bin/python3 - "$out/evaluation.json" "$out/result/summary.json" << 'END'
 import json
@@ -91,3 +100,4 @@ END
 echo "All figures: $out/evaluation.txt"
 echo "Map:         $out/result/map.ply"
 echo "Floor plan:  $out/floor_plan.png"
+echo "Report:      $out/report.html (open it in a browser)"

@@ -11,6 +11,7 @@ packages=(
   libbz2-dev
   libceres-dev
   libcgal-dev
+  libdeflate-dev
   libeigen3-dev
   libgflags-dev
   libgmock-dev

@@ -20,6 +20,7 @@
 #include "core/mapping/part_poses.h"
 #include "core/mapping/point_exporter.h"
 #include "core/options/config.h"
+#include "core/report/report.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_directory.h"
 #include "core/result/result_files.h"
@@ -317,6 +318,16 @@ void AddTimes(const std::vector<MapResult>& parts,
   summary->peak_memory_mb = PeakMemoryMb();
 }
 
+ReportJob ReportOf(const ResultDirectory& output,
+                   const std::string& name,
+                   const std::string& part) {
+  ReportJob report;
+  report.result_directory = output.Folder(part);
+  report.output = report.result_directory + "/report.html";
+  report.title = ReportTitle(name) + (part.empty() ? "" : ", " + part);
+  return report;
+}
+
 // Where the run keeps its checkpoint, and that of a killed one which it goes on with.
 CheckpointFiles Checkpoint(const MapJob& job,
                            const MapperOptions& options,
@@ -393,6 +404,9 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   for (size_t i = 0; i < parts.size(); ++i) {
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();
+  }
+  for (const std::string& folder : folders) {
+    if (job.report) WriteReport(ReportOf(output, job.output, folder));
   }
   output.Commit();
   return summary;

@@ -21,6 +21,7 @@ struct MapJob {
   bool resume = false;
   // For that, what following has found is kept where it took at least so long.
   double checkpoint_after_s = 2.0;
+  bool report = false;  // also write report.html, of each part one
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
   // In which the points of the map are written.

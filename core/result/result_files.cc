@@ -1,6 +1,7 @@
 #include "core/result/result_files.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 
 #include "core/cloud/point_cloud_writer.h"
@@ -19,6 +20,7 @@ bool IsResultFile(const std::string& name) {
                                        "plane_covariance.csv",
                                        "planes.json",
                                        "planes.ply",
+                                       "report.html",
                                        "summary.json",
                                        "trajectory.tum",
                                        "trajectory_covariance.csv",
@@ -36,6 +38,19 @@ bool IsPartName(const std::string& name) {
   return name.size() > kPartLength && name.compare(0, kPartLength, kPart) == 0 &&
          name[kPartLength] != '0' &&
          name.find_first_not_of("0123456789", kPartLength) == std::string::npos;
+}
+
+std::vector<std::string> PartsOf(const std::string& directory) {
+  std::vector<std::string> parts;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() && IsPartName(name)) parts.push_back(name);
+  }
+  // Shorter numbers are smaller.
+  std::sort(parts.begin(), parts.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  });
+  return parts;
 }
 
 }  // namespace plumbline

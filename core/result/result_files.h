@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace plumbline {
 
@@ -11,5 +12,8 @@ bool IsResultFile(const std::string& name);
 // Of the directory of the part'th part of a recording, from 1: "part_<part>".
 std::string PartName(size_t part);
 bool IsPartName(const std::string& name);
+
+// The folders of parts in a directory of a result, in their order.
+std::vector<std::string> PartsOf(const std::string& directory);
 
 }  // namespace plumbline

@@ -81,13 +81,20 @@ TEST_F(ProgramsTest, ExportNamesAMissingMap) {
                 Path("no/map.ply"));
 }
 
+TEST_F(ProgramsTest, ReportNamesAMissingResult) {
+  ExpectFailure("plumbline_report --result=" + Path("no"), Path("no/summary.json"));
+  // Without the flag.
+  ExpectFailure("plumbline_report " + Path("no"), Path("no/summary.json"));
+}
+
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
   for (const char* program :
        {"plumbline_bound",
-                              "plumbline_evaluate",
-                              "plumbline_export",
-                              "plumbline_map",
-                              "plumbline_simulate"}) {
+        "plumbline_evaluate",
+        "plumbline_export",
+        "plumbline_map",
+        "plumbline_report",
+        "plumbline_simulate"}) {
     EXPECT_EQ(Run(program).exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --no_such_flag").exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --help").exit_code, 0) << program;

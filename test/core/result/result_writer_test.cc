@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "core/result/result_files.h"
 #include "core/result/result_reader.h"
 #include "test/testing/temporary_directory.h"
 
@@ -91,6 +92,14 @@ TEST_F(ResultWriterTest, TheLastWordOnAFileCounts) {
   writer.Finish();
   result.Commit();
   EXPECT_EQ(ReadBytes(output_ / "config_used.yaml"), "b: 2\n");
+}
+
+TEST_F(ResultWriterTest, PartsAreFoundInTheirOrder) {
+  for (const char* name : {"part_10", "part_2", "part_01", "parts", "part_1"}) {
+    fs::create_directories(output_ / name);
+  }
+  WriteBytes(output_ / "part_3", "");
+  EXPECT_THAT(PartsOf(output_.string()), ElementsAre("part_1", "part_2", "part_10"));
 }
 
 TEST_F(ResultWriterTest, WritesAPartIntoAFolderOfItsOwn) {

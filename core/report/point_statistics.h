@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/result/point_buffer.h"
+
+namespace plumbline {
+
+// What the report's plots show of all points of a map.
+class PointStatistics {
+ public:
+  // The histogram of residuals has bins of this width (m), so many of them on either side of
+  // zero; residuals beyond count in the outermost ones.
+  static constexpr double kBinWidth = 0.001;
+  static constexpr int kBinsPerSide = 250;
+
+  struct Group {
+    int64_t points = 0;
+    int64_t on_planes = 0;
+    double sum_squares_m2 = 0.0;  // of the residuals of points on planes
+  };
+
+  void Add(const MapPoint& point);
+
+  const std::array<int64_t, 2 * kBinsPerSide>& histogram() const { return histogram_; }
+  const std::vector<Group>& by_scanner() const { return by_scanner_; }
+  // By whole seconds since the recording's first scan line.
+  const std::vector<Group>& by_second() const { return by_second_; }
+
+ private:
+  std::array<int64_t, 2 * kBinsPerSide> histogram_ = {};
+  std::vector<Group> by_scanner_;
+  std::vector<Group> by_second_;
+};
+
+}  // namespace plumbline
