@@ -45,6 +45,10 @@ class BagReader {
 
   // Those found by Scan(). A topic may have several.
   const std::vector<BagConnection>& connections() const { return connections_; }
+  // How many messages of a connection Scan() found, wanted or not.
+  uint64_t num_messages(size_t connection_index) const {
+    return tallies_[connection_index].num_found;
+  }
   // The data of a visited message, valid until the next call. Throws Error when the file has
   // changed since.
   ByteView Read(const BagMessage& message);

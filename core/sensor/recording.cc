@@ -7,8 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "core/bag/bag_reader.h"
-#include "core/sensor/laser_scan_message.h"
+#include "core/recording/recording_source.h"
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
@@ -85,10 +84,10 @@ struct Undecodable {
 }  // namespace
 
 struct RecordingReader::Impl {
-  explicit Impl(const std::string& path) : bag(path) {}
+  explicit Impl(const std::string& path) : source(OpenRecording(path)) {}
 
-  BagReader bag;
-  std::vector<BagMessage> messages;  // by position: in the order of their receipt
+  std::unique_ptr<RecordingSource> source;
+  std::vector<MessageRef> messages;  // by position: in the order of their receipt
   std::vector<ScanStamp> stamps;     // by position
   std::vector<int64_t> orders;       // by position; -1: passed over
   ScanOrder order;
@@ -100,7 +99,9 @@ struct RecordingReader::Impl {
   size_t next_position = 0;
   std::map<size_t, ScanLine> buffer;        // by order: read ahead of their turn
   std::vector<KnownDirections> directions;  // by scanner
+  ScanLineMessage message;                  // read last
 
+  const std::string& path() const { return source->path(); }
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
   void SortByReceipt();
@@ -114,34 +115,35 @@ struct RecordingReader::Impl {
 // What is wrong with the bag, as the end of an error that may come from it.
 std::string RecordingReader::Impl::DamageText() const {
   std::string text;
-  for (const std::string& warning : bag.warnings()) text += "; " + warning;
+  for (const std::string& warning : source->warnings()) text += "; " + warning;
   return text;
 }
 
 // Every topic of the rig must be there once and carry scan lines.
 void RecordingReader::Impl::CheckTopics(const Rig& rig) {
-  std::multimap<std::string, const BagConnection*> connections;
+  std::multimap<std::string, const RecordingTopic*> topics;
   std::set<std::string> scan_topics;
-  for (const BagConnection& connection : bag.connections()) {
-    connections.emplace(connection.topic, &connection);
-    if (IsLaserScan(connection)) scan_topics.insert(connection.topic);
+  for (const RecordingTopic& topic : source->topics()) {
+    topics.emplace(topic.name, &topic);
+    if (topic.HasScanLines()) scan_topics.insert(topic.name);
   }
   const std::string hint =
       "; topics with laser scans in this recording:" + TopicsText(scan_topics) + DamageText();
 
   for (const Scanner& scanner : rig.scanners) {
-    const auto [begin, end] = connections.equal_range(scanner.topic);
+    const auto [begin, end] = topics.equal_range(scanner.topic);
     if (begin == end) {
-      throw Error(bag.path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
+      throw Error(path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
                   Quoted(scanner.name) + " of the rig)" + hint);
     }
-    for (auto connection = begin; connection != end; ++connection) {
-      if (IsLaserScan(*connection->second)) continue;
-      throw Error(bag.path() + ": topic " + Shown(scanner.topic) + " (scanner " +
+    for (auto topic = begin; topic != end; ++topic) {
+      if (topic->second->HasScanLines()) continue;
+      const std::string& definition = topic->second->definition;
+      throw Error(path() + ": topic " + Shown(scanner.topic) + " (scanner " +
                   Quoted(scanner.name) + " of the rig) is of type " +
-                  Shown(connection->second->type) + " (definition " +
-                  Shown(connection->second->md5sum) +
-                  "), not sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan" + hint);
+                  Shown(topic->second->type) +
+                  (definition.empty() ? "" : " (definition " + Shown(definition) + ")") +
+                  ", not " + kScanLineTypes + hint);
     }
   }
 }
@@ -153,29 +155,29 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     const auto [known, is_new] =
         scanner_indices.emplace(scanner.topic, static_cast<int>(scanner_indices.size()));
     if (is_new) continue;
-    throw Error(bag.path() + ": scanners " +
+    throw Error(path() + ": scanners " +
                 Quoted(rig.scanners[static_cast<size_t>(known->second)].name) + " and " +
                 Quoted(scanner.name) + " of the rig name the same topic " +
                 Shown(scanner.topic));
   }
   undecodable.resize(rig.scanners.size());
-  const auto wants = [&](const BagConnection& connection) {
-    return IsLaserScan(connection) && scanner_indices.count(connection.topic) > 0;
+  const auto scanner_of = [&](const MessageRef& ref) {
+    return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
-  const auto visit = [&](const BagMessage& message, ByteView data) {
-    const BagConnection& connection = bag.connections()[message.connection_index];
-    const int scanner_index = scanner_indices.at(connection.topic);
-    LaserScanMessage scan;
-    if (!ReadLaserScan(data, IsMultiEchoLaserScan(connection), &scan, nullptr)) {
-      Undecodable& lost = undecodable[static_cast<size_t>(scanner_index)];
-      if (lost.count++ == 0) lost.first_receipt_ns = message.receipt_ns;
-      return false;
-    }
-    messages.push_back(message);
-    stamps.push_back({scan.stamp_ns, scanner_index, scan.IsUsable()});
-    return true;
+  RecordingVisitor visitor;
+  visitor.with_ranges = false;
+  visitor.wants = [&](const RecordingTopic& topic) {
+    return topic.HasScanLines() && scanner_indices.count(topic.name) > 0;
   };
-  bag.Scan(wants, visit);
+  visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& scan) {
+    messages.push_back(ref);
+    stamps.push_back({scan.stamp_ns, scanner_of(ref), scan.IsUsable()});
+  };
+  visitor.undecodable = [&](const MessageRef& ref) {
+    Undecodable& lost = undecodable[static_cast<size_t>(scanner_of(ref))];
+    if (lost.count++ == 0) lost.first_receipt_ns = ref.receipt_ns;
+  };
+  source->Visit(visitor);
   CheckTopics(rig);
   SortByReceipt();
   order = OrderScanLines(rig, stamps);
@@ -187,7 +189,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
 void RecordingReader::Impl::SortByReceipt() {
-  const auto earlier = [](const BagMessage& a, const BagMessage& b) {
+  const auto earlier = [](const MessageRef& a, const MessageRef& b) {
     return a.receipt_ns < b.receipt_ns;
   };
   if (std::is_sorted(messages.begin(), messages.end(), earlier)) return;
@@ -196,7 +198,7 @@ void RecordingReader::Impl::SortByReceipt() {
   std::stable_sort(indices.begin(), indices.end(), [&](size_t a, size_t b) {
     return earlier(messages[a], messages[b]);
   });
-  std::vector<BagMessage> sorted_messages;
+  std::vector<MessageRef> sorted_messages;
   std::vector<ScanStamp> sorted_stamps;
   for (size_t index : indices) {
     sorted_messages.push_back(messages[index]);
@@ -207,7 +209,7 @@ void RecordingReader::Impl::SortByReceipt() {
 }
 
 void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
-  warnings = bag.warnings();
+  warnings = source->warnings();
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Undecodable& lost = undecodable[i];
     if (lost.count == 0) continue;
@@ -221,22 +223,21 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   if (!order.positions.empty()) return;
   std::string reasons;
   for (const std::string& warning : warnings) reasons += "; " + warning;
-  throw Error(bag.path() + ": has no scan lines of the rig's scanners" + reasons);
+  throw Error(path() + ": has no scan lines of the rig's scanners" + reasons);
 }
 
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
-  const BagMessage& message = messages[position];
-  const bool multi_echo = IsMultiEchoLaserScan(bag.connections()[message.connection_index]);
-  LaserScanMessage scan;
-  if (!ReadLaserScan(bag.Read(message), multi_echo, &scan, &scan_line->ranges) ||
-      scan.stamp_ns != stamps[position].stamp_ns) {
-    throw Error(bag.path() + ": has changed while it was read");
+  std::swap(message.ranges, scan_line->ranges);  // whose memory is used again
+  source->ReadScanLine(messages[position], &message);
+  if (message.stamp_ns != stamps[position].stamp_ns) {
+    throw Error(path() + ": has changed while it was read");
   }
+  std::swap(message.ranges, scan_line->ranges);
   scan_line->scanner_index = stamps[position].scanner_index;
-  scan_line->stamp_ns = scan.stamp_ns;
-  scan_line->angle_min = scan.angle_min;
-  scan_line->angle_increment = scan.angle_increment;
-  scan_line->time_increment_s = scan.time_increment;
+  scan_line->stamp_ns = message.stamp_ns;
+  scan_line->angle_min = message.angle_min;
+  scan_line->angle_increment = message.angle_increment;
+  scan_line->time_increment_s = message.time_increment;
   directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
 }
 

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/bag/bag_reader.h"
+#include "core/recording/message_file.h"
+
+namespace plumbline {
+
+// A ROS 1 bag as a sequence of messages; BagReader does the work.
+class Ros1File : public MessageFile {
+ public:
+  explicit Ros1File(const std::string& path) : bag_(path) {}
+
+  const std::string& path() const override { return bag_.path(); }
+  std::string format() const override { return "ROS 1 bag"; }
+  void Scan(const Wants& wants, const Visit& visit) override;
+  const std::vector<RecordingTopic>& topics() const override { return topics_; }
+  ByteView Read(const MessageRef& message) override;
+  const std::vector<std::string>& warnings() const override { return bag_.warnings(); }
+
+ private:
+  BagReader bag_;
+  std::vector<RecordingTopic> topics_;  // one for each of the bag's connections
+};
+
+}  // namespace plumbline
