@@ -2,7 +2,9 @@
 
 #include <string>
 
-#include "core/recording/ros1_messages.h"
+#include "core/recording/carmen_messages.h"
+#include "core/recording/ros_messages.h"
+#include "core/recording/serial_reader.h"
 
 namespace plumbline {
 namespace {
@@ -27,13 +29,37 @@ std::string WithoutMsg(const std::string& type) {
   return at == std::string::npos ? type : type.substr(0, at) + type.substr(at + 4);
 }
 
+bool DecodeRosScanLine(MessageKind kind,
+                       const SerialReader& reader,
+                       bool with_ranges,
+                       ScanLineMessage* message) {
+  switch (kind) {
+    case MessageKind::kLaserScan:
+      return ReadLaserScan(reader, with_ranges, message);
+    case MessageKind::kMultiEchoLaserScan:
+      return ReadMultiEchoLaserScan(reader, with_ranges, message);
+    default:
+      return false;
+  }
+}
+
+// False where the topic's messages are not serialised by ROS, or this one is not.
+bool OpenRosMessage(const RecordingTopic& topic, ByteView data, SerialReader* reader) {
+  if (topic.encoding == MessageEncoding::kCdr) return SerialReader::ForCdr(data, reader);
+  *reader = SerialReader::ForRos1(data);
+  return topic.encoding == MessageEncoding::kRos1;
+}
+
 }  // namespace
 
 MessageKind KindOf(const RecordingTopic& topic) {
-  if (topic.encoding != MessageEncoding::kRos1) return MessageKind::kOther;
+  if (topic.encoding == MessageEncoding::kCarmen) return CarmenKindOf(topic.type);
+  if (topic.encoding == MessageEncoding::kUnknown) return MessageKind::kOther;
   const std::string type = WithoutMsg(topic.type);
   for (const KnownType& known : kKnownTypes) {
-    if (type == known.type && topic.definition == known.ros1_definition) return known.kind;
+    if (type != known.type) continue;
+    const bool is_same = topic.definition.empty() || topic.definition == known.ros1_definition;
+    return is_same ? known.kind : MessageKind::kOther;
   }
   return MessageKind::kOther;
 }
@@ -45,21 +71,18 @@ bool DecodeScanLine(const RecordingTopic& topic,
   message->ranges.clear();
   message->angles.clear();
   message->time_offsets_s.clear();
-  switch (topic.encoding) {
-    case MessageEncoding::kRos1:
-      return ReadRos1ScanLine(data, topic.kind, with_ranges, message);
-    default:
-      return false;
+  if (topic.encoding == MessageEncoding::kCarmen) {
+    return ReadCarmenScanLine(data, with_ranges, message);
   }
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) &&
+         DecodeRosScanLine(topic.kind, reader, with_ranges, message);
 }
 
 bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage* message) {
-  switch (topic.encoding) {
-    case MessageEncoding::kRos1:
-      return ReadRos1Odometry(data, message);
-    default:
-      return false;
-  }
+  if (topic.encoding == MessageEncoding::kCarmen) return ReadCarmenOdometry(data, message);
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadOdometry(reader, message);
 }
 
 }  // namespace plumbline

@@ -7,10 +7,15 @@
 
 namespace plumbline {
 
-const char kRecordingFormats[] = "ROS 1 bag";
-const char kScanLineTypes[] = "sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan";
+const char kRecordingFormats[] =
+    "ROS 1 bag (.bag), ROS 2 recording (.mcap, .db3, or its folder), CARMEN log (.clf, .log), "
+    "each also packed (.bz2, .zstd)";
+const char kScanLineTypes[] =
+    "sensor_msgs/LaserScan, sensor_msgs/MultiEchoLaserScan or sensor_msgs/PointCloud2";
 
-RecordingSource::RecordingSource(std::unique_ptr<MessageFile> file) : file_(std::move(file)) {}
+RecordingSource::RecordingSource(std::unique_ptr<MessageFile> file,
+                                 std::vector<std::string> warnings)
+    : file_(std::move(file)), warnings_(std::move(warnings)) {}
 
 void RecordingSource::Visit(const RecordingVisitor& visitor) {
   const auto wants = [&](const RecordingTopic& topic) {
@@ -32,6 +37,7 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     return decoded;
   };
   file_->Scan(wants, visit);
+  warnings_.insert(warnings_.end(), file_->warnings().begin(), file_->warnings().end());
 }
 
 void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line) {

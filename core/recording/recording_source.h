@@ -28,7 +28,9 @@ struct RecordingVisitor {
 // odometry. It knows no rig: any topic can be read.
 class RecordingSource {
  public:
-  explicit RecordingSource(std::unique_ptr<MessageFile> file);
+  // warnings: what has been noticed while it was opened.
+  explicit RecordingSource(std::unique_ptr<MessageFile> file,
+                           std::vector<std::string> warnings = {});
 
   const std::string& path() const { return file_->path(); }
   std::string format() const { return file_->format(); }  // such as "ROS 1 bag"
@@ -44,10 +46,11 @@ class RecordingSource {
   // since.
   void ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line);
   // Sentences for the user about what is damaged or missing, after Visit().
-  const std::vector<std::string>& warnings() const { return file_->warnings(); }
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   std::unique_ptr<MessageFile> file_;
+  std::vector<std::string> warnings_;
 };
 
 // Opens a recording; what format it has, its first bytes say, not its name. A folder is a
@@ -55,7 +58,8 @@ class RecordingSource {
 // none that can be read.
 std::unique_ptr<RecordingSource> OpenRecording(const std::string& path);
 
-// The types and formats that are read, for help texts and errors.
+// The formats, and the types of messages with scan lines, that are read: for help texts and
+// errors.
 extern const char kRecordingFormats[];
 extern const char kScanLineTypes[];
 

@@ -11,9 +11,11 @@ namespace plumbline {
 // A ROS 1 bag as a sequence of messages; BagReader does the work.
 class Ros1File : public MessageFile {
  public:
-  explicit Ros1File(const std::string& path) : bag_(path) {}
+  // path: what the user knows the file by; file_path: where it is.
+  Ros1File(const std::string& path, const std::string& file_path)
+      : path_(path), bag_(file_path) {}
 
-  const std::string& path() const override { return bag_.path(); }
+  const std::string& path() const override { return path_; }
   std::string format() const override { return "ROS 1 bag"; }
   void Scan(const Wants& wants, const Visit& visit) override;
   const std::vector<RecordingTopic>& topics() const override { return topics_; }
@@ -21,6 +23,7 @@ class Ros1File : public MessageFile {
   const std::vector<std::string>& warnings() const override { return bag_.warnings(); }
 
  private:
+  std::string path_;
   BagReader bag_;
   std::vector<RecordingTopic> topics_;  // one for each of the bag's connections
 };
