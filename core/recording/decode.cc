@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/recording/carmen_messages.h"
+#include "core/recording/point_cloud.h"
 #include "core/recording/ros_messages.h"
 #include "core/recording/serial_reader.h"
 
@@ -20,6 +21,7 @@ constexpr KnownType kKnownTypes[] = {
     {"sensor_msgs/MultiEchoLaserScan",
      "6fefb0c6da89d7c8abe4b339f5c2f8fb",
      MessageKind::kMultiEchoLaserScan},
+    {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181", MessageKind::kPointCloud2},
     {"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7", MessageKind::kOdometry},
 };
 
@@ -38,6 +40,8 @@ bool DecodeRosScanLine(MessageKind kind,
       return ReadLaserScan(reader, with_ranges, message);
     case MessageKind::kMultiEchoLaserScan:
       return ReadMultiEchoLaserScan(reader, with_ranges, message);
+    case MessageKind::kPointCloud2:
+      return ReadPointCloud2(reader, with_ranges, message);
     default:
       return false;
   }
@@ -70,7 +74,7 @@ bool DecodeScanLine(const RecordingTopic& topic,
                     ScanLineMessage* message) {
   message->ranges.clear();
   message->angles.clear();
-  message->time_offsets_s.clear();
+  message->is_planar = true;
   if (topic.encoding == MessageEncoding::kCarmen) {
     return ReadCarmenScanLine(data, with_ranges, message);
   }

@@ -13,19 +13,19 @@ namespace plumbline {
 struct ScanLineMessage {
   int64_t stamp_ns = 0;  // instant of the first beam, since 1970
   std::string frame_id;  // empty where the format has none
-  // Beam i points along angle_min + i * angle_increment and is taken i * time_increment after
-  // the stamp, unless `angles` and `time_offsets_s` say otherwise. Irregular beams have the
-  // mean increments here.
+  // Beam i points along angle_min + i * angle_increment, unless `angles` says otherwise, and
+  // is taken i * time_increment after the stamp.
   float angle_min = 0.0f;        // rad
-  float angle_increment = 0.0f;  // rad
+  float angle_increment = 0.0f;  // rad; the mean where the angles are irregular
   float time_increment = 0.0f;   // s
   float range_min = 0.0f;        // m, as the driver states them; 0 where it does not
   float range_max = 0.0f;
   uint32_t num_beams = 0;
   // Metres; NaN where a beam has no echo. Empty where the visitor did not ask for ranges.
   std::vector<float> ranges;
-  std::vector<float> angles;          // rad, of each beam; empty where they are regular
-  std::vector<float> time_offsets_s;  // after the stamp; empty where they are regular
+  // Of each beam, rad, going round one way; empty where they are regular.
+  std::vector<float> angles;
+  bool is_planar = true;  // false: a point cloud that does not lie in one scan plane
 
   // False where angles or times make no sense, or there are no beams.
   bool IsUsable() const;

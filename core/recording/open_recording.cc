@@ -144,26 +144,36 @@ OpenedFile OpenFile(const std::string& path,
               "; what can be read: " + kRecordingFormats);
 }
 
+// Opens a rosbag2 folder. What can not be opened of it is passed over, unless nothing can.
+std::unique_ptr<RecordingSource> OpenFolder(const std::string& path) {
+  std::vector<std::unique_ptr<MessageFile>> files;
+  std::vector<std::string> warnings;
+  std::string first_error;
+  for (const std::string& file_path : FilesOfRosbag2Folder(path)) {
+    try {
+      OpenedFile opened = OpenFile(file_path, file_path, true);
+      files.push_back(std::move(opened.file));
+      const std::string name = std::filesystem::path(file_path).filename().string();
+      for (const std::string& warning : opened.warnings) {
+        warnings.push_back(name + ": " + warning);
+      }
+    } catch (const Error& error) {
+      if (first_error.empty()) first_error = error.what();
+      warnings.push_back(std::string("a file of the recording was passed over: ") +
+                         error.what());
+    }
+  }
+  if (files.empty()) throw Error(first_error);
+  return std::make_unique<RecordingSource>(
+      std::make_unique<Rosbag2Folder>(path, std::move(files)), std::move(warnings));
+}
+
 }  // namespace
 
 std::unique_ptr<RecordingSource> OpenRecording(const std::string& path) {
-  if (!std::filesystem::is_directory(path)) {
-    OpenedFile opened = OpenFile(path, path, true);
-    return std::make_unique<RecordingSource>(std::move(opened.file),
-                                             std::move(opened.warnings));
-  }
-  std::vector<std::unique_ptr<MessageFile>> files;
-  std::vector<std::string> warnings;
-  for (const std::string& file_path : FilesOfRosbag2Folder(path)) {
-    OpenedFile opened = OpenFile(file_path, file_path, true);
-    files.push_back(std::move(opened.file));
-    for (const std::string& warning : opened.warnings) {
-      warnings.push_back(std::filesystem::path(file_path).filename().string() + ": " +
-                         warning);
-    }
-  }
-  return std::make_unique<RecordingSource>(
-      std::make_unique<Rosbag2Folder>(path, std::move(files)), std::move(warnings));
+  if (std::filesystem::is_directory(path)) return OpenFolder(path);
+  OpenedFile opened = OpenFile(path, path, true);
+  return std::make_unique<RecordingSource>(std::move(opened.file), std::move(opened.warnings));
 }
 
 }  // namespace plumbline

@@ -1,7 +1,10 @@
 #include "core/recording/recording_source.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
+#include "core/bag/unpack.h"
 #include "core/recording/decode.h"
 #include "core/util/error.h"
 
@@ -23,8 +26,9 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   };
   ScanLineMessage scan_line;
   OdometryMessage odometry;
-  const auto visit = [&](const MessageRef& message, ByteView data) {
+  const auto visit = [&](const MessageRef& message, ByteView stored) {
     const RecordingTopic& topic = topics()[message.topic_index];
+    const ByteView data = Unpacked(topic, stored);
     bool decoded = true;
     if (topic.HasScanLines() && visitor.scan_line != nullptr) {
       decoded = DecodeScanLine(topic, data, visitor.with_ranges, &scan_line);
@@ -40,9 +44,22 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   warnings_.insert(warnings_.end(), file_->warnings().begin(), file_->warnings().end());
 }
 
+// rosbag2 can pack each message on its own. No CDR begins as what zstd packs does.
+ByteView RecordingSource::Unpacked(const RecordingTopic& topic, ByteView data) {
+  constexpr uint8_t kZstdMagic[] = {0x28, 0xb5, 0x2f, 0xfd};
+  if (topic.encoding != MessageEncoding::kCdr || data.size < sizeof(kZstdMagic) ||
+      !std::equal(std::begin(kZstdMagic), std::end(kZstdMagic), data.data)) {
+    return data;
+  }
+  MemorySource packed(data);
+  uint64_t num_taken = 0;
+  Unpack("zstd", &packed, 0, &unpacked_, &num_taken);
+  return {unpacked_.data(), unpacked_.size()};  // where it is damaged, it can not be decoded
+}
+
 void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line) {
   const RecordingTopic& topic = topics()[message.topic_index];
-  if (!DecodeScanLine(topic, file_->Read(message), true, scan_line)) {
+  if (!DecodeScanLine(topic, Unpacked(topic, file_->Read(message)), true, scan_line)) {
     throw Error(path() + ": has changed while it was read");
   }
 }

@@ -49,7 +49,10 @@ class RecordingSource {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  ByteView Unpacked(const RecordingTopic& topic, ByteView data);
+
   std::unique_ptr<MessageFile> file_;
+  std::vector<uint8_t> unpacked_;  // the last message that was packed on its own
   std::vector<std::string> warnings_;
 };
 

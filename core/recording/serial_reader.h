@@ -11,6 +11,18 @@
 
 namespace plumbline {
 
+// The number whose bytes begin at `bytes`.
+template <typename Number>
+Number NumberAt(const uint8_t* bytes, bool is_big_endian) {
+  std::array<uint8_t, sizeof(Number)> ordered;
+  for (size_t i = 0; i < sizeof(Number); ++i) {
+    ordered[i] = bytes[is_big_endian ? sizeof(Number) - 1 - i : i];
+  }
+  Number number;
+  std::memcpy(&number, ordered.data(), sizeof(Number));
+  return number;
+}
+
 // SerialReader takes numbers, texts and lists from the front of a message, and never more than
 // it holds: false then.
 //   ROS 1: numbers little endian without gaps; a text is its length (uint32) and its bytes, a
@@ -55,13 +67,7 @@ class SerialReader {
   // The number at `bytes` in the message's byte order.
   template <typename Number>
   Number NumberAt(const uint8_t* bytes) const {
-    std::array<uint8_t, sizeof(Number)> ordered;
-    for (size_t i = 0; i < sizeof(Number); ++i) {
-      ordered[i] = bytes[is_big_endian_ ? sizeof(Number) - 1 - i : i];
-    }
-    Number value;
-    std::memcpy(&value, ordered.data(), sizeof(Number));
-    return value;
+    return plumbline::NumberAt<Number>(bytes, is_big_endian_);
   }
 
  private:

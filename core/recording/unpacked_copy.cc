@@ -21,7 +21,7 @@ namespace {
 constexpr size_t kPieceBytes = size_t{256} << 10;
 // Logs are packed to a tenth. A few kB can stand for gigabytes.
 constexpr uint64_t kMaxRatio = 200;
-constexpr uint64_t kSmallBytes = uint64_t{64} << 20;
+constexpr uint64_t kSmallBytes = uint64_t{16} << 20;
 
 void WriteAll(int file, const std::string& path, const uint8_t* bytes, size_t size) {
   while (size > 0) {

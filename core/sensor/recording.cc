@@ -27,25 +27,39 @@ constexpr size_t kMaxListedTopics = 20;
 // The directions of a scanner's beams. Its lines hardly ever differ in their angles.
 class KnownDirections {
  public:
-  void SetOf(ScanLine* scan_line) {
-    if (directions_ == nullptr || scan_line->angle_min != angle_min_ ||
-        scan_line->angle_increment != angle_increment_ ||
-        directions_->size() < scan_line->ranges.size()) {
-      angle_min_ = scan_line->angle_min;
-      angle_increment_ = scan_line->angle_increment;
-      scan_line->directions = nullptr;  // the last line's
-      auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
-      for (int beam = 0; beam < scan_line->num_beams(); ++beam) {
-        directions->push_back(scan_line->BeamDirection(beam));
-      }
-      directions_ = std::move(directions);
-    }
+  // irregular: of each beam; empty where they are regular.
+  void SetOf(const std::vector<float>& irregular, ScanLine* scan_line) {
+    const bool is_known = directions_ != nullptr && scan_line->angle_min == angle_min_ &&
+                          scan_line->angle_increment == angle_increment_ &&
+                          irregular == irregular_ &&
+                          directions_->size() >= scan_line->ranges.size();
+    if (!is_known) Compute(irregular, scan_line);
     scan_line->directions = directions_;
+    scan_line->angles = angles_;
   }
 
  private:
+  void Compute(const std::vector<float>& irregular, ScanLine* scan_line) {
+    angle_min_ = scan_line->angle_min;
+    angle_increment_ = scan_line->angle_increment;
+    irregular_ = irregular;
+    angles_ = nullptr;
+    if (!irregular.empty()) {
+      angles_ = std::make_shared<std::vector<double>>(irregular.begin(), irregular.end());
+    }
+    scan_line->angles = angles_;
+    scan_line->directions = nullptr;  // the last line's
+    auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
+    for (int beam = 0; beam < scan_line->num_beams(); ++beam) {
+      directions->push_back(scan_line->BeamDirection(beam));
+    }
+    directions_ = std::move(directions);
+  }
+
   double angle_min_ = 0.0;
   double angle_increment_ = 0.0;
+  std::vector<float> irregular_;
+  std::shared_ptr<const std::vector<double>> angles_;
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions_;
 };
 
@@ -75,10 +89,23 @@ std::string TopicsText(const std::set<std::string>& topics) {
   return text.empty() ? " none" : text;
 }
 
-// Messages of one scanner that can not be decoded.
-struct Undecodable {
+// Messages of one scanner that are lost for one reason.
+struct LostMessages {
   int count = 0;
   uint64_t first_receipt_ns = 0;
+
+  void Add(const MessageRef& message) {
+    if (count++ == 0) first_receipt_ns = message.receipt_ns;
+  }
+  // Adds a sentence, if there are any; why: "that can not be decoded".
+  void WarnOf(const std::string& scanner,
+              const std::string& why,
+              std::vector<std::string>* warnings) const {
+    if (count == 0) return;
+    warnings->push_back("scanner " + Quoted(scanner) + ": " + std::to_string(count) +
+                        (count == 1 ? " message is lost " : " messages are lost ") + why +
+                        ", the first recorded at " + ReceiptText(first_receipt_ns));
+  }
 };
 
 }  // namespace
@@ -91,7 +118,8 @@ struct RecordingReader::Impl {
   std::vector<ScanStamp> stamps;     // by position
   std::vector<int64_t> orders;       // by position; -1: passed over
   ScanOrder order;
-  std::vector<Undecodable> undecodable;  // by scanner
+  std::vector<LostMessages> undecodable;  // by scanner
+  std::vector<LostMessages> off_plane;    // by scanner
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -161,6 +189,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
                 Shown(scanner.topic));
   }
   undecodable.resize(rig.scanners.size());
+  off_plane.resize(rig.scanners.size());
   const auto scanner_of = [&](const MessageRef& ref) {
     return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
@@ -170,12 +199,15 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     return topic.HasScanLines() && scanner_indices.count(topic.name) > 0;
   };
   visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& scan) {
+    if (!scan.is_planar) {
+      off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
+      return;
+    }
     messages.push_back(ref);
     stamps.push_back({scan.stamp_ns, scanner_of(ref), scan.IsUsable()});
   };
   visitor.undecodable = [&](const MessageRef& ref) {
-    Undecodable& lost = undecodable[static_cast<size_t>(scanner_of(ref))];
-    if (lost.count++ == 0) lost.first_receipt_ns = ref.receipt_ns;
+    undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
   };
   source->Visit(visitor);
   CheckTopics(rig);
@@ -211,13 +243,10 @@ void RecordingReader::Impl::SortByReceipt() {
 void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   warnings = source->warnings();
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
-    const Undecodable& lost = undecodable[i];
-    if (lost.count == 0) continue;
-    warnings.push_back("scanner " + Quoted(rig.scanners[i].name) + ": " +
-                       std::to_string(lost.count) +
-                       (lost.count == 1 ? " message is lost" : " messages are lost") +
-                       " that can not be decoded, the first recorded at " +
-                       ReceiptText(lost.first_receipt_ns));
+    const std::string& name = rig.scanners[i].name;
+    undecodable[i].WarnOf(name, "that can not be decoded", &warnings);
+    off_plane[i].WarnOf(
+        name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
   }
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
@@ -238,7 +267,7 @@ void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
   scan_line->angle_min = message.angle_min;
   scan_line->angle_increment = message.angle_increment;
   scan_line->time_increment_s = message.time_increment;
-  directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
+  directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(message.angles, scan_line);
 }
 
 // Reads what comes in the bag up to and including position. Bag order is almost the order of
