@@ -29,10 +29,11 @@ struct BagMessage {
 // than a few chunks and messages at a time.
 class BagReader {
  public:
-  // Throws Error when the file can not be read, is no such bag or is encrypted.
-  explicit BagReader(const std::string& path);
+  // name: what errors call the file. Throws Error when the file can not be read, is no such
+  // bag or is encrypted.
+  BagReader(const std::string& path, const std::string& name);
 
-  const std::string& path() const { return file_.path(); }
+  const std::string& name() const { return file_.name(); }
 
   // Says whether the messages of a connection are to be visited.
   using Wants = std::function<bool(const BagConnection&)>;

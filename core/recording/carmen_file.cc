@@ -28,8 +28,8 @@ bool IsWordCharacter(char c) {
 
 }  // namespace
 
-CarmenFile::CarmenFile(const std::string& path, std::unique_ptr<InputFile> file)
-    : path_(path), file_(std::move(file)), window_(file_.get(), kWindowBytes) {}
+CarmenFile::CarmenFile(std::unique_ptr<InputFile> file)
+    : file_(std::move(file)), window_(file_.get(), kWindowBytes) {}
 
 // The line that begins at `position`, its end included; none where it is too long.
 ByteView CarmenFile::LineAt(uint64_t position) {
@@ -78,7 +78,8 @@ void CarmenFile::ReadLine(ByteView line,
       topic_indices_.emplace(word, static_cast<uint32_t>(topics_.size()));
   if (is_new) {
     if (topics_.size() == kMaxTopics) {
-      throw Error(path_ + ": is no CARMEN log: its lines begin with too many different words");
+      throw Error(path() +
+                  ": is no CARMEN log: its lines begin with too many different words");
     }
     RecordingTopic topic;
     topic.name = topic.type = word;
@@ -108,7 +109,7 @@ void CarmenFile::ReadLine(ByteView line,
 ByteView CarmenFile::Read(const MessageRef& message) {
   ByteView line;
   if (!window_.View(message.begin, message.size, &line)) {
-    throw Error(path_ + ": has changed while it was read");
+    throw Error(path() + ": has changed while it was read");
   }
   return line;
 }

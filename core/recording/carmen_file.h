@@ -14,10 +14,9 @@ namespace plumbline {
 // A CARMEN log: text, one message a line. A topic is the word that a line begins with.
 class CarmenFile : public MessageFile {
  public:
-  // path: what the user knows the file by, where `file` is an unpacked copy of it.
-  CarmenFile(const std::string& path, std::unique_ptr<InputFile> file);
+  explicit CarmenFile(std::unique_ptr<InputFile> file);
 
-  const std::string& path() const override { return path_; }
+  const std::string& path() const override { return file_->name(); }
   std::string format() const override { return "CARMEN log"; }
   void Scan(const Wants& wants, const Visit& visit) override;
   const std::vector<RecordingTopic>& topics() const override { return topics_; }
@@ -28,7 +27,6 @@ class CarmenFile : public MessageFile {
   ByteView LineAt(uint64_t position);
   void ReadLine(ByteView line, uint64_t position, const Wants& wants, const Visit& visit);
 
-  std::string path_;
   std::unique_ptr<InputFile> file_;
   FileWindow window_;
   std::vector<RecordingTopic> topics_;

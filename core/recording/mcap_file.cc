@@ -54,11 +54,8 @@ bool HasChecksum(ByteSource* chunk, uint32_t checksum) {
 
 }  // namespace
 
-McapFile::McapFile(const std::string& path, std::unique_ptr<InputFile> file)
-    : path_(path),
-      file_(std::move(file)),
-      window_(file_.get(), kWindowBytes),
-      chunks_(file_.get()) {}
+McapFile::McapFile(std::unique_ptr<InputFile> file)
+    : file_(std::move(file)), window_(file_.get(), kWindowBytes), chunks_(file_.get()) {}
 
 void McapFile::Scan(const Wants& wants, const Visit& visit) {
   wants_ = wants;
@@ -153,28 +150,54 @@ uint64_t McapFile::ReadChunk(const McapRecord& record, uint64_t position) {
   } else if (chunk->unpacked_crc != 0 && !HasChecksum(contents.source, chunk->unpacked_crc)) {
     damages_.Add(kChecksum, position);
   }
-  const bool is_good = ReadChunkRecords(chunk_index, position, contents.source);
+  const bool is_good =
+      ReadChunkRecords(chunk_index, position, MessageOffsets(record.end()), contents.source);
   if (is_whole && is_good) return record.end();
   // Where the chunk claims too much, others may lie in what it claims.
-  return std::min(NextChunkPosition(position), record.end());
+  return std::min(NextChunkPosition(position), std::min(record.end(), file_->size()));
 }
 
-// False where something in the chunk is no record.
+// Where the messages in a chunk begin, by the index behind it, increasing.
+std::vector<uint64_t> McapFile::MessageOffsets(uint64_t chunk_end) {
+  std::vector<uint64_t> offsets;
+  for (uint64_t position = chunk_end; position < file_->size();) {
+    const std::optional<McapRecord> record = ReadMcapRecord(&window_, position);
+    if (!record || record->type != McapRecord::Type::kMessageIndex) break;
+    const std::optional<std::vector<uint64_t>> more = ReadMcapMessageIndex(&window_, *record);
+    if (!more) break;
+    offsets.insert(offsets.end(), more->begin(), more->end());
+    position = record->end();
+  }
+  std::sort(offsets.begin(), offsets.end());
+  return offsets;
+}
+
+// False where something in the chunk is no record; what follows is read where the index of the
+// chunk says where a message begins.
 bool McapFile::ReadChunkRecords(uint32_t chunk_index,
                                 uint64_t chunk_position,
+                                const std::vector<uint64_t>& message_offsets,
                                 ByteSource* chunk) {
+  bool is_good = true;
   for (uint64_t offset = 0; offset < chunk->size();) {
     const std::optional<McapRecord> record = ReadMcapRecord(chunk, offset);
-    if (!record || record->end() > chunk->size()) {
-      damages_.Add(kPartOfChunk, chunk_position, chunk->size() - offset);
-      return false;
+    if (record && record->end() <= chunk->size()) {
+      if (!ReadRecord(*record, chunk_index, chunk_position, chunk)) {
+        damages_.Add(kBadRecord, chunk_position);
+      }
+      offset = record->end();
+      continue;
     }
-    if (!ReadRecord(*record, chunk_index, chunk_position, chunk)) {
-      damages_.Add(kBadRecord, chunk_position);
-    }
-    offset = record->end();
+    const auto known =
+        std::upper_bound(message_offsets.begin(), message_offsets.end(), offset);
+    const uint64_t next = known == message_offsets.end()
+                              ? chunk->size()
+                              : std::min<uint64_t>(*known, chunk->size());
+    damages_.Add(kPartOfChunk, chunk_position, next - offset);
+    offset = next;
+    is_good = false;
   }
-  return true;
+  return is_good;
 }
 
 // Takes up a schema, a channel or a message; false where its content makes no sense.
@@ -286,7 +309,7 @@ ByteView McapFile::Read(const MessageRef& message) {
   ByteView data;
   ByteSource* source = message.part == kNoChunk ? &window_ : chunks_.Open(message.part).source;
   if (!source->View(message.begin, message.size, &data)) {
-    throw Error(path_ + ": has changed while it was read");
+    throw Error(path() + ": has changed while it was read");
   }
   return data;
 }

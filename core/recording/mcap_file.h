@@ -19,10 +19,9 @@ namespace plumbline {
 // what is missing.
 class McapFile : public MessageFile {
  public:
-  // path: what the user knows the file by, where `file` is an unpacked copy of it.
-  McapFile(const std::string& path, std::unique_ptr<InputFile> file);
+  explicit McapFile(std::unique_ptr<InputFile> file);
 
-  const std::string& path() const override { return path_; }
+  const std::string& path() const override { return file_->name(); }
   std::string format() const override { return "MCAP file"; }
   void Scan(const Wants& wants, const Visit& visit) override;
   const std::vector<RecordingTopic>& topics() const override { return topics_; }
@@ -41,7 +40,11 @@ class McapFile : public MessageFile {
   void ReadSummary();
   uint64_t ReadTopRecord(uint64_t position);
   uint64_t ReadChunk(const McapRecord& record, uint64_t position);
-  bool ReadChunkRecords(uint32_t chunk_index, uint64_t chunk_position, ByteSource* chunk);
+  std::vector<uint64_t> MessageOffsets(uint64_t chunk_end);
+  bool ReadChunkRecords(uint32_t chunk_index,
+                        uint64_t chunk_position,
+                        const std::vector<uint64_t>& message_offsets,
+                        ByteSource* chunk);
   bool ReadRecord(const McapRecord& record, uint32_t part, uint64_t place, ByteSource* source);
   void AddChannel(const McapChannel& channel, uint64_t place);
   void ReadMessage(const McapRecord& record,
@@ -51,7 +54,6 @@ class McapFile : public MessageFile {
   uint64_t NextChunkPosition(uint64_t position) const;
   void CompareWithSummary();
 
-  std::string path_;
   std::unique_ptr<InputFile> file_;
   FileWindow window_;
   ChunkStore chunks_;

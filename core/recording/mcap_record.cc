@@ -157,6 +157,24 @@ std::optional<uint64_t> ReadMcapFooter(ByteSource* source, const McapRecord& rec
   return summary_begin;
 }
 
+std::optional<std::vector<uint64_t>> ReadMcapMessageIndex(ByteSource* source,
+                                                          const McapRecord& record) {
+  ByteView content;
+  if (!ViewContent(source, record, &content)) return std::nullopt;
+  ByteCursor cursor(content);
+  uint16_t channel_id = 0;
+  std::vector<uint64_t> offsets;
+  const auto take_entry = [&offsets](ByteCursor* entries) {
+    uint64_t time_ns = 0;
+    uint64_t offset = 0;
+    if (!entries->Take(&time_ns) || !entries->Take(&offset)) return false;
+    offsets.push_back(offset);
+    return true;
+  };
+  if (!cursor.Take(&channel_id) || !TakeMap(&cursor, take_entry)) return std::nullopt;
+  return offsets;
+}
+
 std::optional<uint64_t> ReadMcapChunkIndex(ByteSource* source, const McapRecord& record) {
   ByteView content;
   if (!ViewContent(source, record, &content)) return std::nullopt;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/bag/byte_source.h"
 
@@ -93,6 +94,9 @@ std::optional<McapChunk> ReadMcapChunk(ByteSource* source, const McapRecord& rec
 std::optional<McapStatistics> ReadMcapStatistics(ByteSource* source, const McapRecord& record);
 // Where the summary begins, by a footer; 0 where there is none.
 std::optional<uint64_t> ReadMcapFooter(ByteSource* source, const McapRecord& record);
+// Where the messages of one channel begin in a chunk, by the message index behind it.
+std::optional<std::vector<uint64_t>> ReadMcapMessageIndex(ByteSource* source,
+                                                          const McapRecord& record);
 // Where the chunk is that a chunk index describes.
 std::optional<uint64_t> ReadMcapChunkIndex(ByteSource* source, const McapRecord& record);
 

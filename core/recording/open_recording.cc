@@ -118,19 +118,19 @@ struct OpenedFile {
 OpenedFile OpenFile(const std::string& path,
                     const std::string& file_path,
                     bool may_be_packed) {
-  auto file = std::make_unique<InputFile>(file_path);
+  auto file = std::make_unique<InputFile>(file_path, path);
   std::string head(static_cast<size_t>(std::min<uint64_t>(file->size(), kHeadBytes)), '\0');
   file->Read(0, head.size(), reinterpret_cast<uint8_t*>(head.data()));
   if (BeginsWith(head, "#ROSBAG V2.0\n")) {
     return {std::make_unique<Ros1File>(path, file_path), {}};
   }
   if (BeginsWith(head, {reinterpret_cast<const char*>(kMcapMagic), sizeof(kMcapMagic)})) {
-    return {std::make_unique<McapFile>(path, std::move(file)), {}};
+    return {std::make_unique<McapFile>(std::move(file)), {}};
   }
   if (BeginsWith(head, {"SQLite format 3\0", 16})) {
     return {std::make_unique<SqliteFile>(path, file_path), {}};
   }
-  if (LooksLikeCarmen(head)) return {std::make_unique<CarmenFile>(path, std::move(file)), {}};
+  if (LooksLikeCarmen(head)) return {std::make_unique<CarmenFile>(std::move(file)), {}};
   const bool is_bz2 = BeginsWith(head, "BZh");
   if (may_be_packed && (is_bz2 || BeginsWith(head, "\x28\xb5\x2f\xfd"))) {
     const UnpackedCopy copy(path, is_bz2 ? "bz2" : "zstd");

@@ -12,10 +12,9 @@ namespace plumbline {
 class Ros1File : public MessageFile {
  public:
   // path: what the user knows the file by; file_path: where it is.
-  Ros1File(const std::string& path, const std::string& file_path)
-      : path_(path), bag_(file_path) {}
+  Ros1File(const std::string& path, const std::string& file_path) : bag_(file_path, path) {}
 
-  const std::string& path() const override { return path_; }
+  const std::string& path() const override { return bag_.name(); }
   std::string format() const override { return "ROS 1 bag"; }
   void Scan(const Wants& wants, const Visit& visit) override;
   const std::vector<RecordingTopic>& topics() const override { return topics_; }
@@ -23,7 +22,6 @@ class Ros1File : public MessageFile {
   const std::vector<std::string>& warnings() const override { return bag_.warnings(); }
 
  private:
-  std::string path_;
   BagReader bag_;
   std::vector<RecordingTopic> topics_;  // one for each of the bag's connections
 };

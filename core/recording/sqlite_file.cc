@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <limits>
+
 #include "core/recording/decode.h"
 #include "core/util/error.h"
 
@@ -95,39 +97,70 @@ void SqliteFile::ReadTopics(const Wants& wants) {
   if (outcome != SQLITE_DONE) Fail();
 }
 
+// Visits the message of a row of id, topic_id, timestamp, data; false where the ids do not
+// increase, as only a damaged database has them.
+bool SqliteFile::TakeRow(sqlite3_stmt* row, const Visit& visit) {
+  const int64_t id = sqlite3_column_int64(row, 0);
+  if (num_found_ > 0 && id <= last_id_) return false;
+  last_id_ = id;
+  ++num_found_;
+  const auto topic = topic_indices_.find(sqlite3_column_int64(row, 1));
+  if (topic == topic_indices_.end()) {
+    ++num_unknown_;
+    return true;
+  }
+  ++topics_[topic->second].num_messages;
+  if (!wanted_[topic->second]) return true;
+  const ByteView data = BytesAt(row, 3);
+  MessageRef message;
+  message.receipt_ns = static_cast<uint64_t>(sqlite3_column_int64(row, 2));
+  message.topic_index = topic->second;
+  message.size = static_cast<uint32_t>(data.size);
+  message.begin = static_cast<uint64_t>(id);
+  visit(message, data);
+  return true;
+}
+
 void SqliteFile::Scan(const Wants& wants, const Visit& visit) {
   ReadTopics(wants);
   const Statement rows =
       Prepare("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id");
-  uint64_t num_found = 0;
-  uint64_t num_unknown = 0;
   int outcome = SQLITE_ROW;
   while ((outcome = sqlite3_step(rows.get())) == SQLITE_ROW) {
-    ++num_found;
-    const auto topic = topic_indices_.find(sqlite3_column_int64(rows.get(), 1));
-    if (topic == topic_indices_.end()) {
-      ++num_unknown;
-      continue;
-    }
-    ++topics_[topic->second].num_messages;
-    if (!wanted_[topic->second]) continue;
-    const ByteView data = BytesAt(rows.get(), 3);
-    MessageRef message;
-    message.receipt_ns = static_cast<uint64_t>(sqlite3_column_int64(rows.get(), 2));
-    message.topic_index = topic->second;
-    message.size = static_cast<uint32_t>(data.size);
-    message.begin = static_cast<uint64_t>(sqlite3_column_int64(rows.get(), 0));
-    visit(message, data);
+    if (TakeRow(rows.get(), visit)) continue;
+    outcome = SQLITE_CORRUPT;
+    break;
   }
   if (outcome != SQLITE_DONE) {
-    warnings_.push_back("damaged database: reading ended after " +
-                        CountText(num_found, "message") + ", since " +
-                        sqlite3_errmsg(database_.get()));
+    const std::string before = CountText(num_found_, "message");
+    const uint64_t num_before = num_found_;
+    ReadFromTheEnd(visit);
+    warnings_.push_back("damaged database: messages are lost after the first " + before +
+                        ", " + CountText(num_found_ - num_before, "message") +
+                        " behind the damage could be read");
   }
-  if (num_unknown > 0) {
-    warnings_.push_back("damaged database: " + CountText(num_unknown, "message") +
-                        (num_unknown == 1 ? " belongs" : " belong") + " to no topic and " +
-                        (num_unknown == 1 ? "is" : "are") + " lost");
+  if (num_unknown_ == 0) return;
+  warnings_.push_back("damaged database: " + CountText(num_unknown_, "message") +
+                      (num_unknown_ == 1 ? " belongs" : " belong") + " to no topic and " +
+                      (num_unknown_ == 1 ? "is" : "are") + " lost");
+}
+
+// Behind a damage, messages are found from the last one backwards.
+void SqliteFile::ReadFromTheEnd(const Visit& visit) {
+  const int64_t first = num_found_ > 0 ? last_id_ : std::numeric_limits<int64_t>::min();
+  std::vector<int64_t> ids;
+  const Statement backwards = Prepare("SELECT id FROM messages ORDER BY id DESC");
+  while (sqlite3_step(backwards.get()) == SQLITE_ROW) {
+    const int64_t id = sqlite3_column_int64(backwards.get(), 0);
+    if (id <= first || (!ids.empty() && id >= ids.back())) break;
+    ids.push_back(id);
+  }
+  const Statement row =
+      Prepare("SELECT id, topic_id, timestamp, data FROM messages WHERE id = ?");
+  for (auto id = ids.rbegin(); id != ids.rend(); ++id) {
+    sqlite3_reset(row.get());
+    sqlite3_bind_int64(row.get(), 1, *id);
+    if (sqlite3_step(row.get()) == SQLITE_ROW) TakeRow(row.get(), visit);
   }
 }
 

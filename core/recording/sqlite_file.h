@@ -42,6 +42,8 @@ class SqliteFile : public MessageFile {
   Statement Prepare(const char* sql) const;
   void CheckTables() const;
   void ReadTopics(const Wants& wants);
+  bool TakeRow(sqlite3_stmt* row, const Visit& visit);
+  void ReadFromTheEnd(const Visit& visit);
   [[noreturn]] void Fail() const;
 
   std::string path_;
@@ -50,6 +52,9 @@ class SqliteFile : public MessageFile {
   std::vector<RecordingTopic> topics_;
   std::vector<bool> wanted_;                   // by topic
   std::map<int64_t, uint32_t> topic_indices_;  // by id
+  int64_t last_id_ = 0;                        // of the messages that were found
+  uint64_t num_found_ = 0;
+  uint64_t num_unknown_ = 0;  // of these, without a topic
   std::vector<std::string> warnings_;
 };
 

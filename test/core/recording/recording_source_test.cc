@@ -21,6 +21,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAreArray;
 
@@ -237,6 +238,50 @@ TEST_P(EveryFormatTest, DamageIsToldOrLosesNothing) {
     }
   }
   EXPECT_LT(num_errors, kNumTrials / 2);
+}
+
+class DamagedFileTest : public TemporaryDirectoryTest {};
+
+// The length of one message is damaged: the index of its chunk shows where the next one
+// begins.
+TEST_F(DamagedFileTest, OneDamagedMessageOfAChunkCostsOnlyItself) {
+  std::string bytes = ReadBytes(PathOf("chunked.mcap"));
+  const float angles[] = {-0.5f, 1.25f, 0.25f};
+  const std::string pattern(reinterpret_cast<const char*>(angles), sizeof(angles));
+  // Before it: encapsulation, stamp, frame, head of the message (22), its length (8).
+  const size_t content = bytes.find(pattern) - 4 - 8 - 4 - 8;
+  const size_t length = content - 22 - 8;
+  ASSERT_EQ(bytes[length - 1], 5) << "no message record";
+  bytes[length + 5] = 1;
+  const std::string path = (directory_ / "damaged.mcap").string();
+  WriteBytes(path, bytes);
+  const RecordingDump dump = Dump(path);
+  EXPECT_EQ(dump.messages.size(), 5u * kNumMessages - 1);
+  EXPECT_THAT(
+      dump.warnings,
+      testing::IsSupersetOf(
+          {HasSubstr("the checksum of a chunk does not fit its bytes: at byte "),
+           HasSubstr("what is no record was passed over in a chunk: "),
+           HasSubstr("topic /top_scan: the summary of the recording states 6 messages, "
+                     "but 5 could be found")}));
+}
+
+// A page of the database is lost, and what lies behind it is not.
+TEST_F(DamagedFileTest, DatabaseIsReadOnBehindADamage) {
+  std::string bytes = ReadBytes(PathOf("recording.db3"));
+  constexpr size_t kPageBytes = 1024;
+  const size_t page = bytes.find("laser", bytes.size() / 2) / kPageBytes;
+  ASSERT_GT(page, 4u);
+  bytes.replace(page * kPageBytes, 8, std::string(8, '\xff'));
+  const std::string path = (directory_ / "damaged.db3").string();
+  WriteBytes(path, bytes);
+  const RecordingDump dump = Dump(path);
+  EXPECT_GT(dump.messages.size(), 2u * kNumMessages);
+  EXPECT_LT(dump.messages.size(), 5u * kNumMessages);
+  EXPECT_THAT(
+      dump.warnings,
+      ElementsAre(AllOf(HasSubstr("damaged database: messages are lost after the first "),
+                        Not(HasSubstr(" 0 messages behind")))));
 }
 
 INSTANTIATE_TEST_SUITE_P(OtherPrograms, EveryFormatTest, ::testing::ValuesIn(kFiles));
