@@ -9,6 +9,7 @@ lz4 and sqlite3; skipped where one of them is absent.
 
 import filecmp
 import json
+import math
 import pathlib
 import shutil
 import subprocess
@@ -64,11 +65,14 @@ class FormatsTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def test_shipped_recordings_are_made_anew(self):
+    def need_rosbag(self):
         try:
             run("/usr/bin/python3", "-c", "import rosbag, nav_msgs.msg, sensor_msgs.msg")
         except subprocess.CalledProcessError:
             self.skipTest("python3-rosbag, python3-nav-msgs or python3-sensor-msgs is absent")
+
+    def test_shipped_recordings_are_made_anew(self):
+        self.need_rosbag()
         run("/usr/bin/python3", TOOLS / "make_bag.py", self.folder / "source.bag")
         convert(self.folder / "source.bag", self.folder, 2)
         names = [path.relative_to(SHIPPED) for path in SHIPPED.rglob("*")
@@ -98,6 +102,40 @@ class FormatsTest(unittest.TestCase):
             summaries = [json.loads((folder / "summary.json").read_text())
                          for folder in (mapped, expected)]
             self.assertEqual(summaries[0]["warnings"], summaries[1]["warnings"])
+
+    def test_point_clouds_give_the_map_of_their_scan_lines(self):
+        """A fourth of the beams, at odd angles: as clouds, and as scan lines with gaps."""
+        self.need_rosbag()
+        experiment = (SOURCE / "configs/experiments/room.yaml").read_text()
+        experiment = experiment.replace("../", f"{SOURCE}/configs/").replace("paper", "paper_1080")
+        (self.folder / "experiment.yaml").write_text(experiment)
+        run(simulate, f"--experiment={self.folder}/experiment.yaml", "--seed=1",
+            f"--output={self.folder}/room")
+        clouds, scan_lines = self.folder / "clouds.bag", self.folder / "scan_lines.bag"
+        run("/usr/bin/python3", TOOLS / "make_clouds.py", self.folder / "room" / "recording.bag",
+            clouds, scan_lines)
+        surfaces, ways = zip(*(self.figures(self.map(bag, bag.stem))
+                               for bag in (clouds, scan_lines)))
+        self.assertEqual(len(surfaces[0]), len(surfaces[1]))
+        self.assertGreater(len(surfaces[0]), 5)
+        for (one_type, one_m), (other_type, other_m) in zip(*surfaces):
+            self.assertEqual(one_type, other_type)
+            self.assertAlmostEqual(one_m, other_m, delta=0.003)
+        self.assertEqual(len(ways[0]), len(ways[1]))
+        self.assertLess(max(abs(one - other) for one, other in zip(*ways)), 0.005)
+
+    @staticmethod
+    def figures(folder):
+        """The surfaces' types and distances, and how far the rig is from its start, scan by scan.
+
+        The wall that the heading refers to may be another one: nothing else depends on it.
+        """
+        surfaces = [(surface["type"], surface["distance"])
+                    for surface in json.loads((folder / "planes.json").read_text())]
+        way = [math.hypot(*map(float, line.split()[1:4]))
+               for line in (folder / "trajectory.tum").read_text().splitlines()
+               if not line.startswith("#")]
+        return sorted(surfaces), way
 
 
 if __name__ == "__main__":
