@@ -17,7 +17,10 @@ extern "C" {
 const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
 }
 
-DEFINE_string(recording, "", "ROS 1 bag with one LaserScan topic per scanner");
+DEFINE_string(recording,
+              "",
+              "recording with one topic of scan lines per scanner: ROS 1 bag, ROS 2 recording "
+              "(.mcap, .db3 or its folder) or CARMEN log (.clf, .log), also packed (.bz2, .zstd)");
 DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well they measure");
 DEFINE_string(config,
               "",

@@ -22,9 +22,11 @@ packages=(
   libpcl-dev
   librosbag-storage-dev
   libsensor-msgs-dev
+  libsqlite3-dev
   libsuitesparse-dev
   libtbb-dev
   libyaml-cpp-dev
+  libzstd-dev
   ninja-build
   nlohmann-json3-dev
   pkg-config
@@ -33,6 +35,7 @@ packages=(
   python3-matplotlib
   python3-numpy
   python3-yaml
+  sqlite3
 )
 
 if [[ "${1:-}" == "--help" ]]; then

@@ -46,15 +46,15 @@ bool AreSame(const BagConnection& a, const BagConnection& b) {
 
 }  // namespace
 
-BagReader::BagReader(const std::string& path)
-    : file_(path), window_(&file_, kWindowBytes), chunks_(&file_) {
+BagReader::BagReader(const std::string& path, const std::string& name)
+    : file_(path, name), window_(&file_, kWindowBytes), chunks_(&file_) {
   ByteView bytes;
   const auto begins_with = [&](const char* text, size_t size) {
     return window_.View(0, size, &bytes) && std::equal(text, text + size, bytes.data);
   };
-  if (!begins_with(kMagic, sizeof(kMagic) - 1)) throw Error(path + ": is not a ROS 1 bag");
+  if (!begins_with(kMagic, sizeof(kMagic) - 1)) throw Error(name + ": is not a ROS 1 bag");
   if (!begins_with(kVersionLine, kVersionLineBytes)) {
-    throw Error(path + ": is a ROS 1 bag, but not of version 2.0");
+    throw Error(name + ": is a ROS 1 bag, but not of version 2.0");
   }
 }
 
@@ -74,12 +74,12 @@ void BagReader::Scan(const Wants& wants, const Visit& visit) {
 uint64_t BagReader::ReadHeader() {
   const std::optional<BagRecord> header = ReadBagRecord(&window_, kVersionLineBytes);
   if (!header || header->type != BagRecord::Type::kBagHeader) {
-    throw Error(path() + (file_.size() < kHeaderBytes ? kBreaksOffAtOnce : kHeaderDamaged));
+    throw Error(name() + (file_.size() < kHeaderBytes ? kBreaksOffAtOnce : kHeaderDamaged));
   }
   if (header->end() > file_.size() && file_.size() < kHeaderBytes) {
-    throw Error(path() + kBreaksOffAtOnce);
+    throw Error(name() + kBreaksOffAtOnce);
   }
-  if (!header->encryptor.empty()) throw Error(path() + ": the recording is encrypted");
+  if (!header->encryptor.empty()) throw Error(name() + ": the recording is encrypted");
   header_ = *header;
   if (header_.index_position > 0) {
     index_ = ReadBagIndex(&window_, header_.index_position);
@@ -275,7 +275,7 @@ void BagReader::CompareWithIndex() {
 ByteView BagReader::Read(const BagMessage& message) {
   ByteView data;
   if (!chunks_.Open(message.chunk_index).source->View(message.begin, message.size, &data)) {
-    throw Error(path() + ": has changed while it was read");
+    throw Error(name() + ": has changed while it was read");
   }
   return data;
 }

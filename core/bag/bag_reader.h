@@ -29,10 +29,11 @@ struct BagMessage {
 // than a few chunks and messages at a time.
 class BagReader {
  public:
-  // Throws Error when the file can not be read, is no such bag or is encrypted.
-  explicit BagReader(const std::string& path);
+  // name: what errors call the file. Throws Error when the file can not be read, is no such
+  // bag or is encrypted.
+  BagReader(const std::string& path, const std::string& name);
 
-  const std::string& path() const { return file_.path(); }
+  const std::string& name() const { return file_.name(); }
 
   // Says whether the messages of a connection are to be visited.
   using Wants = std::function<bool(const BagConnection&)>;
@@ -45,6 +46,10 @@ class BagReader {
 
   // Those found by Scan(). A topic may have several.
   const std::vector<BagConnection>& connections() const { return connections_; }
+  // How many messages of a connection Scan() found, wanted or not.
+  uint64_t num_messages(size_t connection_index) const {
+    return tallies_[connection_index].num_found;
+  }
   // The data of a visited message, valid until the next call. Throws Error when the file has
   // changed since.
   ByteView Read(const BagMessage& message);

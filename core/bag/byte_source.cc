@@ -12,18 +12,18 @@
 
 namespace plumbline {
 
-InputFile::InputFile(const std::string& path) : path_(path) {
+InputFile::InputFile(const std::string& path, const std::string& name) : name_(name) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) {
-    throw Error(path + (errno == ENOENT
+    throw Error(name + (errno == ENOENT
                             ? ": no such file"
                             : ": can not be read: " + std::string(strerror(errno))));
   }
   // Asked before it is opened: to open a pipe would wait for someone to fill it.
-  if (!S_ISREG(status.st_mode)) throw Error(path + ": is not a file");
+  if (!S_ISREG(status.st_mode)) throw Error(name + ": is not a file");
   file_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file_ < 0 || fstat(file_, &status) != 0) {
-    throw Error(path + ": can not be read: " + strerror(errno));
+    throw Error(name + ": can not be read: " + strerror(errno));
   }
   size_ = static_cast<uint64_t>(status.st_size);
 }
@@ -36,8 +36,8 @@ void InputFile::Read(uint64_t offset, size_t size, uint8_t* bytes) const {
   while (size > 0) {
     const ssize_t num_read = pread(file_, bytes, size, static_cast<off_t>(offset));
     if (num_read < 0 && errno == EINTR) continue;
-    if (num_read < 0) throw Error(path_ + ": can not be read: " + strerror(errno));
-    if (num_read == 0) throw Error(path_ + ": has become shorter while it was read");
+    if (num_read < 0) throw Error(name_ + ": can not be read: " + strerror(errno));
+    if (num_read == 0) throw Error(name_ + ": has become shorter while it was read");
     bytes += num_read;
     size -= static_cast<size_t>(num_read);
     offset += static_cast<uint64_t>(num_read);

@@ -64,19 +64,21 @@ class ByteSource {
 // An open file. Its size is taken once: what is appended later does not exist.
 class InputFile {
  public:
-  // Throws Error that names the file when there is none or it can not be read.
-  explicit InputFile(const std::string& path);
+  // name: what errors call the file, where that is not its path. Throws Error that names the
+  // file when there is none or it can not be read.
+  explicit InputFile(const std::string& path) : InputFile(path, path) {}
+  InputFile(const std::string& path, const std::string& name);
   ~InputFile();
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  const std::string& path() const { return path_; }
+  const std::string& name() const { return name_; }
   uint64_t size() const { return size_; }
   // Throws Error when the bytes are not there (any more).
   void Read(uint64_t offset, size_t size, uint8_t* bytes) const;
 
  private:
-  std::string path_;
+  std::string name_;
   int file_ = -1;
   uint64_t size_ = 0;
 };

@@ -11,10 +11,10 @@ namespace plumbline {
 // No chunk is unpacked to more: recorders begin a new one at 768 kB.
 inline constexpr size_t kMaxUnpackedBytes = size_t{512} << 20;
 
-// Unpacks what the bag calls "bz2" or "lz4". Returns what is wrong with the packed bytes,
+// Unpacks what recordings call "bz2", "lz4" or "zstd". Returns what is wrong with the packed bytes,
 // empty if nothing. Where they break off, what comes before is unpacked; where they are
 // damaged, nothing is: no checksum says which part of it holds.
-//   unpacked_size   what the bag says to expect; need not be true
+//   unpacked_size   what the recording says to expect; need not be true
 //   *num_taken      packed bytes that were used
 std::string Unpack(const std::string& compression,
                    ByteSource* packed,

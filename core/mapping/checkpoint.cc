@@ -2,10 +2,13 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 #include "core/geometry/rigid3.h"
 #include "core/map/binary_archive.h"
@@ -24,8 +27,20 @@ std::string ReadText(const std::string& path) {
   return text.str();
 }
 
-// By which a file is known again without reading it.
+// By which a file, or a folder of files, is known again without reading it.
 std::string StateOf(const std::string& path) {
+  if (std::filesystem::is_directory(path)) {
+    std::vector<std::string> states;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      if (!entry.is_regular_file()) continue;
+      states.push_back(entry.path().filename().string() + ": " +
+                       StateOf(entry.path().string()));
+    }
+    std::sort(states.begin(), states.end());
+    std::string text;
+    for (const std::string& state : states) text += state + "; ";
+    return text;
+  }
   struct stat status = {};
   if (stat(path.c_str(), &status) != 0) {
     throw Error(path + ": can not be read: " + std::strerror(errno));

@@ -78,6 +78,7 @@ BeamModel::BeamModel(const ScanLine& scan_line,
     y = x * step_y + y * step_x;
     x = next_x;
   }
+  if (scan_line.angles != nullptr) TakeAngles(*scan_line.angles, turn);
   constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < num_beams_; ++i) {
     const double range = scan_line.ranges[static_cast<size_t>(i)];
@@ -86,6 +87,16 @@ BeamModel::BeamModel(const ScanLine& scan_line,
   for (int i = num_beams_; i < length; ++i) {
     origin_x_[i] = origin_y_[i] = direction_x_[i] = direction_y_[i] = 0.0;
     range_[i] = kNoReturn;
+  }
+}
+
+// turn: of the scanner from beam to beam.
+void BeamModel::TakeAngles(const std::vector<double>& angles, double turn) {
+  const double middle = 0.5 * (num_beams_ - 1);
+  for (int i = 0; i < num_beams_; ++i) {
+    const double angle = angles[static_cast<size_t>(i)] + (i - middle) * turn;
+    direction_x_[i] = std::cos(angle);
+    direction_y_[i] = std::sin(angle);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "core/segmentation/segmentation.h"
 #include "core/sensor/rig.h"
@@ -207,6 +208,7 @@ class BeamModel {
   }
 
  private:
+  void TakeAngles(const std::vector<double>& angles, double turn);
   int TrimmedEnd(int end, int other_end, const Eigen::Vector2d& q) const;
   struct FourIntersections;
   FourIntersections IntersectFour(int i, const Eigen::Vector2d& q) const;

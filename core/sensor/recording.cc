@@ -7,8 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "core/bag/bag_reader.h"
-#include "core/sensor/laser_scan_message.h"
+#include "core/recording/recording_source.h"
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
@@ -28,25 +27,39 @@ constexpr size_t kMaxListedTopics = 20;
 // The directions of a scanner's beams. Its lines hardly ever differ in their angles.
 class KnownDirections {
  public:
-  void SetOf(ScanLine* scan_line) {
-    if (directions_ == nullptr || scan_line->angle_min != angle_min_ ||
-        scan_line->angle_increment != angle_increment_ ||
-        directions_->size() < scan_line->ranges.size()) {
-      angle_min_ = scan_line->angle_min;
-      angle_increment_ = scan_line->angle_increment;
-      scan_line->directions = nullptr;  // the last line's
-      auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
-      for (int beam = 0; beam < scan_line->num_beams(); ++beam) {
-        directions->push_back(scan_line->BeamDirection(beam));
-      }
-      directions_ = std::move(directions);
-    }
+  // irregular: of each beam; empty where they are regular.
+  void SetOf(const std::vector<float>& irregular, ScanLine* scan_line) {
+    const bool is_known = directions_ != nullptr && scan_line->angle_min == angle_min_ &&
+                          scan_line->angle_increment == angle_increment_ &&
+                          irregular == irregular_ &&
+                          directions_->size() >= scan_line->ranges.size();
+    if (!is_known) Compute(irregular, scan_line);
     scan_line->directions = directions_;
+    scan_line->angles = angles_;
   }
 
  private:
+  void Compute(const std::vector<float>& irregular, ScanLine* scan_line) {
+    angle_min_ = scan_line->angle_min;
+    angle_increment_ = scan_line->angle_increment;
+    irregular_ = irregular;
+    angles_ = nullptr;
+    if (!irregular.empty()) {
+      angles_ = std::make_shared<std::vector<double>>(irregular.begin(), irregular.end());
+    }
+    scan_line->angles = angles_;
+    scan_line->directions = nullptr;  // the last line's
+    auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
+    for (int beam = 0; beam < scan_line->num_beams(); ++beam) {
+      directions->push_back(scan_line->BeamDirection(beam));
+    }
+    directions_ = std::move(directions);
+  }
+
   double angle_min_ = 0.0;
   double angle_increment_ = 0.0;
+  std::vector<float> irregular_;
+  std::shared_ptr<const std::vector<double>> angles_;
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions_;
 };
 
@@ -76,23 +89,37 @@ std::string TopicsText(const std::set<std::string>& topics) {
   return text.empty() ? " none" : text;
 }
 
-// Messages of one scanner that can not be decoded.
-struct Undecodable {
+// Messages of one scanner that are lost for one reason.
+struct LostMessages {
   int count = 0;
   uint64_t first_receipt_ns = 0;
+
+  void Add(const MessageRef& message) {
+    if (count++ == 0) first_receipt_ns = message.receipt_ns;
+  }
+  // Adds a sentence, if there are any; why: "that can not be decoded".
+  void WarnOf(const std::string& scanner,
+              const std::string& why,
+              std::vector<std::string>* warnings) const {
+    if (count == 0) return;
+    warnings->push_back("scanner " + Quoted(scanner) + ": " + std::to_string(count) +
+                        (count == 1 ? " message is lost " : " messages are lost ") + why +
+                        ", the first recorded at " + ReceiptText(first_receipt_ns));
+  }
 };
 
 }  // namespace
 
 struct RecordingReader::Impl {
-  explicit Impl(const std::string& path) : bag(path) {}
+  explicit Impl(const std::string& path) : source(OpenRecording(path)) {}
 
-  BagReader bag;
-  std::vector<BagMessage> messages;  // by position: in the order of their receipt
+  std::unique_ptr<RecordingSource> source;
+  std::vector<MessageRef> messages;  // by position: in the order of their receipt
   std::vector<ScanStamp> stamps;     // by position
   std::vector<int64_t> orders;       // by position; -1: passed over
   ScanOrder order;
-  std::vector<Undecodable> undecodable;  // by scanner
+  std::vector<LostMessages> undecodable;  // by scanner
+  std::vector<LostMessages> off_plane;    // by scanner
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -100,7 +127,9 @@ struct RecordingReader::Impl {
   size_t next_position = 0;
   std::map<size_t, ScanLine> buffer;        // by order: read ahead of their turn
   std::vector<KnownDirections> directions;  // by scanner
+  ScanLineMessage message;                  // read last
 
+  const std::string& path() const { return source->path(); }
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
   void SortByReceipt();
@@ -114,34 +143,35 @@ struct RecordingReader::Impl {
 // What is wrong with the bag, as the end of an error that may come from it.
 std::string RecordingReader::Impl::DamageText() const {
   std::string text;
-  for (const std::string& warning : bag.warnings()) text += "; " + warning;
+  for (const std::string& warning : source->warnings()) text += "; " + warning;
   return text;
 }
 
 // Every topic of the rig must be there once and carry scan lines.
 void RecordingReader::Impl::CheckTopics(const Rig& rig) {
-  std::multimap<std::string, const BagConnection*> connections;
+  std::multimap<std::string, const RecordingTopic*> topics;
   std::set<std::string> scan_topics;
-  for (const BagConnection& connection : bag.connections()) {
-    connections.emplace(connection.topic, &connection);
-    if (IsLaserScan(connection)) scan_topics.insert(connection.topic);
+  for (const RecordingTopic& topic : source->topics()) {
+    topics.emplace(topic.name, &topic);
+    if (topic.HasScanLines()) scan_topics.insert(topic.name);
   }
   const std::string hint =
       "; topics with laser scans in this recording:" + TopicsText(scan_topics) + DamageText();
 
   for (const Scanner& scanner : rig.scanners) {
-    const auto [begin, end] = connections.equal_range(scanner.topic);
+    const auto [begin, end] = topics.equal_range(scanner.topic);
     if (begin == end) {
-      throw Error(bag.path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
+      throw Error(path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
                   Quoted(scanner.name) + " of the rig)" + hint);
     }
-    for (auto connection = begin; connection != end; ++connection) {
-      if (IsLaserScan(*connection->second)) continue;
-      throw Error(bag.path() + ": topic " + Shown(scanner.topic) + " (scanner " +
+    for (auto topic = begin; topic != end; ++topic) {
+      if (topic->second->HasScanLines()) continue;
+      const std::string& definition = topic->second->definition;
+      throw Error(path() + ": topic " + Shown(scanner.topic) + " (scanner " +
                   Quoted(scanner.name) + " of the rig) is of type " +
-                  Shown(connection->second->type) + " (definition " +
-                  Shown(connection->second->md5sum) +
-                  "), not sensor_msgs/LaserScan or sensor_msgs/MultiEchoLaserScan" + hint);
+                  Shown(topic->second->type) +
+                  (definition.empty() ? "" : " (definition " + Shown(definition) + ")") +
+                  ", not " + kScanLineTypes + hint);
     }
   }
 }
@@ -153,29 +183,33 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     const auto [known, is_new] =
         scanner_indices.emplace(scanner.topic, static_cast<int>(scanner_indices.size()));
     if (is_new) continue;
-    throw Error(bag.path() + ": scanners " +
+    throw Error(path() + ": scanners " +
                 Quoted(rig.scanners[static_cast<size_t>(known->second)].name) + " and " +
                 Quoted(scanner.name) + " of the rig name the same topic " +
                 Shown(scanner.topic));
   }
   undecodable.resize(rig.scanners.size());
-  const auto wants = [&](const BagConnection& connection) {
-    return IsLaserScan(connection) && scanner_indices.count(connection.topic) > 0;
+  off_plane.resize(rig.scanners.size());
+  const auto scanner_of = [&](const MessageRef& ref) {
+    return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
-  const auto visit = [&](const BagMessage& message, ByteView data) {
-    const BagConnection& connection = bag.connections()[message.connection_index];
-    const int scanner_index = scanner_indices.at(connection.topic);
-    LaserScanMessage scan;
-    if (!ReadLaserScan(data, IsMultiEchoLaserScan(connection), &scan, nullptr)) {
-      Undecodable& lost = undecodable[static_cast<size_t>(scanner_index)];
-      if (lost.count++ == 0) lost.first_receipt_ns = message.receipt_ns;
-      return false;
+  RecordingVisitor visitor;
+  visitor.with_ranges = false;
+  visitor.wants = [&](const RecordingTopic& topic) {
+    return topic.HasScanLines() && scanner_indices.count(topic.name) > 0;
+  };
+  visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& scan) {
+    if (!scan.is_planar) {
+      off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
+      return;
     }
-    messages.push_back(message);
-    stamps.push_back({scan.stamp_ns, scanner_index, scan.IsUsable()});
-    return true;
+    messages.push_back(ref);
+    stamps.push_back({scan.stamp_ns, scanner_of(ref), scan.IsUsable()});
   };
-  bag.Scan(wants, visit);
+  visitor.undecodable = [&](const MessageRef& ref) {
+    undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
+  };
+  source->Visit(visitor);
   CheckTopics(rig);
   SortByReceipt();
   order = OrderScanLines(rig, stamps);
@@ -187,7 +221,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
 void RecordingReader::Impl::SortByReceipt() {
-  const auto earlier = [](const BagMessage& a, const BagMessage& b) {
+  const auto earlier = [](const MessageRef& a, const MessageRef& b) {
     return a.receipt_ns < b.receipt_ns;
   };
   if (std::is_sorted(messages.begin(), messages.end(), earlier)) return;
@@ -196,7 +230,7 @@ void RecordingReader::Impl::SortByReceipt() {
   std::stable_sort(indices.begin(), indices.end(), [&](size_t a, size_t b) {
     return earlier(messages[a], messages[b]);
   });
-  std::vector<BagMessage> sorted_messages;
+  std::vector<MessageRef> sorted_messages;
   std::vector<ScanStamp> sorted_stamps;
   for (size_t index : indices) {
     sorted_messages.push_back(messages[index]);
@@ -207,37 +241,33 @@ void RecordingReader::Impl::SortByReceipt() {
 }
 
 void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
-  warnings = bag.warnings();
+  warnings = source->warnings();
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
-    const Undecodable& lost = undecodable[i];
-    if (lost.count == 0) continue;
-    warnings.push_back("scanner " + Quoted(rig.scanners[i].name) + ": " +
-                       std::to_string(lost.count) +
-                       (lost.count == 1 ? " message is lost" : " messages are lost") +
-                       " that can not be decoded, the first recorded at " +
-                       ReceiptText(lost.first_receipt_ns));
+    const std::string& name = rig.scanners[i].name;
+    undecodable[i].WarnOf(name, "that can not be decoded", &warnings);
+    off_plane[i].WarnOf(
+        name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
   }
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
   std::string reasons;
   for (const std::string& warning : warnings) reasons += "; " + warning;
-  throw Error(bag.path() + ": has no scan lines of the rig's scanners" + reasons);
+  throw Error(path() + ": has no scan lines of the rig's scanners" + reasons);
 }
 
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
-  const BagMessage& message = messages[position];
-  const bool multi_echo = IsMultiEchoLaserScan(bag.connections()[message.connection_index]);
-  LaserScanMessage scan;
-  if (!ReadLaserScan(bag.Read(message), multi_echo, &scan, &scan_line->ranges) ||
-      scan.stamp_ns != stamps[position].stamp_ns) {
-    throw Error(bag.path() + ": has changed while it was read");
+  std::swap(message.ranges, scan_line->ranges);  // whose memory is used again
+  source->ReadScanLine(messages[position], &message);
+  if (message.stamp_ns != stamps[position].stamp_ns) {
+    throw Error(path() + ": has changed while it was read");
   }
+  std::swap(message.ranges, scan_line->ranges);
   scan_line->scanner_index = stamps[position].scanner_index;
-  scan_line->stamp_ns = scan.stamp_ns;
-  scan_line->angle_min = scan.angle_min;
-  scan_line->angle_increment = scan.angle_increment;
-  scan_line->time_increment_s = scan.time_increment;
-  directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(scan_line);
+  scan_line->stamp_ns = message.stamp_ns;
+  scan_line->angle_min = message.angle_min;
+  scan_line->angle_increment = message.angle_increment;
+  scan_line->time_increment_s = message.time_increment;
+  directions[static_cast<size_t>(scan_line->scanner_index)].SetOf(message.angles, scan_line);
 }
 
 // Reads what comes in the bag up to and including position. Bag order is almost the order of

@@ -10,9 +10,9 @@
 
 namespace plumbline {
 
-// Reads the scan lines of a rig's scanners from a ROS 1 bag (sensor_msgs/LaserScan, or the
-// first echo of MultiEchoLaserScan), in the order of their header stamps; scan lines of the
-// same stamp come in the order of the rig's scanners.
+// Reads the scan lines of a rig's scanners from a recording of any format that OpenRecording()
+// knows, in the order of their header stamps; scan lines of the same stamp come in the order
+// of the rig's scanners.
 class RecordingReader {
  public:
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or

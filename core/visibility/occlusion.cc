@@ -178,8 +178,7 @@ Occlusion::WallCrossings Occlusion::FindCrossings(
 double Occlusion::BeamAt(const WallCrossings& crossings, double share) const {
   const Rigid3d scanner_from_world = poses.world_from_scanner.Inverse();
   const Eigen::Vector3d p = scanner_from_world * crossings.PointAt(share);
-  const double turn = std::atan2(p.y(), p.x()) - scan_line.BeamAngle(first_beam);
-  return first_beam + std::remainder(turn, 2.0 * M_PI) / scan_line.angle_increment;
+  return first_beam + scan_line.BeamsTo(std::atan2(p.y(), p.x()), first_beam);
 }
 
 std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& others) const {

@@ -49,9 +49,7 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   };
   const Eigen::Vector3d at_world = to_world(*at);
   if (!other.landmark->extent.IsNear(at_world, at_world, kSeenReach)) return std::nullopt;
-  const double turn =
-      std::remainder(std::atan2(at->y(), at->x()) - scan_line.BeamAngle(end.beam), 2.0 * M_PI);
-  const double beyond = end.step * turn / scan_line.angle_increment;
+  const double beyond = end.step * scan_line.BeamsTo(std::atan2(at->y(), at->x()), end.beam);
   const bool is_free = beyond < end.step * (end.limit - end.beam);
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);

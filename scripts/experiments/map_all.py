@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Maps every recording (*.bag) below a folder.
+"""Maps every recording (*.bag, *.mcap, *.db3, *.clf) below a folder.
 
-Each recording becomes one directory below --output with all that plumbline_map writes. It is
-named as the recording without .bag, and with the folders above it where there are any: a/b.bag
+A folder with metadata.yaml is one recording of ROS 2; files may be packed (.bz2, .zstd). Each
+recording becomes one directory below --output with all that plumbline_map writes. It is named
+as the recording without .bag, and with the folders above it where there are any: a/b.bag
 becomes a_b. What is there already is not mapped again, so the same command goes on after an
 interruption. A recording that can not be mapped is listed with its error and counted.
 """
@@ -12,6 +13,8 @@ import sys
 
 import job_runner
 
+SUFFIXES = (".bag", ".mcap", ".db3", ".clf")
+PACKED_SUFFIXES = ("", ".bz2", ".zstd")
 REQUIRED = ("result/summary.json", "result/planes.json", "result/trajectory.tum")
 
 
@@ -28,8 +31,30 @@ def parse_arguments():
     return parser.parse_args()
 
 
+def without_suffix(name):
+    """The name of a recording without what shows that it is one; None for other files."""
+    for packed in PACKED_SUFFIXES:
+        for suffix in SUFFIXES:
+            if name.endswith(suffix + packed):
+                return name[:-len(suffix + packed)]
+    return None
+
+
+def is_rosbag2_folder(path):
+    return (path / "metadata.yaml").is_file()
+
+
+def is_recording(path):
+    if path.is_dir():
+        return is_rosbag2_folder(path)
+    # What lies in a recording's folder is a part of that recording.
+    return (path.is_file() and without_suffix(path.name) is not None
+            and not is_rosbag2_folder(path.parent))
+
+
 def result_name(recording):
-    name = "_".join(recording.parts)[:-len(".bag")]
+    name = "_".join(recording.parts)
+    name = name if without_suffix(name) is None else without_suffix(name)
     if not name or name.startswith("."):  # hidden names are for unfinished work
         name = "_" + name.lstrip(".")
     return name + "_" if name.endswith(".json") else name
@@ -40,14 +65,14 @@ def find_recordings(folder):
     if not folder.is_dir():
         raise job_runner.InputError(f"no folder {folder}")
     recordings = {}
-    for path in sorted(path for path in folder.rglob("*.bag") if path.is_file()):
+    for path in sorted(path for path in folder.rglob("*") if is_recording(path)):
         name = result_name(path.relative_to(folder))
         if name in recordings:
             raise job_runner.InputError(
                 f"{recordings[name]} and {path} would both become {name}; rename one")
         recordings[name] = path
     if not recordings:
-        raise job_runner.InputError(f"no *.bag below {folder}")
+        raise job_runner.InputError(f"no *{', *'.join(SUFFIXES)} below {folder}")
     return recordings
 
 

@@ -4,7 +4,7 @@ set -euo pipefail
 
 if [[ "${1:-}" == "--help" ]]; then
   echo "Usage: test/fuzz/run.sh [SECONDS [FUZZER...]]"
-  echo "Runs the fuzzers (bag, yaml) for SECONDS each, 600 if not given, from the corpora beside"
+  echo "Runs the fuzzers (bag, recording, yaml) for SECONDS each, 600 if not given, from the corpora beside"
   echo "this script. What they find is left in build-fuzz/findings/, new inputs in"
   echo "build-fuzz/corpus/. Needs clang-14 and libclang-rt-14-dev."
   exit 0
@@ -12,7 +12,7 @@ fi
 
 seconds=${1:-600}
 fuzzers=("${@:2}")
-[[ ${#fuzzers[@]} -gt 0 ]] || fuzzers=(bag yaml)
+[[ ${#fuzzers[@]} -gt 0 ]] || fuzzers=(bag recording yaml)
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$root"

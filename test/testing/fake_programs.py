@@ -49,7 +49,8 @@ if program == "plumbline_simulate":
         write(name, name)
     write("truth_trajectory.tum", "10.0 0 0 0 0 0 0 1\\n")
 elif program == "plumbline_map":
-    seed = pathlib.Path(flags["recording"]).read_text()
+    recording = pathlib.Path(flags["recording"])
+    seed = recording.name if recording.is_dir() else recording.read_text()
     rig = pathlib.Path(flags["rig"]).read_text()
     config = pathlib.Path(flags["config"]).read_text() if "config" in flags else ""
     with open(control / "attempts", "a") as attempts:

@@ -123,14 +123,15 @@ TEST_F(RecordingTest, WriterNamesTheFileItCanNotWrite) {
               HasSubstr(path + ": can not be written"));
 }
 
-TEST_F(RecordingTest, RefusesWhatIsNoBag) {
+TEST_F(RecordingTest, RefusesWhatIsNoRecording) {
   EXPECT_EQ(OpenError({"top"}), path_ + ": no such file");
-  WriteBytes(path_, "SQLite format 3");
-  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  WriteBytes(path_, "#ROSBAG V1.2\n");
+  EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": is no recording that can be read"));
   fs::resize_file(path_, 0);
-  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a ROS 1 bag");
+  EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": is no recording that can be read"));
+  fs::remove(path_);
   path_ = directory_.string();
-  EXPECT_EQ(OpenError({"top"}), path_ + ": is not a file");
+  EXPECT_THAT(OpenError({"top"}), HasSubstr(path_ + ": is a folder without a recording"));
 }
 
 TEST_F(RecordingTest, NamesTheTopicsThereAreWhenOneIsMissing) {

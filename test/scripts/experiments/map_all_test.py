@@ -108,6 +108,17 @@ class MapAllTest(ScriptTest):
         (self.folder / "....bag").write_text("the same name")
         self.check_error("would both become _", self.folder, "--rig", self.rig)
 
+    def test_other_formats(self):
+        for name in ("a.mcap", "b.db3", "c.clf.bz2", "d.bag.zstd", "notes.txt"):
+            (self.folder / name).write_text(name)
+        folder = self.folder / "walk"
+        folder.mkdir()
+        (folder / "metadata.yaml").write_text("")
+        (folder / "walk_0.db3").write_text("")
+        self.check_done(self.map_all())
+        self.assertEqual(self.entries(), ["a", "attic_one", "attic_two", "b", "c", "d", "hall",
+                                          "setup.json", "summary.json", "walk"])
+
     def test_damaged_files_of_earlier_runs(self):
         self.set_control("fail_two")
         self.map_all()

@@ -1,0 +1,92 @@
+#include "core/recording/decode.h"
+
+#include <string>
+
+#include "core/recording/carmen_messages.h"
+#include "core/recording/point_cloud.h"
+#include "core/recording/ros_messages.h"
+#include "core/recording/serial_reader.h"
+
+namespace plumbline {
+namespace {
+
+struct KnownType {
+  const char* type;
+  const char* ros1_definition;
+  MessageKind kind;
+};
+
+constexpr KnownType kKnownTypes[] = {
+    {"sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369", MessageKind::kLaserScan},
+    {"sensor_msgs/MultiEchoLaserScan",
+     "6fefb0c6da89d7c8abe4b339f5c2f8fb",
+     MessageKind::kMultiEchoLaserScan},
+    {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181", MessageKind::kPointCloud2},
+    {"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7", MessageKind::kOdometry},
+};
+
+// ROS 2 writes "sensor_msgs/msg/LaserScan".
+std::string WithoutMsg(const std::string& type) {
+  const size_t at = type.find("/msg/");
+  return at == std::string::npos ? type : type.substr(0, at) + type.substr(at + 4);
+}
+
+bool DecodeRosScanLine(MessageKind kind,
+                       const SerialReader& reader,
+                       bool with_ranges,
+                       ScanLineMessage* message) {
+  switch (kind) {
+    case MessageKind::kLaserScan:
+      return ReadLaserScan(reader, with_ranges, message);
+    case MessageKind::kMultiEchoLaserScan:
+      return ReadMultiEchoLaserScan(reader, with_ranges, message);
+    case MessageKind::kPointCloud2:
+      return ReadPointCloud2(reader, with_ranges, message);
+    default:
+      return false;
+  }
+}
+
+// False where the topic's messages are not serialised by ROS, or this one is not.
+bool OpenRosMessage(const RecordingTopic& topic, ByteView data, SerialReader* reader) {
+  if (topic.encoding == MessageEncoding::kCdr) return SerialReader::ForCdr(data, reader);
+  *reader = SerialReader::ForRos1(data);
+  return topic.encoding == MessageEncoding::kRos1;
+}
+
+}  // namespace
+
+MessageKind KindOf(const RecordingTopic& topic) {
+  if (topic.encoding == MessageEncoding::kCarmen) return CarmenKindOf(topic.type);
+  if (topic.encoding == MessageEncoding::kUnknown) return MessageKind::kOther;
+  const std::string type = WithoutMsg(topic.type);
+  for (const KnownType& known : kKnownTypes) {
+    if (type != known.type) continue;
+    const bool is_same = topic.definition.empty() || topic.definition == known.ros1_definition;
+    return is_same ? known.kind : MessageKind::kOther;
+  }
+  return MessageKind::kOther;
+}
+
+bool DecodeScanLine(const RecordingTopic& topic,
+                    ByteView data,
+                    bool with_ranges,
+                    ScanLineMessage* message) {
+  message->ranges.clear();
+  message->angles.clear();
+  message->is_planar = true;
+  if (topic.encoding == MessageEncoding::kCarmen) {
+    return ReadCarmenScanLine(data, with_ranges, message);
+  }
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) &&
+         DecodeRosScanLine(topic.kind, reader, with_ranges, message);
+}
+
+bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage* message) {
+  if (topic.encoding == MessageEncoding::kCarmen) return ReadCarmenOdometry(data, message);
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadOdometry(reader, message);
+}
+
+}  // namespace plumbline

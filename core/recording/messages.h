@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace plumbline {
+
+// ScanLineMessage is one revolution of one planar scanner as the recording holds it, whatever
+// its format: a sensor_msgs/LaserScan, the first echoes of a MultiEchoLaserScan, the points of
+// a PointCloud2, or a line of a CARMEN log.
+struct ScanLineMessage {
+  int64_t stamp_ns = 0;  // instant of the first beam, since 1970
+  std::string frame_id;  // empty where the format has none
+  // Beam i points along angle_min + i * angle_increment, unless `angles` says otherwise, and
+  // is taken i * time_increment after the stamp.
+  float angle_min = 0.0f;        // rad
+  float angle_increment = 0.0f;  // rad; the mean where the angles are irregular
+  float time_increment = 0.0f;   // s
+  float range_min = 0.0f;        // m, as the driver states them; 0 where it does not
+  float range_max = 0.0f;
+  uint32_t num_beams = 0;
+  // Metres; NaN where a beam has no echo. Empty where the visitor did not ask for ranges.
+  std::vector<float> ranges;
+  // Of each beam, rad, going round one way; empty where they are regular.
+  std::vector<float> angles;
+  bool is_planar = true;  // false: a point cloud that does not lie in one scan plane
+
+  // False where angles or times make no sense, or there are no beams.
+  bool IsUsable() const;
+};
+
+// OdometryMessage is where wheels or another system say that the body is: nav_msgs/Odometry,
+// or a CARMEN log's ODOM.
+struct OdometryMessage {
+  int64_t stamp_ns = 0;  // since 1970
+  std::string frame_id;  // of the pose; empty where the format has none
+  std::string child_frame_id;
+  std::array<double, 3> position = {};                       // m, in frame_id
+  std::array<double, 4> orientation = {0.0, 0.0, 0.0, 1.0};  // quaternion x, y, z, w
+  std::array<double, 3> linear_velocity = {};                // m/s, in the body's frame
+  std::array<double, 3> angular_velocity = {};               // rad/s, in the body's frame
+
+  // Turn about the z axis, rad.
+  double Yaw() const;
+};
+
+}  // namespace plumbline

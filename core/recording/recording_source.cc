@@ -1,0 +1,67 @@
+#include "core/recording/recording_source.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/bag/unpack.h"
+#include "core/recording/decode.h"
+#include "core/util/error.h"
+
+namespace plumbline {
+
+const char kRecordingFormats[] =
+    "ROS 1 bag (.bag), ROS 2 recording (.mcap, .db3, or its folder), CARMEN log (.clf, .log), "
+    "each also packed (.bz2, .zstd)";
+const char kScanLineTypes[] =
+    "sensor_msgs/LaserScan, sensor_msgs/MultiEchoLaserScan or sensor_msgs/PointCloud2";
+
+RecordingSource::RecordingSource(std::unique_ptr<MessageFile> file,
+                                 std::vector<std::string> warnings)
+    : file_(std::move(file)), warnings_(std::move(warnings)) {}
+
+void RecordingSource::Visit(const RecordingVisitor& visitor) {
+  const auto wants = [&](const RecordingTopic& topic) {
+    return visitor.wants == nullptr || visitor.wants(topic);
+  };
+  ScanLineMessage scan_line;
+  OdometryMessage odometry;
+  const auto visit = [&](const MessageRef& message, ByteView stored) {
+    const RecordingTopic& topic = topics()[message.topic_index];
+    const ByteView data = Unpacked(topic, stored);
+    bool decoded = true;
+    if (topic.HasScanLines() && visitor.scan_line != nullptr) {
+      decoded = DecodeScanLine(topic, data, visitor.with_ranges, &scan_line);
+      if (decoded) visitor.scan_line(message, scan_line);
+    } else if (topic.HasOdometry() && visitor.odometry != nullptr) {
+      decoded = DecodeOdometry(topic, data, &odometry);
+      if (decoded) visitor.odometry(message, odometry);
+    }
+    if (!decoded && visitor.undecodable != nullptr) visitor.undecodable(message);
+    return decoded;
+  };
+  file_->Scan(wants, visit);
+  warnings_.insert(warnings_.end(), file_->warnings().begin(), file_->warnings().end());
+}
+
+// rosbag2 can pack each message on its own. No CDR begins as what zstd packs does.
+ByteView RecordingSource::Unpacked(const RecordingTopic& topic, ByteView data) {
+  constexpr uint8_t kZstdMagic[] = {0x28, 0xb5, 0x2f, 0xfd};
+  if (topic.encoding != MessageEncoding::kCdr || data.size < sizeof(kZstdMagic) ||
+      !std::equal(std::begin(kZstdMagic), std::end(kZstdMagic), data.data)) {
+    return data;
+  }
+  MemorySource packed(data);
+  uint64_t num_taken = 0;
+  Unpack("zstd", &packed, 0, &unpacked_, &num_taken);
+  return {unpacked_.data(), unpacked_.size()};  // where it is damaged, it can not be decoded
+}
+
+void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line) {
+  const RecordingTopic& topic = topics()[message.topic_index];
+  if (!DecodeScanLine(topic, Unpacked(topic, file_->Read(message)), true, scan_line)) {
+    throw Error(path() + ": has changed while it was read");
+  }
+}
+
+}  // namespace plumbline

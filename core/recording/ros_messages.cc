@@ -1,0 +1,66 @@
+#include "core/recording/ros_messages.h"
+
+#include <limits>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+constexpr uint32_t kNumCovariances = 36;
+
+// What a LaserScan and a MultiEchoLaserScan begin with.
+bool TakeScanHead(SerialReader* reader, ScanLineMessage* message) {
+  float angle_max = 0.0f;
+  float scan_time = 0.0f;
+  return reader->TakeHeader(&message->stamp_ns, &message->frame_id) &&
+         reader->Take(&message->angle_min) && reader->Take(&angle_max) &&
+         reader->Take(&message->angle_increment) && reader->Take(&message->time_increment) &&
+         reader->Take(&scan_time) && reader->Take(&message->range_min) &&
+         reader->Take(&message->range_max);
+}
+
+// A list of beams, each a list of echoes; the first echo counts.
+bool TakeEchoes(SerialReader* reader, uint32_t* num_beams, std::vector<float>* ranges) {
+  // Every beam takes at least 4 bytes. Tested before anybody allocates memory.
+  if (!reader->Take(num_beams) || *num_beams > reader->num_left() / 4) return false;
+  if (ranges != nullptr) ranges->resize(*num_beams);
+  for (uint32_t beam = 0; beam < *num_beams; ++beam) {
+    uint32_t num_echoes = 0;
+    ByteView echoes;
+    if (!reader->Take(&num_echoes) ||
+        !reader->TakeBytes(size_t{num_echoes} * sizeof(float), &echoes)) {
+      return false;
+    }
+    if (ranges == nullptr) continue;
+    (*ranges)[beam] = num_echoes > 0 ? reader->NumberAt<float>(echoes.data)
+                                     : std::numeric_limits<float>::quiet_NaN();
+  }
+  return true;
+}
+
+}  // namespace
+
+bool ReadLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message) {
+  uint32_t num_intensities = 0;
+  return TakeScanHead(&reader, message) &&
+         reader.TakeFloats(&message->num_beams, with_ranges ? &message->ranges : nullptr) &&
+         reader.TakeFloats(&num_intensities, nullptr) && reader.IsAtEnd();
+}
+
+bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message) {
+  uint32_t num_intensities = 0;
+  return TakeScanHead(&reader, message) &&
+         TakeEchoes(&reader, &message->num_beams, with_ranges ? &message->ranges : nullptr) &&
+         TakeEchoes(&reader, &num_intensities, nullptr) && reader.IsAtEnd();
+}
+
+bool ReadOdometry(SerialReader reader, OdometryMessage* message) {
+  std::array<double, kNumCovariances> covariance;
+  return reader.TakeHeader(&message->stamp_ns, &message->frame_id) &&
+         reader.TakeText(&message->child_frame_id) && reader.Take(&message->position) &&
+         reader.Take(&message->orientation) && reader.Take(&covariance) &&
+         reader.Take(&message->linear_velocity) && reader.Take(&message->angular_velocity) &&
+         reader.Take(&covariance) && reader.IsAtEnd();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "core/recording/messages.h"
+#include "core/recording/serial_reader.h"
+
+namespace plumbline {
+
+// Read ROS messages, of ROS 1 or ROS 2, all of them: false where their lengths do not agree
+// with the number of their bytes.
+//   with_ranges   else the ranges are not copied
+bool ReadLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message);
+// The first echo of each beam counts.
+bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message);
+bool ReadOdometry(SerialReader reader, OdometryMessage* message);
+
+}  // namespace plumbline

@@ -1,0 +1,99 @@
+#include "core/recording/rosbag2_folder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "core/util/error.h"
+#include "core/util/yaml_node.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whether the name is that of a file of a rosbag2 recording, packed or not.
+bool IsRosbag2Name(fs::path name) {
+  if (name.extension() == ".zstd") name = name.stem();
+  return name.extension() == ".mcap" || name.extension() == ".db3";
+}
+
+// By their numbers: recording_2 comes before recording_10.
+bool ComesBefore(const std::string& a, const std::string& b) {
+  return a.size() != b.size() ? a.size() < b.size() : a < b;
+}
+
+std::vector<std::string> FilesInMetadata(const fs::path& folder, const fs::path& metadata) {
+  const YamlNode root = YamlNode::ReadFile(metadata.string());
+  std::vector<std::string> files;
+  for (const YamlNode& name :
+       root["rosbag2_bagfile_information"]["relative_file_paths"].Elements()) {
+    // Older recorders put the folder's name before it, which need not be the same any more.
+    files.push_back((folder / fs::path(name.AsString()).filename()).string());
+  }
+  return files;
+}
+
+}  // namespace
+
+std::vector<std::string> FilesOfRosbag2Folder(const std::string& path) {
+  const fs::path metadata = fs::path(path) / "metadata.yaml";
+  std::vector<std::string> files;
+  if (fs::exists(metadata)) {
+    files = FilesInMetadata(path, metadata);
+  } else {
+    for (const auto& entry : fs::directory_iterator(path)) {
+      if (entry.is_regular_file() && IsRosbag2Name(entry.path().filename())) {
+        files.push_back(entry.path().string());
+      }
+    }
+    std::sort(files.begin(), files.end(), ComesBefore);
+  }
+  if (files.empty()) {
+    throw Error(path +
+                ": is a folder without a recording: neither a metadata.yaml that names "
+                "files, nor files .mcap or .db3");
+  }
+  return files;
+}
+
+Rosbag2Folder::Rosbag2Folder(const std::string& path,
+                             std::vector<std::unique_ptr<MessageFile>> files)
+    : path_(path), files_(std::move(files)) {}
+
+std::string Rosbag2Folder::format() const {
+  return "rosbag2 recording, " + files_.front()->format() +
+         (files_.size() == 1 ? "" : ", " + std::to_string(files_.size()) + " files");
+}
+
+void Rosbag2Folder::Scan(const Wants& wants, const Visit& visit) {
+  for (const std::unique_ptr<MessageFile>& file : files_) {
+    const auto first = static_cast<uint32_t>(topics_.size());
+    first_topics_.push_back(first);
+    const auto wants_topic = [&](const RecordingTopic& topic) {
+      topics_.push_back(topic);
+      return wants(topic);
+    };
+    const auto visit_message = [&](MessageRef message, ByteView data) {
+      message.topic_index += first;
+      return visit(message, data);
+    };
+    file->Scan(wants_topic, visit_message);
+    std::copy(file->topics().begin(), file->topics().end(), topics_.begin() + first);
+    const std::string name = fs::path(file->path()).filename().string();
+    for (const std::string& warning : file->warnings()) {
+      warnings_.push_back(files_.size() == 1 ? warning : name + ": " + warning);
+    }
+  }
+}
+
+ByteView Rosbag2Folder::Read(const MessageRef& message) {
+  const auto next =
+      std::upper_bound(first_topics_.begin(), first_topics_.end(), message.topic_index);
+  const auto index = static_cast<size_t>(next - first_topics_.begin()) - 1;
+  MessageRef in_file = message;
+  in_file.topic_index -= first_topics_[index];
+  return files_[index]->Read(in_file);
+}
+
+}  // namespace plumbline
