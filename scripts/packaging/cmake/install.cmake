@@ -55,7 +55,7 @@ function(plumbline_install_package)
   endforeach()
   plumbline_get_dependencies(PLUMBLINE_FIND_CORE CORE CMAKE "\n")
   plumbline_get_dependencies(PLUMBLINE_FIND_SIMULATION SIMULATION CMAKE "\n  ")
-  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/plumblineConfig.cmake.in
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/scripts/packaging/cmake/plumblineConfig.cmake.in
     ${PROJECT_BINARY_DIR}/plumblineConfig.cmake
     INSTALL_DESTINATION ${destination}
     NO_SET_AND_CHECK_MACRO

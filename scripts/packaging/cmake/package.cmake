@@ -43,7 +43,7 @@ plumbline_get_dependencies(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS SIMULATION 
 
 # What every Debian package has: its licence, and what changed.
 find_program(GZIP gzip REQUIRED)
-configure_file(cmake/debian_changelog.in ${PROJECT_BINARY_DIR}/debian/changelog @ONLY)
+configure_file(scripts/packaging/cmake/debian_changelog.in ${PROJECT_BINARY_DIR}/debian/changelog @ONLY)
 set(PLUMBLINE_DEBIAN_CHANGELOG ${PROJECT_BINARY_DIR}/debian/changelog.gz)
 add_custom_command(OUTPUT ${PLUMBLINE_DEBIAN_CHANGELOG}
   COMMAND ${GZIP} -9nc ${PROJECT_BINARY_DIR}/debian/changelog > ${PLUMBLINE_DEBIAN_CHANGELOG}
@@ -55,7 +55,7 @@ foreach(component runtime development)
   set(directory ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${key}_PACKAGE_NAME})
   install(FILES ${PLUMBLINE_DEBIAN_CHANGELOG}
     DESTINATION ${directory} COMPONENT ${component})
-  install(FILES ${PROJECT_SOURCE_DIR}/cmake/debian_copyright RENAME copyright
+  install(FILES ${PROJECT_SOURCE_DIR}/scripts/packaging/cmake/debian_copyright RENAME copyright
     DESTINATION ${directory} COMPONENT ${component})
 endforeach()
 include(CPack)

@@ -44,7 +44,7 @@ function(plumbline_note_dependencies name part)
     list(FILTER rows INCLUDE REGEX "^${link}\\|")
     if(NOT rows)
       message(FATAL_ERROR
-        "${name} links ${link}: cmake/dependencies.cmake needs a row for it, so that others can "
+        "${name} links ${link}: scripts/packaging/cmake/dependencies.cmake needs a row for it, so that others can "
         "link ${name}")
     endif()
     string(REPLACE "|" ";" row "${rows}")
