@@ -348,10 +348,21 @@ CheckpointFiles Checkpoint(const MapJob& job,
   return files;
 }
 
+// Throws Error where the report would lack what it is made from.
+void CheckFormats(const MapJob& job) {
+  const auto& formats = job.formats;
+  if (!job.report ||
+      std::find(formats.begin(), formats.end(), CloudFormat::kPly) != formats.end()) {
+    return;
+  }
+  throw Error(job.output + ": a report is made from map.ply, which is not among the formats");
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
   auto total = std::make_unique<Stopwatch::Running>(&watches.total);
+  CheckFormats(job);
   const Rig rig = ReadRig(job.rig);
   const MapperOptions options = OptionsOf(job, rig);
   // Before the work, so that an output that can not be written shows first.

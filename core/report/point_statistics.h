@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/result/point_buffer.h"
+#include "core/cloud/point_buffer.h"
 
 namespace plumbline {
 

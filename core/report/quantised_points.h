@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/cloud/point_buffer.h"
 #include "core/report/data_section.h"
-#include "core/result/point_buffer.h"
 
 namespace plumbline {
 

@@ -14,8 +14,8 @@
 #include <system_error>
 #include <unordered_map>
 
+#include "core/cloud/ply_reader.h"
 #include "core/report/point_statistics.h"
-#include "core/result/map_ply_reader.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_reader.h"
 #include "core/util/error.h"
@@ -218,7 +218,7 @@ Points ReadPoints(const std::string& path,
                   int64_t max_points) {
   std::unordered_map<int, size_t> index_of;
   for (size_t i = 0; i < planes.size(); ++i) index_of[planes[i].id] = i;
-  MapPlyReader reader(path);
+  PlyReader reader(path);
   Points points;
   points.num_points = reader.num_points();
   const int64_t num_kept = std::min(max_points, points.num_points);
@@ -227,10 +227,11 @@ Points ReadPoints(const std::string& path,
   std::vector<double> last_times_s(planes.size(), -1.0);
   kept.reserve(static_cast<size_t>(num_kept));
   plane_fields.reserve(static_cast<size_t>(num_kept));
-  std::vector<MapPoint> block;
+  PointBuffer block;
   int64_t i = 0;
   while (reader.Next(&block)) {
-    for (const MapPoint& point : block) {
+    for (int64_t k = 0; k < block.num_points(); ++k) {
+      const MapPoint point = block.At(k);
       uint16_t field = point.plane_id == kMovingPlaneId ? QuantisedPoints::kMoving
                                                         : QuantisedPoints::kOnNoPlane;
       if (point.plane_id >= 0) {

@@ -81,6 +81,12 @@ TEST_F(ProgramsTest, ExportNamesAMissingMap) {
                 Path("no/map.ply"));
 }
 
+TEST_F(ProgramsTest, AReportNeedsThePointsAsPly) {
+  ExpectFailure("plumbline_map --recording=" + Path("no.bag") + " --rig=" + RigFile() +
+                    " --output=" + Path("out") + " --report --formats=las",
+                "a report is made from map.ply");
+}
+
 TEST_F(ProgramsTest, ReportNamesAMissingResult) {
   ExpectFailure("plumbline_report --result=" + Path("no"), Path("no/summary.json"));
   // Without the flag.

@@ -10,6 +10,7 @@ import { addScaled, dot, normalAt, rayDistance, subtract } from './surface.js';
 const GROUND = [0.965, 0.968, 0.972];
 const FRAME_MS = 33; // a frame takes at most so long while the view moves
 const REST_MS = 120; // after so long without movement all points are drawn
+const PREVIEW_SIZE = 2; // of points, while only few are drawn
 const AT_REST = 100_000; // points, at least, in a frame then
 const CLICK_RADIUS = 4; // pixels
 const MAX_PIXELS = 2.5e6; // of the picture, on dense screens
@@ -45,7 +46,7 @@ export class View {
     if (!context) throw new NoWebgl();
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.autoClear = false;
-    this.ground = new THREE.Color().setRGB(...GROUND, THREE.LinearSRGBColorSpace);
+    this.ground = new THREE.Color().setRGB(...GROUND, THREE.SRGBColorSpace);
     this.shared = {
       eye: { value: new THREE.Vector3() },
       heights: { value: new THREE.Vector2(-1e9, 1e9) },
@@ -199,8 +200,12 @@ export class View {
     const { camera } = this.eye;
     renderer.setClearColor(this.ground);
     renderer.clear();
-    cloud.geometry.setDrawRange(0, this.numMoving);
+    // Whole levels, each of which shows the whole map; larger, since they are few.
+    const level = cloud.points.count / NUM_LEVELS;
+    cloud.geometry.setDrawRange(0, Math.ceil(Math.ceil(this.numMoving / level) * level));
+    cloud.uniforms.smallest.value *= PREVIEW_SIZE;
     renderer.render(cloud.scene, camera);
+    cloud.uniforms.smallest.value /= PREVIEW_SIZE;
     renderer.render(this.drawings.scene, camera);
   }
 
