@@ -115,7 +115,7 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
 bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
                                    const Eigen::Vector2d& direction,
                                    double range) const {
-  if (planes_.cylinders().empty()) return false;
+  if (!planes_.HasSoftEdges()) return false;
   const double off_m = kSameSigmas * scanner_.range_noise_m;
   const Eigen::Vector3d normal =
       surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
@@ -123,7 +123,7 @@ bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
   ranges_.ForEachBetween(
       direction, range - off_m, range + off_m, [&](const LandmarkView& other, double at) {
         if (other.landmark == surface.landmark) return;
-        if (!surface.is_curved && !other.is_curved) return;
+        if (!HasSoftEdges(surface) && !HasSoftEdges(other)) return;
         const Eigen::Vector2d p = at * direction;
         const double cosine =
             normal.dot(other.landmark->NormalNear(placement_ * p.homogeneous()));

@@ -9,6 +9,9 @@
 namespace plumbline {
 
 PlaneSet::PlaneSet(std::vector<LandmarkView> surfaces) : planes_(std::move(surfaces)) {
+  has_soft_edges_ = std::any_of(planes_.begin(), planes_.end(), [](const LandmarkView& s) {
+    return plumbline::HasSoftEdges(s);
+  });
   const auto cylinders =
       std::stable_partition(planes_.begin(), planes_.end(), [](const LandmarkView& surface) {
         return !surface.is_curved;

@@ -359,7 +359,7 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
   SetViews(scan_line, first, last);
   // What ends are found by is about planes alone. Before the openings are known, and the arcs
   // have settled, the segmentation knows the beams of an arc better.
-  if (!counts_ && !resegmenter_.views().cylinders().empty()) {
+  if (!counts_ && resegmenter_.views().HasSoftEdges()) {
     return ResegmentByBeams(scan_line, first, last, sub_minimum_segments);
   }
   const std::vector<Ends> ends = resegmenter_.FindEnds(scan_line, observations, first, last);
