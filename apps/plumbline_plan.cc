@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
       {"result", "rig"},
       [] {
         const std::string output = FLAGS_output.empty() ? FLAGS_result : FLAGS_output;
-        const plumbline::FloorPlan plan =
+        const plumbline::FloorPlans plan =
             plumbline::RunPlanJob(FLAGS_result, FLAGS_rig, output);
         std::fputs(plumbline::RoomTable(plan).c_str(), stdout);
       });

@@ -7,7 +7,7 @@
 #include "core/floor_plan/beam_evidence.h"
 #include "core/floor_plan/room_measures.h"
 #include "core/floor_plan/room_outlines.h"
-#include "core/floor_plan/storey_openings.h"
+#include "core/floor_plan/storey_doors.h"
 #include "core/floor_plan/storey_planner.h"
 #include "core/result/result_reader.h"
 #include "core/util/error.h"
@@ -89,7 +89,7 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
     room.number = static_cast<int>(plan.rooms.size()) + 1;
     plan.rooms.push_back(std::move(room));
   }
-  plan.openings = FindOpenings(regions, planes, plan.rooms);
+  plan.doors = FindDoors(regions, planes, plan.rooms);
   plan.windows = FindWindows(regions, plan.rooms);
   plan.walls = FindWalls(input.planes, level, plan.rooms);
   plan.solids = FindSolids(kept, regions, planes, level.section_m());
@@ -108,10 +108,10 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
   return input;
 }
 
-FloorPlan MakeFloorPlan(const FloorPlanInput& input) {
+FloorPlans MakeFloorPlan(const FloorPlanInput& input) {
   const BeamOrigins origins(
       input.rig, input.poses, RecordingStart(input.planes.planes(), input.points));
-  FloorPlan plan;
+  FloorPlans plan;
   for (const StoreyLevel& level : FindStoreys(input.planes.planes(), input.poses)) {
     StoreyPlan storey = PlanOf(input, origins, level);
     if (!storey.rooms.empty()) plan.storeys.push_back(std::move(storey));

@@ -35,7 +35,7 @@ struct Dimension {
   double stddev_m = 0.0;
 };
 
-// Room is what walls enclose: its clear floor, without door openings and niches.
+// Room is what walls enclose: its clear floor, without door doors and niches.
 struct Room {
   int number = 0;               // from 1 in the storey, in the order of the rig's visits
   std::vector<RoomLoop> loops;  // the outer one first; others are pillars and the like
@@ -51,8 +51,8 @@ struct Room {
   Eigen::Vector2d label = Eigen::Vector2d::Zero();  // well inside
 };
 
-// Opening is a door in a wall.
-struct Opening {
+// PlanDoor is a door in a wall.
+struct PlanDoor {
   // Along the face towards rooms[0], and along the opposite face where that was seen.
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
@@ -73,8 +73,8 @@ struct WallPiece {
   double stddev_m = 0.0;
 };
 
-// Window is a stretch of a room's edge that beams passed above a parapet.
-struct Window {
+// PlanWindow is a window: a stretch of a room's edge that beams passed above a parapet.
+struct PlanWindow {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
 };
@@ -82,14 +82,14 @@ struct Window {
 struct StoreyPlan {
   StoreyLevel level;
   std::vector<Room> rooms;
-  std::vector<Opening> openings;
+  std::vector<PlanDoor> doors;
   std::vector<WallPiece> walls;
-  std::vector<Window> windows;
+  std::vector<PlanWindow> windows;
   // Outlines of what is solid: between rooms, and within them.
   std::vector<std::vector<Eigen::Vector2d>> solids;
 };
 
-struct FloorPlan {
+struct FloorPlans {
   std::vector<StoreyPlan> storeys;  // from the lowest up
 };
 
@@ -107,6 +107,6 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file);
 
 // Makes the plan. Throws Error where there is nothing to make it of.
-FloorPlan MakeFloorPlan(const FloorPlanInput& input);
+FloorPlans MakeFloorPlan(const FloorPlanInput& input);
 
 }  // namespace plumbline

@@ -28,7 +28,7 @@ void CreateDirectories(const std::string& path) {
 
 }  // namespace
 
-std::vector<PlanFile> FloorPlanFiles(const FloorPlan& plan) {
+std::vector<PlanFile> FloorPlanFiles(const FloorPlans& plan) {
   std::vector<PlanFile> files = {{"rooms.json", FormatRooms(plan)},
                                  {"building.city.json", FormatCityJson(plan)}};
   for (size_t i = 0; i < plan.storeys.size(); ++i) {
@@ -38,10 +38,10 @@ std::vector<PlanFile> FloorPlanFiles(const FloorPlan& plan) {
   return files;
 }
 
-FloorPlan RunPlanJob(const std::string& result_directory,
-                     const std::string& rig_file,
-                     const std::string& output_directory) {
-  const FloorPlan plan = MakeFloorPlan(ReadFloorPlanInput(result_directory, rig_file));
+FloorPlans RunPlanJob(const std::string& result_directory,
+                      const std::string& rig_file,
+                      const std::string& output_directory) {
+  const FloorPlans plan = MakeFloorPlan(ReadFloorPlanInput(result_directory, rig_file));
   CreateDirectories(output_directory);
   for (const PlanFile& file : FloorPlanFiles(plan)) {
     WriteFileAtomically(output_directory + "/" + file.name, file.content);
@@ -58,7 +58,7 @@ FloorPlan RunPlanJob(const std::string& result_directory,
   }
 }
 
-std::string RoomTable(const FloorPlan& plan) {
+std::string RoomTable(const FloorPlans& plan) {
   std::string table = "  storey room      area    +-      height    clear dimensions\n";
   char line[256];
   for (size_t i = 0; i < plan.storeys.size(); ++i) {

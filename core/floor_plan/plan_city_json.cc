@@ -132,7 +132,7 @@ Json RoomJson(const Room& room, double floor_m, const std::string& storey, CityM
 
 }  // namespace
 
-std::string FormatCityJson(const FloorPlan& plan) {
+std::string FormatCityJson(const FloorPlans& plan) {
   CityModel model;
   Json objects = Json::object();
   objects["building"] = {{"type", "Building"}, {"children", Json::array()}};

@@ -18,10 +18,10 @@ std::string AreaStddevText(const Room& room) { return Text("%.3f", room.area_std
 std::string LengthText(double length_m) { return Text("%.3f", length_m); }
 std::string StddevText(double stddev_m) { return Text("%.1f", 1e3 * stddev_m); }
 
-std::vector<Eigen::Vector2d> GapCorners(const Opening& opening) {
-  const double depth = opening.depth_m > 0.0 ? opening.depth_m : kDrawnThicknessM;
-  const Eigen::Vector2d behind = -depth * opening.normal;
-  return {opening.from, opening.to, opening.to + behind, opening.from + behind};
+std::vector<Eigen::Vector2d> GapCorners(const PlanDoor& door) {
+  const double depth = door.depth_m > 0.0 ? door.depth_m : kDrawnThicknessM;
+  const Eigen::Vector2d behind = -depth * door.normal;
+  return {door.from, door.to, door.to + behind, door.from + behind};
 }
 
 }  // namespace plumbline

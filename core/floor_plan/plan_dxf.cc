@@ -167,15 +167,15 @@ std::string FormatDxf(const StoreyPlan& storey) {
   dxf.Header();
   for (const auto& outline : storey.solids) dxf.ClosedLine("WALLS", outline);
   for (const Room& room : storey.rooms) AddRoom(room, &dxf);
-  for (const Opening& opening : storey.openings) {
-    dxf.ClosedLine("DOORS", GapCorners(opening));
+  for (const PlanDoor& door : storey.doors) {
+    dxf.ClosedLine("DOORS", GapCorners(door));
     dxf.Text("DOORS",
-             0.5 * (opening.from + opening.to),
+             0.5 * (door.from + door.to),
              kSmallTextM,
-             ReadableAngle(opening.to - opening.from),
-             LengthText(opening.width_m));
+             ReadableAngle(door.to - door.from),
+             LengthText(door.width_m));
   }
-  for (const Window& window : storey.windows) dxf.Line("WINDOWS", window.from, window.to);
+  for (const PlanWindow& window : storey.windows) dxf.Line("WINDOWS", window.from, window.to);
   return dxf.Finish();
 }
 

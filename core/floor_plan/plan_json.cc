@@ -64,16 +64,16 @@ Json RoomJson(const Room& room) {
   return json;
 }
 
-Json OpeningJson(const Opening& opening) {
+Json DoorJson(const PlanDoor& door) {
   Json rooms = Json::array();
-  for (const int room : opening.rooms) rooms.push_back(room == 0 ? Json(nullptr) : Json(room));
-  return {{"from", PointJson(opening.from)},
-          {"to", PointJson(opening.to)},
-          {"plane", opening.plane_id},
+  for (const int room : door.rooms) rooms.push_back(room == 0 ? Json(nullptr) : Json(room));
+  return {{"from", PointJson(door.from)},
+          {"to", PointJson(door.to)},
+          {"plane", door.plane_id},
           {"rooms", rooms},
-          {"width_m", Rounded(opening.width_m)},
-          {"sigma_width_m", Rounded(opening.width_stddev_m)},
-          {"depth_m", opening.depth_m > 0.0 ? Json(Rounded(opening.depth_m)) : Json(nullptr)}};
+          {"width_m", Rounded(door.width_m)},
+          {"sigma_width_m", Rounded(door.width_stddev_m)},
+          {"depth_m", door.depth_m > 0.0 ? Json(Rounded(door.depth_m)) : Json(nullptr)}};
 }
 
 Json WallJson(const WallPiece& wall) {
@@ -87,7 +87,7 @@ Json WallJson(const WallPiece& wall) {
 
 }  // namespace
 
-std::string FormatRooms(const FloorPlan& plan) {
+std::string FormatRooms(const FloorPlans& plan) {
   Json storeys = Json::array();
   for (size_t i = 0; i < plan.storeys.size(); ++i) {
     const StoreyPlan& storey = plan.storeys[i];
@@ -100,10 +100,10 @@ std::string FormatRooms(const FloorPlan& plan) {
         {"windows", Json::array()},
         {"walls", Json::array()}};
     for (const Room& room : storey.rooms) json["rooms"].push_back(RoomJson(room));
-    for (const Opening& opening : storey.openings) {
-      json["doors"].push_back(OpeningJson(opening));
+    for (const PlanDoor& door : storey.doors) {
+      json["doors"].push_back(DoorJson(door));
     }
-    for (const Window& window : storey.windows) {
+    for (const PlanWindow& window : storey.windows) {
       json["windows"].push_back(
           {{"from", PointJson(window.from)}, {"to", PointJson(window.to)}});
     }

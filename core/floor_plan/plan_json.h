@@ -9,6 +9,6 @@ namespace plumbline {
 // Makes rooms.json (docs/outputs.md): the rooms of all storeys, with areas, heights, clear
 // dimensions, doors and walls, and their standard deviations. The same plan gives the same
 // bytes.
-std::string FormatRooms(const FloorPlan& plan);
+std::string FormatRooms(const FloorPlans& plan);
 
 }  // namespace plumbline

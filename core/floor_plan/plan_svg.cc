@@ -35,7 +35,7 @@ std::string Number(double value) {
 // degrees where the building is longer that way.
 class Paper {
  public:
-  explicit Paper(const FloorPlan& plan) {
+  explicit Paper(const FloorPlans& plan) {
     Eigen::AlignedBox2d box;
     for (const StoreyPlan& storey : plan.storeys) {
       for (const Room& room : storey.rooms) {
@@ -187,10 +187,10 @@ Eigen::Vector2d UpFrom(double angle_deg) {
   return {std::sin(angle), -std::cos(angle)};
 }
 
-void DrawOpenings(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
+void DrawDoorsAndWindows(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   svg->Open("id=\"windows\" fill=\"#ffffff\" stroke=\"" + std::string(kWallColour) +
             "\" stroke-width=\"0.15\"");
-  for (const Window& window : storey.windows) {
+  for (const PlanWindow& window : storey.windows) {
     const Eigen::Vector2d along = (window.to - window.from).normalized();
     const Eigen::Vector2d behind =
         kDrawnThicknessM * Eigen::Vector2d(-along.y(), along.x());  // off the seen side
@@ -200,20 +200,20 @@ void DrawOpenings(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   }
   svg->Close();
   svg->Open("id=\"doors\" stroke=\"" + std::string(kDoorColour) + "\" stroke-width=\"0.2\"");
-  for (const Opening& opening : storey.openings) {
-    const std::vector<Eigen::Vector2d> corners = GapCorners(opening);
+  for (const PlanDoor& door : storey.doors) {
+    const std::vector<Eigen::Vector2d> corners = GapCorners(door);
     svg->AddPath(svg->Path(corners, true), "fill=\"#ffffff\" stroke=\"#ffffff\"");
     svg->AddPath(svg->Path({corners[0], corners[3]}, false), "fill=\"none\"");
     svg->AddPath(svg->Path({corners[1], corners[2]}, false), "fill=\"none\"");
     svg->AddPath(svg->Path({corners[0], corners[1]}, false) +
                      svg->Path({corners[3], corners[2]}, false),
                  "fill=\"none\" stroke-dasharray=\"0.6 0.5\" stroke-width=\"0.12\"");
-    const double angle = ReadableAngle(paper.Direction(opening.to - opening.from));
+    const double angle = ReadableAngle(paper.Direction(door.to - door.from));
     const Eigen::Vector2d middle = 0.5 * (paper.At(corners[0]) + paper.At(corners[2]));
     svg->AddText(middle - 0.35 * kDoorText * UpFrom(angle),
                  kDoorText,
                  angle,
-                 Number(opening.width_m),
+                 Number(door.width_m),
                  "fill=\"" + std::string(kDoorColour) + "\" stroke=\"none\"");
   }
   svg->Close();
@@ -268,7 +268,7 @@ void DrawTexts(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
 }
 
 // Title, scale bar and the directions of the model frame.
-void DrawFoot(const FloorPlan& plan, size_t storey, const Paper& paper, SvgText* svg) {
+void DrawFoot(const FloorPlans& plan, size_t storey, const Paper& paper, SvgText* svg) {
   const double top = paper.height() - kFoot;
   const double step_m = paper.scale() <= 100 ? 1.0 : paper.scale() / 100.0;
   svg->Open("id=\"scale\" stroke=\"#000000\" stroke-width=\"0.2\"");
@@ -330,11 +330,11 @@ void DrawFoot(const FloorPlan& plan, size_t storey, const Paper& paper, SvgText*
 
 }  // namespace
 
-std::string FormatSvg(const FloorPlan& plan, size_t storey) {
+std::string FormatSvg(const FloorPlans& plan, size_t storey) {
   const Paper paper(plan);
   SvgText svg(paper);
   DrawWalls(plan.storeys[storey], paper, &svg);
-  DrawOpenings(plan.storeys[storey], paper, &svg);
+  DrawDoorsAndWindows(plan.storeys[storey], paper, &svg);
   DrawTexts(plan.storeys[storey], paper, &svg);
   DrawFoot(plan, storey, paper, &svg);
   return svg.Finish();

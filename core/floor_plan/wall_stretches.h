@@ -36,7 +36,7 @@ struct Stretches {
   }
 };
 
-// Tells walls from openings on all faces of a storey. A gap of 0.6 to 1.5 m through which
+// Tells walls from doors on all faces of a storey. A gap of 0.6 to 1.5 m through which
 // beams pass is a door where the face was hit above it. Where it was not, the gap has to be
 // one between two stretches of the face that are at least 0.3 m long, and must not be as wide
 // as a room: bounded on both sides by walls that go on. Shorter gaps, and gaps that no beam

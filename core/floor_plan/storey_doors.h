@@ -9,12 +9,13 @@ namespace plumbline {
 
 // The doors of a storey that lead into one of its rooms. The gaps of the two faces of a wall
 // are one door.
-std::vector<Opening> FindOpenings(const StoreyRegions& regions,
-                                  const std::vector<PlanePatch>& planes,
-                                  const std::vector<Room>& rooms);
+std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
+                                const std::vector<PlanePatch>& planes,
+                                const std::vector<Room>& rooms);
 
 // The windows in the edges of rooms, at least 0.4 m wide.
-std::vector<Window> FindWindows(const StoreyRegions& regions, const std::vector<Room>& rooms);
+std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
+                                    const std::vector<Room>& rooms);
 
 // The outlines of what is solid: cells up to 0.6 m thick behind the walls of rooms, the
 // corners between such, and what rooms enclose. kept_rooms: of each room of the regions,

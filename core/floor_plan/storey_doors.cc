@@ -1,4 +1,4 @@
-#include "core/floor_plan/storey_openings.h"
+#include "core/floor_plan/storey_doors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -182,45 +182,46 @@ class SolidFinder {
 
 }  // namespace
 
-std::vector<Opening> FindOpenings(const StoreyRegions& regions,
-                                  const std::vector<PlanePatch>& planes,
-                                  const std::vector<Room>& rooms) {
+std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
+                                const std::vector<PlanePatch>& planes,
+                                const std::vector<Room>& rooms) {
   std::vector<FaceGap> gaps = GapsOf(regions);
-  std::vector<Opening> openings;
+  std::vector<PlanDoor> doors;
   for (size_t i = 0; i < gaps.size(); ++i) {
     if (gaps[i].is_used) continue;
     const FaceGap& gap = gaps[i];
-    Opening opening;
-    opening.from = gap.from;
-    opening.to = gap.to;
-    opening.normal = gap.normal;
-    opening.plane_id = planes[regions.faces[gap.face].planes.front()].id;
-    opening.width_m = (gap.to - gap.from).norm();
-    opening.width_stddev_m = gap.gap.stddev_m;
+    PlanDoor door;
+    door.from = gap.from;
+    door.to = gap.to;
+    door.normal = gap.normal;
+    door.plane_id = planes[regions.faces[gap.face].planes.front()].id;
+    door.width_m = (gap.to - gap.from).norm();
+    door.width_stddev_m = gap.gap.stddev_m;
     for (size_t k = i + 1; k < gaps.size(); ++k) {
       const double depth = DepthBetween(gap, gaps[k]);
       if (depth < 0.0 || gaps[k].is_used) continue;
       gaps[k].is_used = true;
-      opening.depth_m = depth;
-      opening.width_m = 0.5 * (opening.width_m + (gaps[k].to - gaps[k].from).norm());
-      opening.width_stddev_m /= std::sqrt(2.0);
+      door.depth_m = depth;
+      door.width_m = 0.5 * (door.width_m + (gaps[k].to - gaps[k].from).norm());
+      door.width_stddev_m /= std::sqrt(2.0);
       break;
     }
-    opening.rooms[0] = RoomAt(rooms, gap.Middle() + kProbeM * gap.normal);
-    for (double behind = opening.depth_m + kProbeM;
-         opening.rooms[1] == 0 && behind < kMaxThicknessM + kProbeM;
+    door.rooms[0] = RoomAt(rooms, gap.Middle() + kProbeM * gap.normal);
+    for (double behind = door.depth_m + kProbeM;
+         door.rooms[1] == 0 && behind < kMaxThicknessM + kProbeM;
          behind += kProbeM) {
-      opening.rooms[1] = RoomAt(rooms, gap.Middle() - behind * gap.normal);
+      door.rooms[1] = RoomAt(rooms, gap.Middle() - behind * gap.normal);
     }
     // A gap within one room is none between rooms: beside a pillar, say.
-    if (opening.rooms[0] != opening.rooms[1]) openings.push_back(opening);
+    if (door.rooms[0] != door.rooms[1]) doors.push_back(door);
   }
-  return openings;
+  return doors;
 }
 
-std::vector<Window> FindWindows(const StoreyRegions& regions, const std::vector<Room>& rooms) {
+std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
+                                    const std::vector<Room>& rooms) {
   constexpr size_t kMinColumns = 8;
-  std::vector<Window> windows;
+  std::vector<PlanWindow> windows;
   for (size_t i = 0; i < regions.faces.size(); ++i) {
     const WallFace& face = regions.faces[i];
     const std::vector<bool>& is_window = regions.stretches[i].windows;
@@ -232,7 +233,7 @@ std::vector<Window> FindWindows(const StoreyRegions& regions, const std::vector<
           return face.curve.At(face.start_m +
                                WallFace::kColumnM * static_cast<double>(column));
         };
-        const Window window = {at(from), at(to)};
+        const PlanWindow window = {at(from), at(to)};
         const Eigen::Vector2d middle = 0.5 * (window.from + window.to);
         if (RoomAt(rooms, middle + kProbeM * face.curve.NormalAt(middle)) != 0) {
           windows.push_back(window);
