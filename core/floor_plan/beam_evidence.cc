@@ -115,6 +115,9 @@ class EvidenceCollector {
     for (size_t i = 0; i < faces_.size(); ++i) {
       if (i == own) continue;
       WallFace& face = faces_[i];
+      const auto is_deep = [&face](const Eigen::Vector3d& p) {
+        return face.curve.SignedDistance(p.head<2>()) < -WallColumn::kDeepM;
+      };
       face.curve.ForEachCrossing(a, b, [&](double share, double s) {
         const int column = face.ColumnOf(s);
         const int level = Level(first_in.z() + share * (last_in.z() - first_in.z()));
@@ -123,6 +126,9 @@ class EvidenceCollector {
         Increase(
             &face.columns[static_cast<size_t>(column)].passes[static_cast<size_t>(level)]);
         face.pass_ends[static_cast<size_t>(column)].Extend(s);
+        if (is_deep(origin) || is_deep(end)) {
+          Increase(&face.columns[static_cast<size_t>(column)].deep_passes);
+        }
       });
     }
   }

@@ -35,7 +35,7 @@ struct Dimension {
   double stddev_m = 0.0;
 };
 
-// Room is what walls enclose: its clear floor, without door doors and niches.
+// Room is what walls enclose: its clear floor, without door openings and niches.
 struct Room {
   int number = 0;               // from 1 in the storey, in the order of the rig's visits
   std::vector<RoomLoop> loops;  // the outer one first; others are pillars and the like

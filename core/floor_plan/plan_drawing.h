@@ -19,7 +19,7 @@ std::string AreaStddevText(const Room& room);
 std::string LengthText(double length_m);
 std::string StddevText(double stddev_m);
 
-// The four corners of an door's gap in the wall, from the first face to behind the second.
+// The four corners of a door's gap in the wall, from the first face to behind the second.
 std::vector<Eigen::Vector2d> GapCorners(const PlanDoor& door);
 
 }  // namespace plumbline

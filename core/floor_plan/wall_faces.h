@@ -21,6 +21,17 @@ struct WallColumn {
   std::array<uint16_t, kNumLevels> hits = {};
   std::array<uint16_t, kNumLevels> passes = {};
   uint16_t hits_above = 0;  // above the band: lintels
+  // Of the passes, those that came from or went more than kDeepM behind the face.
+  static constexpr double kDeepM = 0.45;
+  uint16_t deep_passes = 0;
+
+  // Whether more than strays went so far: ranges are noisy.
+  bool IsDeep() const {
+    constexpr int kMinShare = 5;  // one of so many passes
+    int all = 0;
+    for (const uint16_t count : passes) all += count;
+    return deep_passes > 1 && kMinShare * deep_passes > all;
+  }
 };
 
 // Stretch is a part of a face, m; empty at first.

@@ -105,11 +105,43 @@ bool IsRoomWide(const std::vector<CrossingWall>& walls, double from, double to) 
   return begins && ends;
 }
 
+// A gap in a face, and what beams say of it.
+struct Gap {
+  double from_m = 0.0;
+  double to_m = 0.0;
+  size_t first = 0;  // columns
+  size_t last = 0;   // one behind
+  // Shares of its columns: beams pass; beams pass and go far; beams hit the face above it.
+  double open = 0.0;
+  double deep = 0.0;
+  double lintel = 0.0;
+  bool is_between = false;  // stretches of the face on both sides are no pillars
+
+  double width_m() const { return to_m - from_m; }
+  // As wide as a door, and beams pass.
+  bool MayBeDoor() const {
+    constexpr double kMinOpen = 0.4;
+    return width_m() >= kMinDoorM && width_m() <= kMaxDoorM && open >= kMinOpen;
+  }
+  bool HasLintel() const {
+    constexpr double kMinLintel = 0.5;
+    return lintel >= kMinLintel;
+  }
+};
+
 // The gaps of one face, closed where they do not stay open.
 class GapCloser {
  public:
-  GapCloser(const WallFace& face, const std::vector<CrossingWall>& walls, Stretches* stretches)
-      : face_(face), walls_(walls), stretches_(*stretches) {}
+  GapCloser(size_t at,
+            const std::vector<WallFace>& faces,
+            const std::vector<Stretches>& seen,
+            Stretches* stretches)
+      : at_(at),
+        faces_(faces),
+        seen_(seen),
+        face_(faces[at]),
+        walls_(WallsAcross(at, faces, seen)),
+        stretches_(*stretches) {}
 
   void Close() {
     std::vector<GapEnd> ends;
@@ -117,7 +149,15 @@ class GapCloser {
       ends.push_back({run.from_m, run.to_m, true});
     }
     if (ends.empty()) return;
-    for (const CrossingWall& wall : walls_) ends.push_back({wall.s, wall.s, false});
+    const std::vector<GapEnd> runs = ends;
+    for (const CrossingWall& wall : walls_) {
+      // At the end of a stretch, that end is the gap's.
+      constexpr double kSameM = 0.1;
+      const bool is_known = std::any_of(runs.begin(), runs.end(), [&](const GapEnd& run) {
+        return wall.s > run.from_m - kSameM && wall.s < run.to_m + kSameM;
+      });
+      if (!is_known) ends.push_back({wall.s, wall.s, false});
+    }
     std::sort(ends.begin(), ends.end(), [](const GapEnd& a, const GapEnd& b) {
       return a.from_m < b.from_m;
     });
@@ -125,45 +165,104 @@ class GapCloser {
     for (size_t i = 1; i < ends.size(); ++i) {
       const GapEnd& after = ends[i];
       if (after.from_m > before.to_m && (before.is_own || after.is_own)) {
-        CloseGap(before, after);
+        CloseGap(GapBetween(before, after));
       }
       if (after.to_m >= before.to_m) before = after;
     }
   }
 
+  // Closes gaps that alone were not enough for a door, where the opposite face of the wall has
+  // one there.
+  void CloseOpposite(const std::vector<Stretches>& closed) {
+    for (const Gap& gap : doubtful_) {
+      if (HasDoorOpposite(gap, closed)) CloseAs(gap, ColumnState::kDoor);
+    }
+  }
+
  private:
-  void CloseGap(const GapEnd& before, const GapEnd& after) {
-    const double from = before.to_m;
-    const double to = after.from_m;
-    const auto first = static_cast<size_t>(
-        std::max(0.0, std::floor((from - face_.start_m) / WallFace::kColumnM)));
-    const auto last =
-        std::min(face_.columns.size(),
-                 static_cast<size_t>(
-                     std::max(0.0, std::ceil((to - face_.start_m) / WallFace::kColumnM))));
-    int open = 0;
-    int lintel = 0;
-    for (size_t i = first; i < last; ++i) {
-      if (stretches_.states[i] == ColumnState::kOpen) ++open;
-      if (face_.columns[i].hits_above > 0) ++lintel;
+  Gap GapBetween(const GapEnd& before, const GapEnd& after) const {
+    Gap gap;
+    gap.from_m = before.to_m;
+    gap.to_m = after.from_m;
+    gap.is_between = before.IsWall() && after.IsWall();
+    const double first = std::floor((gap.from_m - face_.start_m) / WallFace::kColumnM);
+    const double last = std::ceil((gap.to_m - face_.start_m) / WallFace::kColumnM);
+    gap.first = static_cast<size_t>(std::max(0.0, first));
+    gap.last = std::min(face_.columns.size(), static_cast<size_t>(std::max(0.0, last)));
+    if (gap.last <= gap.first) return gap;
+    const double share = 1.0 / static_cast<double>(gap.last - gap.first);
+    for (size_t i = gap.first; i < gap.last; ++i) {
+      if (stretches_.states[i] == ColumnState::kOpen) gap.open += share;
+      if (face_.columns[i].IsDeep()) gap.deep += share;
+      if (face_.columns[i].hits_above > 0) gap.lintel += share;
     }
-    const int count = std::max(1, static_cast<int>(last) - static_cast<int>(first));
-    const double open_share = static_cast<double>(open) / count;
-    const double lintel_share = static_cast<double>(lintel) / count;
-    const double width = to - from;
-    constexpr double kMinOpen = 0.4;
+    return gap;
+  }
+
+  void CloseGap(const Gap& gap) {
     constexpr double kMaxHiddenOpen = 0.15;
-    constexpr double kMinLintel = 0.5;
-    ColumnState state = ColumnState::kBridged;
-    if (width > kMaxDoorM && (open_share > kMaxHiddenOpen || width > kMaxHiddenM)) return;
-    if (width >= kMinDoorM && width <= kMaxDoorM && open_share >= kMinOpen) {
-      const bool has_lintel = lintel_share >= kMinLintel;
-      const bool is_between = before.IsWall() && after.IsWall();
-      if (!has_lintel && (!is_between || IsRoomWide(walls_, from, to))) return;
-      state = ColumnState::kDoor;
-      stretches_.doors.push_back(DoorIn(from, to, first, last, has_lintel));
+    if (gap.MayBeDoor()) {
+      const bool is_door =
+          gap.HasLintel() || (gap.is_between && !IsRoomWide(walls_, gap.from_m, gap.to_m));
+      if (is_door) {
+        CloseAs(gap, ColumnState::kDoor);
+      } else {
+        doubtful_.push_back(gap);
+      }
+      return;
     }
-    for (size_t i = first; i < last; ++i) {
+    const bool is_hidden = gap.open <= kMaxHiddenOpen && gap.width_m() <= kMaxHiddenM;
+    if (gap.width_m() <= kMaxDoorM || is_hidden || IsRecess(gap)) {
+      CloseAs(gap, ColumnState::kBridged);
+    }
+  }
+
+  // Whether all beams end shortly behind the face, on something that is no wall: on the frame
+  // of a window.
+  bool IsRecess(const Gap& gap) const {
+    constexpr double kMaxDeep = 0.15;
+    constexpr double kMaxWidthM = 8.0;
+    constexpr double kSameCosine = 0.99;
+    constexpr double kMinWall = 0.3;
+    if (gap.deep > kMaxDeep || gap.width_m() > kMaxWidthM) return false;
+    const Eigen::Vector2d from = face_.curve.At(gap.from_m);
+    const Eigen::Vector2d to = face_.curve.At(gap.to_m);
+    const Eigen::Vector2d middle = 0.5 * (from + to);
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      const WallCurve& other = faces_[i].curve;
+      const double ahead = other.SignedDistance(middle);
+      if (i == at_ || ahead < 0.0 || ahead > WallColumn::kDeepM) continue;
+      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) < kSameCosine) continue;
+      const double a = other.Parameter(from);
+      const double b = other.Parameter(to);
+      if (SolidShare(faces_[i], seen_[i], std::min(a, b), std::max(a, b)) > kMinWall) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool HasDoorOpposite(const Gap& gap, const std::vector<Stretches>& closed) const {
+    constexpr double kMaxThicknessM = 0.6;
+    constexpr double kOppositeCosine = -0.99;
+    const Eigen::Vector2d middle =
+        0.5 * (face_.curve.At(gap.from_m) + face_.curve.At(gap.to_m));
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      const WallCurve& other = faces_[i].curve;
+      const double behind = -other.SignedDistance(middle);
+      if (behind <= 0.0 || behind > kMaxThicknessM) continue;
+      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) > kOppositeCosine) continue;
+      const double s = other.Parameter(middle);
+      for (const DoorGap& door : closed[i].doors) {
+        if (s > door.from_m && s < door.to_m) return true;
+      }
+    }
+    return false;
+  }
+
+  void CloseAs(const Gap& gap, ColumnState state) {
+    if (state == ColumnState::kDoor) stretches_.doors.push_back(DoorIn(gap));
+    for (size_t i = gap.first; i < gap.last; ++i) {
       if (stretches_.states[i] != ColumnState::kSolid) stretches_.states[i] = state;
     }
   }
@@ -172,27 +271,31 @@ class GapCloser {
   // middle, with the deviation of a uniform distribution. Beams that hit the jamb's own side
   // are taken for hits of the face where they end within its noise, and those at the face's
   // end for none of it, so that a jamb is not known better than to 1.5 cm.
-  DoorGap DoorIn(double from, double to, size_t first, size_t last, bool has_lintel) const {
+  DoorGap DoorIn(const Gap& gap) const {
     constexpr double kJambStddevM = 0.015;
     Stretch passed;
-    for (size_t i = first; i < last; ++i) {
+    for (size_t i = gap.first; i < gap.last; ++i) {
       if (stretches_.states[i] != ColumnState::kOpen) continue;
       for (const float s : {face_.pass_ends[i].from_m, face_.pass_ends[i].to_m}) {
-        passed.Extend(std::clamp(static_cast<double>(s), from, to));
+        passed.Extend(std::clamp(static_cast<double>(s), gap.from_m, gap.to_m));
       }
     }
-    const double left = static_cast<double>(passed.from_m) - from;
-    const double right = to - static_cast<double>(passed.to_m);
+    const double left = static_cast<double>(passed.from_m) - gap.from_m;
+    const double right = gap.to_m - static_cast<double>(passed.to_m);
     return {
-        from + 0.5 * left,
-        to - 0.5 * right,
+        gap.from_m + 0.5 * left,
+        gap.to_m - 0.5 * right,
         std::sqrt((left * left + right * right) / 12.0 + 2.0 * kJambStddevM * kJambStddevM),
-        has_lintel};
+        gap.HasLintel()};
   }
 
+  size_t at_;
+  const std::vector<WallFace>& faces_;
+  const std::vector<Stretches>& seen_;
   const WallFace& face_;
-  const std::vector<CrossingWall>& walls_;
+  std::vector<CrossingWall> walls_;
   Stretches& stretches_;
+  std::vector<Gap> doubtful_;
 };
 
 }  // namespace
@@ -264,9 +367,12 @@ std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces) {
   }
   // Gaps are judged by what beams saw of the walls, not by gaps that have been closed before.
   const std::vector<Stretches> seen = stretches;
+  std::vector<GapCloser> closers;
   for (size_t i = 0; i < faces.size(); ++i) {
-    GapCloser(faces[i], WallsAcross(i, faces, seen), &stretches[i]).Close();
+    closers.emplace_back(i, faces, seen, &stretches[i]).Close();
   }
+  const std::vector<Stretches> closed = stretches;
+  for (GapCloser& closer : closers) closer.CloseOpposite(closed);
   return stretches;
 }
 

@@ -36,11 +36,13 @@ struct Stretches {
   }
 };
 
-// Tells walls from doors on all faces of a storey. A gap of 0.6 to 1.5 m through which
-// beams pass is a door where the face was hit above it. Where it was not, the gap has to be
-// one between two stretches of the face that are at least 0.3 m long, and must not be as wide
-// as a room: bounded on both sides by walls that go on. Shorter gaps, and gaps that no beam
-// passed, are bridged. Wider ones stay open.
+// Tells walls from openings on all faces of a storey. A gap of 0.6 to 1.5 m through which
+// beams pass is a door where the face was hit above it, or where the opposite face has a door.
+// Else the gap has to be one between two stretches of the face that are at least 0.3 m long,
+// and must not be as wide as a room: bounded on both sides by walls that go on. Shorter gaps
+// are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams passed
+// only to end within 0.45 m on what is no wall (up to 8 m: windows, with what stands in their
+// recess). Other gaps stay open.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 
 // Where two faces cross: the parameters on both, m. None where they are nearly parallel.
