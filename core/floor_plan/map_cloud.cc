@@ -7,7 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "core/result/point_buffer.h"
+#include "core/cloud/point_buffer.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/result/point_buffer.h"
+#include "core/cloud/point_buffer.h"
 #include "core/result/point_cloud_writer.h"
 #include "test/testing/temporary_directory.h"
 
