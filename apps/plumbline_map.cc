@@ -54,6 +54,10 @@ DEFINE_bool(report,
             false,
             "also write report.html, a page that shows the map in any browser, as "
             "plumbline_report does");
+DEFINE_bool(floor_plan,
+            false,
+            "also draw the floor plan of each storey (SVG, DXF), with rooms as CityJSON and "
+            "their areas in rooms.json; plumbline_plan does so later");
 DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
 
 namespace {
@@ -94,6 +98,7 @@ plumbline::Summary Map() {
   job.resume = FLAGS_resume;
   job.checkpoint_after_s = FLAGS_checkpoint_after_s;
   job.report = FLAGS_report;
+  job.floor_plan = FLAGS_floor_plan;
   job.formats = plumbline::ParseCloudFormats(FLAGS_formats);
   job.stop = plumbline::StopSignals();
   return plumbline::RunMapJob(job, [&](const auto& state) { progress.Report(state); });

@@ -14,6 +14,7 @@
 
 #include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
+#include "core/floor_plan/floor_plan_files.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/checkpoint.h"
@@ -26,6 +27,7 @@
 #include "core/result/result_files.h"
 #include "core/result/result_writer.h"
 #include "core/trajectory/motion_noise.h"
+#include "core/util/atomic_file.h"
 #include "core/util/error.h"
 #include "core/util/stopwatch.h"
 
@@ -348,14 +350,34 @@ CheckpointFiles Checkpoint(const MapJob& job,
   return files;
 }
 
-// Throws Error where the report would lack what it is made from.
+// Throws Error where report or floor plan would lack what they are made from.
 void CheckFormats(const MapJob& job) {
   const auto& formats = job.formats;
-  if (!job.report ||
+  if (!(job.report || job.floor_plan) ||
       std::find(formats.begin(), formats.end(), CloudFormat::kPly) != formats.end()) {
     return;
   }
-  throw Error(job.output + ": a report is made from map.ply, which is not among the formats");
+  throw Error(job.output + ": a " + (job.report ? "report" : "floor plan") +
+              " is made from map.ply, which is not among the formats");
+}
+
+// Adds the floor plan to a part's result, whose other files are whole. A map of which there is
+// none is still a map.
+void WriteFloorPlan(const MapJob& job,
+                    const ResultDirectory& output,
+                    const std::string& part) {
+  FloorPlans plan;
+  try {
+    plan = MakeFloorPlan(ReadFloorPlanInput(output.Folder(part), job.rig));
+  } catch (const Error& error) {
+    LOG(WARNING) << output.FinalName(part) << ": " << error.what();
+    return;
+  }
+  for (const PlanFile& file : FloorPlanFiles(plan)) {
+    WriteWholeFile(output.Folder(part) + "/" + file.name,
+                   file.content,
+                   output.FinalName(part) + "/" + file.name);
+  }
 }
 
 // Runs the job on the threads of the caller's arena.
@@ -415,6 +437,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   for (size_t i = 0; i < parts.size(); ++i) {
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();
+    if (job.floor_plan) WriteFloorPlan(job, output, folders[i]);
   }
   for (const std::string& folder : folders) {
     if (job.report) WriteReport(ReportOf(output, job.output, folder));

@@ -22,6 +22,9 @@ struct MapJob {
   // For that, what following has found is kept where it took at least so long.
   double checkpoint_after_s = 2.0;
   bool report = false;  // also write report.html, of each part one
+  // Whether the result holds floor plans (core/floor_plan/floor_plan_files.h). A map without
+  // rooms has none, which is logged.
+  bool floor_plan = false;
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
   // In which the points of the map are written.

@@ -133,6 +133,14 @@ double PlaneCovariance::DistanceStddev(const Eigen::Vector3d& point, int plane) 
   return Stddev(DistanceRow(Find(plane), point));
 }
 
+double PlaneCovariance::SumStddev(const std::vector<WeightedDistance>& terms) const {
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(covariance_.cols());
+  for (const WeightedDistance& term : terms) {
+    row += term.weight * DistanceRow(Find(term.plane), term.point);
+  }
+  return Stddev(row);
+}
+
 double PlaneCovariance::SeparationStddev(const Eigen::Vector3d& point,
                                          int plane_a,
                                          int plane_b) const {

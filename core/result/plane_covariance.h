@@ -37,6 +37,16 @@ class PlaneCovariance {
   // `point`, m: between two walls, wherever one likes to measure it.
   double SeparationStddev(const Eigen::Vector3d& point, int plane_a, int plane_b) const;
 
+  // A plane's signed distance from a point of the model frame, times a weight.
+  struct WeightedDistance {
+    int plane = 0;
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    double weight = 1.0;
+  };
+  // Standard deviation of the sum of such terms: of an area, with the lengths of its edges as
+  // weights.
+  double SumStddev(const std::vector<WeightedDistance>& terms) const;
+
   // A correlation between two planes' parameters: each the plane's angle, or its distance at
   // the patch's centre.
   struct Correlation {

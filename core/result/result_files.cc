@@ -12,15 +12,38 @@ namespace {
 constexpr char kPart[] = "part_";
 constexpr size_t kPartLength = sizeof(kPart) - 1;
 
+bool IsNumber(const std::string& text) {
+  return !text.empty() && text.front() != '0' &&
+         text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+// "floor_plan.svg", "floor_plan_2.dxf", ...
+bool IsStoreyFile(const std::string& name) {
+  const std::string prefix = "floor_plan";
+  for (const std::string extension : {".svg", ".dxf"}) {
+    const size_t length = prefix.size() + extension.size();
+    if (name.size() < length || name.compare(0, prefix.size(), prefix) != 0 ||
+        name.compare(name.size() - extension.size(), extension.size(), extension) != 0) {
+      continue;
+    }
+    const std::string number = name.substr(prefix.size(), name.size() - length);
+    if (number.empty() || (number.front() == '_' && IsNumber(number.substr(1)))) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool IsResultFile(const std::string& name) {
-  static const char* const kNames[] = {"config_used.yaml",
+  if (IsStoreyFile(name)) return true;
+  static const char* const kNames[] = {"building.city.json",
+                                       "config_used.yaml",
                                        "loop_closures.json",
                                        "plane_covariance.csv",
                                        "planes.json",
                                        "planes.ply",
                                        "report.html",
+                                       "rooms.json",
                                        "summary.json",
                                        "trajectory.tum",
                                        "trajectory_covariance.csv",
@@ -36,8 +59,7 @@ std::string PartName(size_t part) { return kPart + std::to_string(part); }
 
 bool IsPartName(const std::string& name) {
   return name.size() > kPartLength && name.compare(0, kPartLength, kPart) == 0 &&
-         name[kPartLength] != '0' &&
-         name.find_first_not_of("0123456789", kPartLength) == std::string::npos;
+         IsNumber(name.substr(kPartLength));
 }
 
 std::vector<std::string> PartsOf(const std::string& directory) {

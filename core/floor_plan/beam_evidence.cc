@@ -1,0 +1,192 @@
+#include "core/floor_plan/beam_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace plumbline {
+namespace {
+
+constexpr double kBoxStepM = 0.5;  // along a face, when its box is sought
+
+void Increase(uint16_t* count) {
+  if (*count < std::numeric_limits<uint16_t>::max()) ++*count;
+}
+
+// Which face, and which surface of it, a plane of the map belongs to.
+struct FaceOfPlane {
+  size_t face = 0;
+  size_t member = 0;
+};
+
+// EvidenceCollector takes one beam after the other.
+class EvidenceCollector {
+ public:
+  EvidenceCollector(const std::vector<PlanePatch>& planes,
+                    const StoreyLevel& storey,
+                    double margin_m,
+                    std::vector<WallFace>* faces)
+      : planes_(planes), storey_(storey), margin_m_(margin_m), faces_(*faces) {
+    Eigen::AlignedBox2d box;
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      for (size_t k = 0; k < faces_[i].planes.size(); ++k) {
+        by_id_[planes[faces_[i].planes[k]].id] = {i, k};
+      }
+      const WallFace& face = faces_[i];
+      for (double s = face.start_m; s < face.end_m(); s += kBoxStepM) {
+        box.extend(face.curve.At(s));
+      }
+      box.extend(face.curve.At(face.end_m()));
+    }
+    grid_ = FreeGrid(box);
+  }
+
+  void Add(const Eigen::Vector3d& origin, const CloudPoint& point) {
+    const Eigen::Vector3d end = point.p_world.cast<double>();
+    const auto of_plane = by_id_.find(point.plane_id);
+    size_t own = faces_.size();
+    if (of_plane != by_id_.end()) {
+      own = of_plane->second.face;
+      AddHit(origin, end, of_plane->second);
+    }
+    AddPasses(origin, end, own);
+  }
+
+  FreeGrid TakeGrid() { return std::move(grid_); }
+
+ private:
+  // The level of a height in the band; kNumLevels or more above it, negative below.
+  int Level(double z) const {
+    const double height =
+        (z - storey_.band_low_m()) / (storey_.band_high_m() - storey_.band_low_m());
+    return static_cast<int>(std::floor(height * static_cast<double>(WallColumn::kNumLevels)));
+  }
+
+  void AddHit(const Eigen::Vector3d& origin,
+              const Eigen::Vector3d& end,
+              const FaceOfPlane& of_plane) {
+    // Where the beam meets the surface itself: the range's noise would blur the ends of walls.
+    const PlanePatch& plane = planes_[faces_[of_plane.face].planes[of_plane.member]];
+    const Eigen::Vector3d along = (end - origin).normalized();
+    const double approach = plane.NormalAt(end).dot(along);
+    constexpr double kMinApproach = 0.02;  // flatter beams say nothing of where
+    if (approach > -kMinApproach) return;
+    const Eigen::Vector3d hit = end - along * (plane.SignedDistance(end) / approach);
+    WallFace& face = faces_[of_plane.face];
+    const double s = face.curve.Parameter(hit.head<2>());
+    const int at = face.ColumnOf(s);
+    const int level = Level(hit.z());
+    if (at < 0 || level < 0 || hit.z() > std::max(storey_.top_m, storey_.band_high_m()))
+      return;
+    const auto column = static_cast<size_t>(at);
+    if (level >= static_cast<int>(WallColumn::kNumLevels)) {
+      Increase(&face.columns[column].hits_above);
+      return;
+    }
+    Increase(&face.columns[column].hits[static_cast<size_t>(level)]);
+    ++face.plane_hits[of_plane.member][column];
+    face.hit_ends[column].Extend(s);
+  }
+
+  void AddPasses(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, size_t own) {
+    const double length = (end - origin).norm();
+    if (length <= margin_m_) return;
+    const Eigen::Vector3d last = origin + (end - origin) * (1.0 - margin_m_ / length);
+    // The part of the beam within the band.
+    const double rise = last.z() - origin.z();
+    double from = 0.0;
+    double to = 1.0;
+    if (std::abs(rise) > 1e-9) {
+      const double a = (storey_.band_low_m() - origin.z()) / rise;
+      const double b = (storey_.band_high_m() - origin.z()) / rise;
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
+    } else if (Level(origin.z()) < 0 ||
+               Level(origin.z()) >= static_cast<int>(WallColumn::kNumLevels)) {
+      return;
+    }
+    if (from >= to) return;
+    const Eigen::Vector3d first_in = origin + from * (last - origin);
+    const Eigen::Vector3d last_in = origin + to * (last - origin);
+    const Eigen::Vector2d a = first_in.head<2>();
+    const Eigen::Vector2d b = last_in.head<2>();
+    grid_.AddBeam(a, b);
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      if (i == own) continue;
+      WallFace& face = faces_[i];
+      const auto is_deep = [&face](const Eigen::Vector3d& p) {
+        return face.curve.SignedDistance(p.head<2>()) < -WallColumn::kDeepM;
+      };
+      face.curve.ForEachCrossing(a, b, [&](double share, double s) {
+        const int column = face.ColumnOf(s);
+        const int level = Level(first_in.z() + share * (last_in.z() - first_in.z()));
+        if (column < 0 || level < 0 || level >= static_cast<int>(WallColumn::kNumLevels))
+          return;
+        Increase(
+            &face.columns[static_cast<size_t>(column)].passes[static_cast<size_t>(level)]);
+        face.pass_ends[static_cast<size_t>(column)].Extend(s);
+        if (is_deep(origin) || is_deep(end)) {
+          Increase(&face.columns[static_cast<size_t>(column)].deep_passes);
+        }
+      });
+    }
+  }
+
+  const std::vector<PlanePatch>& planes_;
+  const StoreyLevel& storey_;
+  double margin_m_;
+  std::vector<WallFace>& faces_;
+  std::unordered_map<int, FaceOfPlane> by_id_;
+  FreeGrid grid_;
+};
+
+}  // namespace
+
+FreeGrid::FreeGrid(const Eigen::AlignedBox2d& box)
+    : box_(box),
+      num_columns_(static_cast<int>(std::ceil(box.sizes().x() / kCellM)) + 1),
+      num_rows_(static_cast<int>(std::ceil(box.sizes().y() / kCellM)) + 1),
+      counts_(static_cast<size_t>(num_columns_) * static_cast<size_t>(num_rows_), 0) {}
+
+int FreeGrid::Index(const Eigen::Vector2d& p) const {
+  const double x = (p.x() - box_.min().x()) / kCellM;
+  const double y = (p.y() - box_.min().y()) / kCellM;
+  if (!(x >= 0.0 && y >= 0.0 && x < num_columns_ && y < num_rows_)) return -1;
+  return static_cast<int>(y) * num_columns_ + static_cast<int>(x);
+}
+
+void FreeGrid::AddBeam(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const int steps = static_cast<int>((b - a).norm() / kCellM) + 1;
+  const Eigen::Vector2d step = (b - a) / steps;
+  Eigen::Vector2d p = a + 0.5 * step;
+  int last = -1;
+  for (int i = 0; i < steps; ++i, p += step) {
+    const int index = Index(p);
+    if (index < 0 || index == last) continue;
+    Increase(&counts_[static_cast<size_t>(index)]);
+    last = index;
+  }
+}
+
+bool FreeGrid::IsFree(const Eigen::Vector2d& p) const {
+  constexpr uint16_t kMinBeams = 2;  // one may be a stray
+  const int index = Index(p);
+  return index >= 0 && counts_[static_cast<size_t>(index)] >= kMinBeams;
+}
+
+FreeGrid CollectEvidence(const std::vector<PlanePatch>& planes,
+                         const std::vector<CloudPoint>& points,
+                         const BeamOrigins& origins,
+                         const StoreyLevel& storey,
+                         double margin_m,
+                         std::vector<WallFace>* faces) {
+  EvidenceCollector collector(planes, storey, margin_m, faces);
+  for (const CloudPoint& point : points) {
+    const auto origin = origins.At(point.scanner, point.time_s);
+    if (origin) collector.Add(*origin, point);
+  }
+  return collector.TakeGrid();
+}
+
+}  // namespace plumbline

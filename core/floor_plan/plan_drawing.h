@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "core/floor_plan/floor_plan.h"
+
+namespace plumbline {
+
+// What the drawings of a plan, SVG and DXF, have in common.
+
+// How thick a wall is drawn of which only one face was seen, m.
+inline constexpr double kDrawnThicknessM = 0.12;
+
+// "21.73 m2" with as many digits as the standard deviation allows, and at most two.
+std::string AreaText(const Room& room);
+// The area's standard deviation with two digits, in square metres.
+std::string AreaStddevText(const Room& room);
+// "4.150 m", and its standard deviation in millimetres.
+std::string LengthText(double length_m);
+std::string StddevText(double stddev_m);
+
+// The four corners of a door's gap in the wall, from the first face to behind the second.
+std::vector<Eigen::Vector2d> GapCorners(const PlanDoor& door);
+
+}  // namespace plumbline

@@ -1,0 +1,277 @@
+#include "core/floor_plan/room_measures.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "core/floor_plan/room_outlines.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kParallelCosine = 0.995;  // 6 degrees
+
+// A straight edge of a room.
+struct Side {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+  Eigen::Vector2d along;   // unit
+  Eigen::Vector2d inward;  // unit
+  int plane_id = -1;
+  double length() const { return (to - from).norm(); }
+};
+
+std::vector<Side> SidesOf(const Room& room, double min_length_m) {
+  std::vector<Side> sides;
+  for (const RoomLoop& loop : room.loops) {
+    for (size_t i = 0; i < loop.size(); ++i) {
+      Side side;
+      side.from = loop[i].from;
+      side.to = loop[(i + 1) % loop.size()].from;
+      side.plane_id = loop[i].plane_id;
+      if (side.plane_id < 0 || side.length() < min_length_m) continue;
+      side.along = (side.to - side.from) / side.length();
+      side.inward = {-side.along.y(), side.along.x()};
+      sides.push_back(side);
+    }
+  }
+  return sides;
+}
+
+// The stretch of side a that lies opposite of side b, as distances from a's begin.
+struct Overlap {
+  double from = 0.0;
+  double to = 0.0;
+  double length() const { return to - from; }
+  double middle() const { return 0.5 * (from + to); }
+};
+
+Overlap OverlapOf(const Side& a, const Side& b) {
+  const double one = a.along.dot(b.from - a.from);
+  const double other = a.along.dot(b.to - a.from);
+  return {std::max(0.0, std::min(one, other)), std::min(a.length(), std::max(one, other))};
+}
+
+Eigen::Vector3d AtHeight(const Eigen::Vector2d& p, double z) { return {p.x(), p.y(), z}; }
+
+// How far the line of b lies from p along a's inward normal.
+double DistanceTo(const Side& a, const Side& b, const Eigen::Vector2d& p) {
+  return b.inward.dot(b.from - p) / b.inward.dot(a.inward);
+}
+
+void MeasureArea(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
+  std::unordered_map<int, const PlanePatch*> by_id;
+  for (const PlanePatch& plane : planes.planes()) by_id[plane.id] = &plane;
+  std::vector<PlaneCovariance::WeightedDistance> terms;
+  room->area_m2 = 0.0;
+  room->unseen_m = 0.0;
+  room->perimeter_m = 0.0;
+  for (const RoomLoop& loop : room->loops) {
+    room->area_m2 += LoopArea(loop);
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const Eigen::Vector2d& a = loop[i].from;
+      const Eigen::Vector2d& b = loop[(i + 1) % loop.size()].from;
+      const double length = (b - a).norm();
+      if (&loop == &room->loops.front()) room->perimeter_m += length;
+      room->unseen_m += std::max(0.0, length - loop[i].closed_m);
+      if (loop[i].plane_id < 0) continue;
+      const PlanePatch& plane = *by_id.at(loop[i].plane_id);
+      const Eigen::Vector3d middle = AtHeight(0.5 * (a + b), level.section_m());
+      const Eigen::Vector3d normal = plane.NormalAt(middle);
+      // The edge moves by less than the distance where the surface leans: by its level share.
+      const Eigen::Vector2d inward(-(b - a).y(), (b - a).x());
+      const double side = normal.head<2>().dot(inward) > 0.0 ? 1.0 : -1.0;
+      terms.push_back({plane.id, middle, side * length / normal.head<2>().norm()});
+      if (!plane.IsCurved()) continue;
+      // Between chord and arc.
+      const double turn = 2.0 * std::asin(std::min(1.0, 0.5 * length / plane.Radius()));
+      const double sliver = 0.5 * plane.Radius() * plane.Radius() * (turn - std::sin(turn));
+      room->area_m2 += plane.curvature < 0.0 ? sliver : -sliver;
+    }
+  }
+  room->area_stddev_m2 = planes.SumStddev(terms);
+}
+
+// The point of the room that is farthest from its edges, to about 0.1 m.
+Eigen::Vector2d InnerPoint(const Room& room) {
+  constexpr double kStepM = 0.1;
+  Eigen::AlignedBox2d box;
+  for (const RoomEdge& edge : room.loops.front()) box.extend(edge.from);
+  Eigen::Vector2d best = box.center();
+  double best_distance = -1.0;
+  for (double x = box.min().x() + 0.5 * kStepM; x < box.max().x(); x += kStepM) {
+    for (double y = box.min().y() + 0.5 * kStepM; y < box.max().y(); y += kStepM) {
+      const Eigen::Vector2d p(x, y);
+      if (!IsInside(room.loops, p)) continue;
+      double distance = 1e9;
+      for (const RoomLoop& loop : room.loops) {
+        for (size_t i = 0; i < loop.size(); ++i) {
+          const Eigen::Vector2d& a = loop[i].from;
+          const Eigen::Vector2d u = loop[(i + 1) % loop.size()].from - a;
+          const double share = std::clamp((p - a).dot(u) / u.squaredNorm(), 0.0, 1.0);
+          distance = std::min(distance, (a + share * u - p).norm());
+        }
+      }
+      // Ties go to the middle of the room's box.
+      distance -= 1e-3 * (p - box.center()).norm();
+      if (distance > best_distance) {
+        best_distance = distance;
+        best = p;
+      }
+    }
+  }
+  return best;
+}
+
+// Of the level surfaces over the label, between two heights, the one with most points.
+const PlanePatch* LevelSurface(const std::vector<PlanePatch>& planes,
+                               const Eigen::Vector2d& label,
+                               double direction,
+                               double low_m,
+                               double high_m) {
+  constexpr double kMarginM = 0.3;
+  const PlanePatch* found = nullptr;
+  for (const PlanePatch& plane : planes) {
+    if (plane.type != PlaneType::kHorizontal || plane.normal.z() * direction < 0.0) continue;
+    if (plane.centre.z() < low_m || plane.centre.z() > high_m) continue;
+    if (found != nullptr && found->num_points >= plane.num_points) continue;
+    if (CoversInPlan(plane.outline, label, kMarginM)) found = &plane;
+  }
+  return found;
+}
+
+void MeasureHeight(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
+  constexpr double kFloorStepM = 0.6;  // a room's floor may be so much off that of the storey
+  constexpr double kMinHeightM = 1.8;
+  constexpr double kCeilingStepM = 0.5;  // above the storey's: rooms are not all as high
+  if (!level.has_floor) return;
+  const PlanePatch* floor = LevelSurface(planes.planes(),
+                                         room->label,
+                                         1.0,
+                                         level.floor_m - kFloorStepM,
+                                         level.floor_m + kFloorStepM);
+  const PlanePatch* ceiling = LevelSurface(planes.planes(),
+                                           room->label,
+                                           -1.0,
+                                           level.floor_m + kMinHeightM,
+                                           level.top_m + kCeilingStepM);
+  if (floor != nullptr) room->floor_m = floor->centre.z();
+  if (ceiling != nullptr) room->ceiling_m = ceiling->centre.z();
+  if (floor != nullptr && ceiling != nullptr) {
+    room->height_stddev_m = planes.SeparationStddev(
+        AtHeight(room->label, floor->centre.z()), floor->id, ceiling->id);
+  }
+}
+
+// The clear distances of the room: of each direction the opposite walls that face each other
+// on the greatest length, and others that are clearly farther from each other or nearer.
+void MeasureDimensions(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
+  constexpr double kMinSideM = 0.4;
+  constexpr double kMinOverlapM = 0.4;
+  constexpr size_t kMaxPerDirection = 2;
+  constexpr double kOtherM = 0.3;
+  // Near one end of the walls, where lines and texts are out of the label's way.
+  constexpr double kPlaceShare = 0.25;
+  constexpr double kMaxPlaceM = 0.45;
+  struct Candidate {
+    Dimension dimension;
+    double overlap = 0.0;
+    Eigen::Vector2d direction;
+  };
+  std::vector<Candidate> candidates;
+  const std::vector<Side> sides = SidesOf(*room, kMinSideM);
+  for (size_t i = 0; i < sides.size(); ++i) {
+    for (size_t k = i + 1; k < sides.size(); ++k) {
+      const Side& a = sides[i];
+      const Side& b = sides[k];
+      if (a.inward.dot(b.inward) > -kParallelCosine) continue;
+      const Overlap overlap = OverlapOf(a, b);
+      if (overlap.length() < kMinOverlapM) continue;
+      const double inset = std::min(kPlaceShare * overlap.length(), kMaxPlaceM);
+      const double label = a.along.dot(room->label - a.from);
+      const double place =
+          label > overlap.middle() ? overlap.from + inset : overlap.to - inset;
+      const Eigen::Vector2d from = a.from + place * a.along;
+      const double length = DistanceTo(a, b, from);
+      if (length <= 0.0) continue;
+      const Eigen::Vector2d to = from + length * a.inward;
+      if (!IsInside(room->loops, 0.5 * (from + to)) ||
+          !IsInside(room->loops, from + 0.1 * (to - from)) ||
+          !IsInside(room->loops, from + 0.9 * (to - from))) {
+        continue;
+      }
+      candidates.push_back(
+          {{from, to, a.plane_id, b.plane_id, length, 0.0}, overlap.length(), a.inward});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.overlap > b.overlap;
+  });
+  std::vector<const Candidate*> taken;
+  for (const Candidate& candidate : candidates) {
+    size_t same = 0;
+    bool is_known = false;
+    for (const Candidate* other : taken) {
+      if (std::abs(other->direction.dot(candidate.direction)) < 0.9) continue;
+      ++same;
+      is_known = is_known ||
+                 std::abs(other->dimension.length_m - candidate.dimension.length_m) < kOtherM;
+    }
+    if (is_known || same >= kMaxPerDirection) continue;
+    taken.push_back(&candidate);
+    Dimension dimension = candidate.dimension;
+    dimension.stddev_m = planes.SeparationStddev(
+        AtHeight(dimension.from, level.section_m()), dimension.plane_a, dimension.plane_b);
+    room->dimensions.push_back(dimension);
+  }
+}
+
+}  // namespace
+
+void MeasureRoom(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
+  room->label = InnerPoint(*room);
+  MeasureArea(planes, level, room);
+  MeasureHeight(planes, level, room);
+  MeasureDimensions(planes, level, room);
+}
+
+std::vector<WallPiece> FindWalls(const PlaneCovariance& planes,
+                                 const StoreyLevel& level,
+                                 const std::vector<Room>& rooms) {
+  constexpr double kMaxThicknessM = 0.6;
+  constexpr double kMinSideM = 0.2;
+  constexpr double kMinOverlapM = 0.2;
+  std::vector<Side> sides;
+  for (const Room& room : rooms) {
+    const std::vector<Side> of_room = SidesOf(room, kMinSideM);
+    sides.insert(sides.end(), of_room.begin(), of_room.end());
+  }
+  std::vector<WallPiece> walls;
+  for (size_t i = 0; i < sides.size(); ++i) {
+    for (size_t k = i + 1; k < sides.size(); ++k) {
+      const Side& a = sides[i];
+      const Side& b = sides[k];
+      if (a.inward.dot(b.inward) > -kParallelCosine) continue;
+      const Overlap overlap = OverlapOf(a, b);
+      if (overlap.length() < kMinOverlapM) continue;
+      const Eigen::Vector2d middle = a.from + overlap.middle() * a.along;
+      const double thickness = -DistanceTo(a, b, middle);  // b lies behind a
+      if (thickness <= 0.0 || thickness > kMaxThicknessM) continue;
+      WallPiece wall;
+      const Eigen::Vector2d p = a.from + overlap.from * a.along;
+      const Eigen::Vector2d q = a.from + overlap.to * a.along;
+      wall.corners = {
+          p, q, q + DistanceTo(a, b, q) * a.inward, p + DistanceTo(a, b, p) * a.inward};
+      wall.plane_a = a.plane_id;
+      wall.plane_b = b.plane_id;
+      wall.thickness_m = thickness;
+      wall.stddev_m =
+          planes.SeparationStddev(AtHeight(middle, level.section_m()), a.plane_id, b.plane_id);
+      walls.push_back(wall);
+    }
+  }
+  return walls;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,271 @@
+#include "core/floor_plan/storey_planner.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/floor_plan/region_labels.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kFrameLabel = -1;
+constexpr int kEndLabel = -2;  // of lines across the ends of free-standing walls
+constexpr double kMaxSagittaM = 0.001;
+constexpr double kArcExtensionM = 0.5;
+constexpr double kEndDepthM = 1.0;  // how far behind a face its end's line goes
+
+void AddFrame(const Eigen::AlignedBox2d& box, std::vector<PlanSegment>* segments) {
+  const Eigen::Vector2d low = box.min();
+  const Eigen::Vector2d high = box.max();
+  const Eigen::Vector2d corners[] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  for (size_t i = 0; i < 4; ++i) {
+    segments->push_back({corners[i], corners[(i + 1) % 4], kFrameLabel});
+  }
+}
+
+// An arc as chords, where it was seen and a little beyond.
+void AddArc(const WallFace& face,
+            const Stretches& stretches,
+            int label,
+            std::vector<PlanSegment>* segments) {
+  const std::vector<SolidRun> runs = SolidRuns(face, stretches);
+  if (runs.empty()) return;
+  const double half_turn = M_PI * face.curve.radius_m();
+  const double from = std::max(-half_turn, runs.front().from_m - kArcExtensionM);
+  const double to = std::min(half_turn, runs.back().to_m + kArcExtensionM);
+  const double chord = 2.0 * std::sqrt(2.0 * kMaxSagittaM * face.curve.radius_m());
+  const int count = std::max(1, static_cast<int>(std::ceil((to - from) / chord)));
+  Eigen::Vector2d last = face.curve.At(from);
+  for (int i = 1; i <= count; ++i) {
+    const Eigen::Vector2d next = face.curve.At(from + (to - from) * i / count);
+    segments->push_back({last, next, label});
+    last = next;
+  }
+}
+
+// Lines backwards from the ends of solid runs where the wall just ends: its other sides may
+// not have been seen as surfaces.
+void AddEnds(size_t at,
+             const std::vector<WallFace>& faces,
+             const Stretches& stretches,
+             std::vector<PlanSegment>* segments) {
+  constexpr double kSameM = 0.1;         // a line that crosses is there already
+  constexpr double kOvershootM = 0.001;  // so that the line surely meets the face's
+  const WallFace& face = faces[at];
+  const std::vector<FaceCrossing> crossings = CrossingsOf(at, faces);
+  for (const SolidRun& run : SolidRuns(face, stretches)) {
+    for (const bool is_begin : {true, false}) {
+      const double s = is_begin ? run.from_m : run.to_m;
+      const int column = face.ColumnOf(s) + (is_begin ? -1 : 1);
+      if (column < 0 || column >= static_cast<int>(face.columns.size())) continue;
+      const ColumnState beyond = stretches.states[static_cast<size_t>(column)];
+      if (beyond == ColumnState::kSolid || beyond == ColumnState::kBridged) continue;
+      if (std::any_of(crossings.begin(), crossings.end(), [s](const FaceCrossing& crossing) {
+            return std::abs(crossing.s - s) < kSameM;
+          })) {
+        continue;
+      }
+      const Eigen::Vector2d p = face.curve.At(s);
+      const Eigen::Vector2d normal = face.curve.NormalAt(p);
+      segments->push_back({p + kOvershootM * normal, p - kEndDepthM * normal, kEndLabel});
+    }
+  }
+}
+
+// SquareMap says in which cell the middle of each square of the free grid lies.
+class SquareMap {
+ public:
+  SquareMap(const PlanSubdivision& plan, const Eigen::AlignedBox2d& box)
+      : box_(box),
+        num_columns_(static_cast<int>(std::ceil(box.sizes().x() / FreeGrid::kCellM))),
+        num_rows_(static_cast<int>(std::ceil(box.sizes().y() / FreeGrid::kCellM))),
+        cells_(static_cast<size_t>(num_columns_ * num_rows_), -1) {
+    // A cell is on the left of its half-edges, so that east of one that goes down its cell
+    // begins: in each row, a square lies in the cell of the last such edge before it.
+    std::vector<std::vector<std::pair<double, int>>> crossings(static_cast<size_t>(num_rows_));
+    for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
+      const Eigen::Vector2d& a = plan.points[static_cast<size_t>(edge.origin)];
+      const Eigen::Vector2d& b = plan.points[static_cast<size_t>(edge.target)];
+      if (a.y() <= b.y()) continue;
+      for (int row = RowFrom(b.y()); row < num_rows_ && RowY(row) < a.y(); ++row) {
+        if (row < 0) continue;
+        const double x = a.x() + (RowY(row) - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+        crossings[static_cast<size_t>(row)].emplace_back(x, edge.cell);
+      }
+    }
+    for (int row = 0; row < num_rows_; ++row) {
+      auto& of_row = crossings[static_cast<size_t>(row)];
+      std::sort(of_row.begin(), of_row.end());
+      size_t next = 0;
+      int cell = -1;
+      for (int column = 0; column < num_columns_; ++column) {
+        while (next < of_row.size() && of_row[next].first <= Middle(column, row).x()) {
+          cell = of_row[next++].second;
+        }
+        cells_[static_cast<size_t>(row * num_columns_ + column)] = cell;
+      }
+    }
+  }
+
+  // Calls visit(cell, middle) for each square that lies in a cell.
+  template <typename Visit>
+  void ForEach(Visit visit) const {
+    for (int row = 0; row < num_rows_; ++row) {
+      for (int column = 0; column < num_columns_; ++column) {
+        const int cell = cells_[static_cast<size_t>(row * num_columns_ + column)];
+        if (cell >= 0) visit(static_cast<size_t>(cell), Middle(column, row));
+      }
+    }
+  }
+
+ private:
+  double RowY(int row) const { return box_.min().y() + (row + 0.5) * FreeGrid::kCellM; }
+  int RowFrom(double y) const {
+    return static_cast<int>(std::ceil((y - box_.min().y()) / FreeGrid::kCellM - 0.5));
+  }
+  Eigen::Vector2d Middle(int column, int row) const {
+    return {box_.min().x() + (column + 0.5) * FreeGrid::kCellM, RowY(row)};
+  }
+
+  Eigen::AlignedBox2d box_;
+  int num_columns_;
+  int num_rows_;
+  std::vector<int> cells_;
+};
+
+void LabelCells(const FreeGrid& free, const SquareMap& squares, StoreyRegions* regions) {
+  constexpr double kFreePerM2 = 4.0;
+  constexpr double kUnseenPerM2 = 0.1;
+  constexpr double kOpenBorder = 0.5;
+  constexpr double kUnseenBorder = 0.2;
+  constexpr double kSquareM2 = FreeGrid::kCellM * FreeGrid::kCellM;
+  constexpr double kNever = 1e6;
+  const PlanSubdivision& plan = regions->plan;
+  std::vector<CellCost> cells(plan.cells.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (plan.cells[i].is_unbounded) cells[i].free = kNever;
+  }
+  squares.ForEach([&](size_t cell, const Eigen::Vector2d& middle) {
+    if (free.IsFree(middle)) {
+      cells[cell].solid += kFreePerM2 * kSquareM2;
+    } else {
+      cells[cell].free += kUnseenPerM2 * kSquareM2;
+    }
+  });
+  std::vector<BorderCost> borders;
+  for (size_t i = 0; i < plan.half_edges.size(); ++i) {
+    const PlanSubdivision::HalfEdge& edge = plan.half_edges[i];
+    if (static_cast<int>(i) > edge.twin) continue;
+    const auto cell = static_cast<size_t>(edge.cell);
+    const auto twin_cell =
+        static_cast<size_t>(plan.half_edges[static_cast<size_t>(edge.twin)].cell);
+    const double length = regions->Length(edge);
+    if (edge.label < 0) {
+      borders.push_back({cell, twin_cell, kUnseenBorder * length});
+      continue;
+    }
+    const StoreyRegions::EdgeShares shares = regions->SharesOf(edge);
+    const Eigen::Vector2d& a = plan.points[static_cast<size_t>(edge.origin)];
+    const Eigen::Vector2d& b = plan.points[static_cast<size_t>(edge.target)];
+    const Eigen::Vector2d left(-(b - a).y(), (b - a).x());
+    const WallCurve& curve = regions->faces[static_cast<size_t>(edge.label)].curve;
+    const bool looks_left = curve.NormalAt(0.5 * (a + b)).dot(left) > 0.0;
+    cells[looks_left ? cell : twin_cell].solid += shares.solid * length;
+    cells[looks_left ? twin_cell : cell].free += shares.solid * length;
+    borders.push_back({cell,
+                       twin_cell,
+                       (kOpenBorder * shares.open + kUnseenBorder * shares.unseen) * length});
+  }
+  regions->is_free = LabelRegions(cells, borders);
+}
+
+// Joins free cells to rooms where no closed edge separates them.
+void JoinRooms(StoreyRegions* regions) {
+  constexpr double kMinClosed = 0.5;
+  const PlanSubdivision& plan = regions->plan;
+  std::vector<std::vector<int>> neighbours(plan.cells.size());
+  for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
+    const int other = plan.half_edges[static_cast<size_t>(edge.twin)].cell;
+    if (!regions->is_free[static_cast<size_t>(edge.cell)] ||
+        !regions->is_free[static_cast<size_t>(other)]) {
+      continue;
+    }
+    if (regions->SharesOf(edge).closed >= kMinClosed) continue;
+    neighbours[static_cast<size_t>(edge.cell)].push_back(other);
+  }
+  regions->room_of_cell.assign(plan.cells.size(), -1);
+  int num_rooms = 0;
+  for (size_t i = 0; i < plan.cells.size(); ++i) {
+    if (!regions->is_free[i] || regions->room_of_cell[i] >= 0) continue;
+    std::vector<int> waiting = {static_cast<int>(i)};
+    while (!waiting.empty()) {
+      const auto cell = static_cast<size_t>(waiting.back());
+      waiting.pop_back();
+      if (regions->room_of_cell[cell] >= 0) continue;
+      regions->room_of_cell[cell] = num_rooms;
+      waiting.insert(waiting.end(), neighbours[cell].begin(), neighbours[cell].end());
+    }
+    ++num_rooms;
+  }
+  regions->num_rooms = num_rooms;
+}
+
+}  // namespace
+
+StoreyRegions::EdgeShares StoreyRegions::SharesOf(
+    const PlanSubdivision::HalfEdge& edge) const {
+  EdgeShares shares;
+  if (edge.label < 0) return shares;
+  const WallFace& face = faces[static_cast<size_t>(edge.label)];
+  const Stretches& of_face = stretches[static_cast<size_t>(edge.label)];
+  double from = face.curve.Parameter(plan.points[static_cast<size_t>(edge.origin)]);
+  double to = face.curve.Parameter(plan.points[static_cast<size_t>(edge.target)]);
+  if (from > to) std::swap(from, to);
+  // At least three samples: edges can be much shorter than a column.
+  const int count = std::max(3, static_cast<int>((to - from) / WallFace::kColumnM) * 2);
+  for (int i = 0; i < count; ++i) {
+    const int column = face.ColumnOf(from + (to - from) * (i + 0.5) / count);
+    const ColumnState state =
+        column < 0 ? ColumnState::kUnseen : of_face.states[static_cast<size_t>(column)];
+    if (state == ColumnState::kSolid) shares.solid += 1.0 / count;
+    if (state == ColumnState::kOpen) shares.open += 1.0 / count;
+    if (state == ColumnState::kUnseen) shares.unseen += 1.0 / count;
+    if (column >= 0 && of_face.IsClosed(static_cast<size_t>(column))) {
+      shares.closed += 1.0 / count;
+    }
+  }
+  return shares;
+}
+
+double StoreyRegions::Length(const PlanSubdivision::HalfEdge& edge) const {
+  return (plan.points[static_cast<size_t>(edge.target)] -
+          plan.points[static_cast<size_t>(edge.origin)])
+      .norm();
+}
+
+StoreyRegions PlanStorey(std::vector<WallFace> faces, const FreeGrid& free) {
+  StoreyRegions regions;
+  regions.stretches = FindStretches(faces);
+  regions.faces = std::move(faces);
+  std::vector<PlanSegment> segments;
+  AddFrame(free.box(), &segments);
+  for (size_t i = 0; i < regions.faces.size(); ++i) {
+    const WallFace& face = regions.faces[i];
+    const int label = static_cast<int>(i);
+    if (face.curve.IsArc()) {
+      AddArc(face, regions.stretches[i], label, &segments);
+    } else {
+      segments.push_back({face.curve.At(face.start_m), face.curve.At(face.end_m()), label});
+    }
+    AddEnds(i, regions.faces, regions.stretches[i], &segments);
+  }
+  regions.plan = Subdivide(segments);
+  const SquareMap squares(regions.plan, free.box());
+  LabelCells(free, squares, &regions);
+  JoinRooms(&regions);
+  return regions;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,147 @@
+#include "core/floor_plan/wall_faces.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace plumbline {
+namespace {
+
+constexpr size_t kMinHits = 50;      // within the band, of a surface that is to be a wall
+constexpr double kMaxNormalZ = 0.9;  // flatter is a roof that the plan does not cut
+constexpr double kMarginM = 1.0;     // of columns beyond the box of all walls
+constexpr double kSameFaceM = 0.05;  // surfaces so close are one face
+constexpr double kSameFaceCosine = 0.9994;  // 2 degrees
+
+// What the points of one surface say of it as a wall.
+struct SurfaceHits {
+  size_t in_band = 0;
+  std::vector<float> heights_m;  // of all its points in the storey
+  double first_s = std::numeric_limits<double>::max();
+  double last_s = std::numeric_limits<double>::lowest();
+};
+
+double Quantile(std::vector<float>* values, double share) {
+  const auto at = values->begin() +
+                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
+  std::nth_element(values->begin(), at, values->end());
+  return static_cast<double>(*at);
+}
+
+// Whether it reaches from where people walk to the ceiling, or above where they could look
+// over.
+bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
+  constexpr double kMaxBottomM = 1.3;  // above the floor: what is behind a kitchen is a wall
+  constexpr double kMinTopM = 1.9;
+  constexpr double kMaxNeededM = 2.3;
+  constexpr double kBelowCeilingM = 0.5;
+  constexpr double kNarrowM = 0.7;  // pillars and jambs, of which less may have been seen
+  constexpr double kNarrowTopM = 1.7;
+  if (hits->in_band < kMinHits) return false;
+  if (!storey.has_floor) return true;
+  const double bottom_m = Quantile(&hits->heights_m, 0.02) - storey.floor_m;
+  const double top_m = Quantile(&hits->heights_m, 0.98) - storey.floor_m;
+  double needed_m = kMinTopM;
+  if (storey.has_ceiling) {
+    needed_m = std::min(storey.top_m - storey.floor_m - kBelowCeilingM, kMaxNeededM);
+  }
+  if (hits->last_s - hits->first_s < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
+  return bottom_m < kMaxBottomM && top_m > needed_m;
+}
+
+// Whether all that was seen of the surface lies on the face.
+bool Continues(const WallFace& face, const WallCurve& curve, const SurfaceHits& hits) {
+  if (face.curve.IsArc() != curve.IsArc()) return false;
+  for (const double s : {hits.first_s, hits.last_s}) {
+    const Eigen::Vector2d p = curve.At(s);
+    if (std::abs(face.curve.SignedDistance(p)) > kSameFaceM) return false;
+    if (face.curve.NormalAt(p).dot(curve.NormalAt(p)) < kSameFaceCosine) return false;
+  }
+  return true;
+}
+
+// Gives the face empty columns over the box.
+void AddColumns(const Eigen::AlignedBox2d& box, WallFace* face) {
+  double first_s = std::numeric_limits<double>::max();
+  double last_s = std::numeric_limits<double>::lowest();
+  if (face->curve.IsArc()) {
+    last_s = M_PI * face->curve.radius_m();
+    first_s = -last_s;
+  } else {
+    for (const auto corner : {Eigen::AlignedBox2d::BottomLeft,
+                              Eigen::AlignedBox2d::BottomRight,
+                              Eigen::AlignedBox2d::TopLeft,
+                              Eigen::AlignedBox2d::TopRight}) {
+      const double s = face->curve.Parameter(box.corner(corner));
+      first_s = std::min(first_s, s);
+      last_s = std::max(last_s, s);
+    }
+  }
+  face->start_m = first_s;
+  const auto count =
+      static_cast<size_t>(std::ceil((last_s - first_s) / WallFace::kColumnM)) + 1;
+  face->columns.resize(count);
+  face->hit_ends.resize(count);
+  face->pass_ends.resize(count);
+  face->plane_hits.resize(face->planes.size(), std::vector<uint32_t>(count, 0));
+}
+
+}  // namespace
+
+std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
+                                    const std::vector<CloudPoint>& points,
+                                    const StoreyLevel& storey) {
+  std::unordered_map<int, size_t> index_of_id;
+  std::vector<WallCurve> curves(planes.size());
+  for (size_t i = 0; i < planes.size(); ++i) {
+    if (std::abs(planes[i].normal.z()) > kMaxNormalZ) continue;
+    index_of_id[planes[i].id] = i;
+    curves[i] = WallCurve(planes[i], storey.section_m());
+  }
+  std::vector<SurfaceHits> hits(planes.size());
+  for (const CloudPoint& point : points) {
+    const auto at = index_of_id.find(point.plane_id);
+    if (at == index_of_id.end()) continue;
+    const auto z = static_cast<double>(point.p_world.z());
+    if (z < storey.band_low_m() || z > std::max(storey.top_m, storey.band_high_m())) continue;
+    SurfaceHits& of_plane = hits[at->second];
+    of_plane.heights_m.push_back(point.p_world.z());
+    if (z > storey.band_high_m()) continue;
+    ++of_plane.in_band;
+    const double s = curves[at->second].Parameter(point.p_world.head<2>().cast<double>());
+    of_plane.first_s = std::min(of_plane.first_s, s);
+    of_plane.last_s = std::max(of_plane.last_s, s);
+  }
+  std::vector<size_t> order;
+  Eigen::AlignedBox2d box;
+  for (size_t i = 0; i < planes.size(); ++i) {
+    if (!IsWall(storey, &hits[i])) continue;
+    order.push_back(i);
+    box.extend(curves[i].At(hits[i].first_s)).extend(curves[i].At(hits[i].last_s));
+  }
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return hits[a].in_band != hits[b].in_band ? hits[a].in_band > hits[b].in_band : a < b;
+  });
+  std::vector<WallFace> faces;
+  for (const size_t i : order) {
+    const auto face = std::find_if(faces.begin(), faces.end(), [&](const WallFace& f) {
+      return Continues(f, curves[i], hits[i]);
+    });
+    if (face != faces.end()) {
+      face->planes.push_back(i);
+    } else {
+      WallFace& added = faces.emplace_back();
+      added.curve = curves[i];
+      added.planes = {i};
+    }
+  }
+  if (faces.empty()) return faces;
+  const Eigen::Vector2d margin(kMarginM, kMarginM);
+  const Eigen::AlignedBox2d wide(box.min() - margin, box.max() + margin);
+  for (WallFace& face : faces) AddColumns(wide, &face);
+  return faces;
+}
+
+}  // namespace plumbline

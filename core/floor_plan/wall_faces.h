@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/floor_plan/map_cloud.h"
+#include "core/floor_plan/storey_levels.h"
+#include "core/floor_plan/wall_curve.h"
+
+namespace plumbline {
+
+// WallColumn is what beams say of 5 cm of a wall's face, from the floor up: at each of eight
+// heights of the storey's band, how many hit the face and how many passed through it.
+struct WallColumn {
+  static constexpr size_t kNumLevels = 8;
+  static constexpr size_t kNumLow = 3;  // of these, below window sills: up to 0.8 m
+  std::array<uint16_t, kNumLevels> hits = {};
+  std::array<uint16_t, kNumLevels> passes = {};
+  uint16_t hits_above = 0;  // above the band: lintels
+  // Of the passes, those that came from or went more than kDeepM behind the face.
+  static constexpr double kDeepM = 0.45;
+  uint16_t deep_passes = 0;
+
+  // Whether more than strays went so far: ranges are noisy.
+  bool IsDeep() const {
+    constexpr int kMinShare = 5;  // one of so many passes
+    int all = 0;
+    for (const uint16_t count : passes) all += count;
+    return deep_passes > 1 && kMinShare * deep_passes > all;
+  }
+};
+
+// Stretch is a part of a face, m; empty at first.
+struct Stretch {
+  float from_m = std::numeric_limits<float>::max();
+  float to_m = std::numeric_limits<float>::lowest();
+
+  bool IsEmpty() const { return from_m > to_m; }
+  void Extend(double s) {
+    from_m = std::min(from_m, static_cast<float>(s));
+    to_m = std::max(to_m, static_cast<float>(s));
+  }
+};
+
+// WallFace is one face of a wall: surfaces of the map that continue each other, as one curve
+// in plan, and what beams say of it, column by column.
+struct WallFace {
+  static constexpr double kColumnM = 0.05;
+
+  WallCurve curve;             // of its strongest surface
+  std::vector<size_t> planes;  // positions in the result's planes; the strongest first
+  double start_m = 0.0;        // parameter at which the first column begins
+  std::vector<WallColumn> columns;
+  // Of each surface, the hits of each column, in the order of `planes`.
+  std::vector<std::vector<uint32_t>> plane_hits;
+  std::vector<Stretch> hit_ends;   // of each column, the outermost hits
+  std::vector<Stretch> pass_ends;  // and the outermost beams that passed
+
+  double end_m() const { return start_m + kColumnM * static_cast<double>(columns.size()); }
+  // The column of a parameter; -1 outside.
+  int ColumnOf(double s) const {
+    const double column = (s - start_m) / kColumnM;
+    return column >= 0.0 && column < static_cast<double>(columns.size())
+               ? static_cast<int>(column)
+               : -1;
+  }
+};
+
+// The faces of a storey's walls: upright and leaning surfaces that are hit within the storey's
+// band and reach above it, or up to its ceiling. What ends lower is furniture or a parapet,
+// and what begins higher a lintel. Columns are empty, and reach over the box of all walls.
+std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
+                                    const std::vector<CloudPoint>& points,
+                                    const StoreyLevel& storey);
+
+}  // namespace plumbline

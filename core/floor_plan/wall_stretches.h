@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/floor_plan/wall_faces.h"
+
+namespace plumbline {
+
+// What a column of a wall's face is.
+enum class ColumnState {
+  kUnseen,   // no beam says anything
+  kOpen,     // beams pass through
+  kSolid,    // beams hit the face
+  kBridged,  // a gap in the face that the wall's line bridges: what is hidden, slits
+  kDoor,     // a gap that people go through, which separates rooms
+};
+
+// DoorGap is a door in one face: where along it the gap is, m.
+struct DoorGap {
+  double from_m = 0.0;
+  double to_m = 0.0;
+  double stddev_m = 0.0;    // of its width
+  bool has_lintel = false;  // the face was hit above it
+};
+
+// Stretches is a face, column by column: what is wall and what is not.
+struct Stretches {
+  std::vector<ColumnState> states;
+  std::vector<bool> windows;  // solid below, and beams pass above
+  std::vector<DoorGap> doors;
+
+  bool IsClosed(size_t column) const {
+    return states[column] == ColumnState::kSolid || states[column] == ColumnState::kBridged ||
+           states[column] == ColumnState::kDoor;
+  }
+};
+
+// Tells walls from openings on all faces of a storey. A gap of 0.6 to 1.5 m through which
+// beams pass is a door where the face was hit above it, or where the opposite face has a door.
+// Else the gap has to be one between two stretches of the face that are at least 0.3 m long,
+// and must not be as wide as a room: bounded on both sides by walls that go on. Shorter gaps
+// are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams passed
+// only to end within 0.45 m on what is no wall (up to 8 m: windows, with what stands in their
+// recess). Other gaps stay open.
+std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
+
+// Where two faces cross: the parameters on both, m. None where they are nearly parallel.
+struct FaceCrossing {
+  size_t face = 0;  // the other one
+  double s = 0.0;
+  double other_s = 0.0;
+};
+std::vector<FaceCrossing> CrossingsOf(size_t face, const std::vector<WallFace>& faces);
+
+// A stretch of a face whose columns are solid, from the first hit to the last, m.
+struct SolidRun {
+  double from_m = 0.0;
+  double to_m = 0.0;
+};
+std::vector<SolidRun> SolidRuns(const WallFace& face, const Stretches& stretches);
+
+}  // namespace plumbline

@@ -1,0 +1,161 @@
+#include "core/floor_plan/floor_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/floor_plan/room_outlines.h"
+#include "test/testing/made_up_rooms.h"
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr double kToleranceM = 1e-5;  // points are floats
+
+// One room of 5 m x 4 m with a pillar of 0.4 m x 0.3 m, of which two sides are seen.
+MadeUpRooms RoomWithPillar() {
+  MadeUpRooms rooms;
+  rooms.AddBox({0, 0}, {5, 4});
+  rooms.AddFace({2.4, 2.0}, {2.0, 2.0});
+  rooms.AddFace({2.0, 2.0}, {2.0, 2.3});
+  return rooms;
+}
+
+TEST(FloorPlan, TwoRoomsAndTheDoorBetweenThem) {
+  const FloorPlans plan = MakeFloorPlan(TwoMadeUpRooms());
+  ASSERT_THAT(plan.storeys, SizeIs(1));
+  const StoreyPlan& storey = plan.storeys[0];
+  ASSERT_THAT(storey.rooms, SizeIs(2));
+  // In the order in which the rig came to them.
+  EXPECT_NEAR(storey.rooms[0].area_m2, 12.0, 12.0 * kToleranceM);
+  EXPECT_NEAR(storey.rooms[1].area_m2, 9.0, 9.0 * kToleranceM);
+  for (const Room& room : storey.rooms) {
+    EXPECT_TRUE(room.entered);
+    ASSERT_THAT(room.loops, SizeIs(1));
+    EXPECT_THAT(room.loops[0], SizeIs(4));
+    EXPECT_NEAR(*room.ceiling_m - *room.floor_m, MadeUpRooms::kCeilingM, kToleranceM);
+    EXPECT_NEAR(*room.height_stddev_m, std::sqrt(2.0) * MadeUpRooms::kFloorStddevM, 1e-9);
+  }
+  ASSERT_THAT(storey.doors, SizeIs(1));
+  const PlanDoor& door = storey.doors[0];
+  EXPECT_NEAR(door.width_m, 0.9, 0.03);
+  EXPECT_NEAR(door.depth_m, 0.2, kToleranceM);
+  EXPECT_EQ(door.rooms[0] + door.rooms[1], 3);
+  ASSERT_THAT(storey.walls, SizeIs(1));
+  EXPECT_NEAR(storey.walls[0].thickness_m, 0.2, kToleranceM);
+  EXPECT_NEAR(storey.walls[0].stddev_m, std::sqrt(2.0) * MadeUpRooms::kWallStddevM, 1e-9);
+}
+
+TEST(FloorPlan, AreasCarryTheStandardDeviationsOfTheirWalls) {
+  const FloorPlans plan = MakeFloorPlan(TwoMadeUpRooms());
+  // Each wall moves the area by its length: 4, 3, 4, 3 m and 3, 3, 3, 3 m.
+  const std::vector<Room>& rooms = plan.storeys.at(0).rooms;
+  EXPECT_NEAR(rooms[0].area_stddev_m2, MadeUpRooms::kWallStddevM * std::sqrt(50.0), 1e-6);
+  EXPECT_NEAR(rooms[1].area_stddev_m2, MadeUpRooms::kWallStddevM * std::sqrt(36.0), 1e-6);
+}
+
+TEST(FloorPlan, DimensionsAreClearDistancesOfOppositeWalls) {
+  const FloorPlans plan = MakeFloorPlan(TwoMadeUpRooms());
+  const Room& room = plan.storeys.at(0).rooms.at(0);
+  ASSERT_THAT(room.dimensions, SizeIs(2));
+  std::vector<double> lengths;
+  for (const Dimension& dimension : room.dimensions) {
+    lengths.push_back(dimension.length_m);
+    EXPECT_NEAR(dimension.stddev_m, std::sqrt(2.0) * MadeUpRooms::kWallStddevM, 1e-9);
+    EXPECT_TRUE(IsInside(room.loops, 0.5 * (dimension.from + dimension.to)));
+  }
+  EXPECT_THAT(lengths,
+              ::testing::UnorderedElementsAre(::testing::DoubleNear(4.0, kToleranceM),
+                                              ::testing::DoubleNear(3.0, kToleranceM)));
+}
+
+TEST(FloorPlan, APillarOfWhichTwoSidesAreSeenIsNoFloor) {
+  MadeUpRooms rooms = RoomWithPillar();
+  rooms.AddWay({{1, 1}, {1, 3}, {1.5, 1}, {4, 1}, {4, 3}});
+  const FloorPlans plan = MakeFloorPlan(rooms.Input());
+  ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1));
+  const Room& room = plan.storeys[0].rooms[0];
+  EXPECT_THAT(room.loops, SizeIs(2));
+  EXPECT_NEAR(
+      room.area_m2, 20.0 - 0.4 * 0.3, 0.02);  // its ends are known to the beams' spacing
+}
+
+TEST(FloorPlan, AHiddenPieceOfAWallIsBridged) {
+  MadeUpRooms rooms;
+  // No beam ends on the wall between 1 m and 2.4 m: something as high as the room stands
+  // there.
+  rooms.AddFace({0, 0}, {1, 0});
+  rooms.AddFace({2.4, 0}, {5, 0});
+  rooms.AddFace({5, 0}, {5, 4});
+  rooms.AddFace({5, 4}, {0, 4});
+  rooms.AddFace({0, 4}, {0, 0});
+  rooms.AddFace({1, 0}, {1, 0.05});
+  rooms.AddWay({{1, 2}, {4, 2}});
+  FloorPlanInput input = rooms.Input();
+  for (CloudPoint& point : input.points) {
+    // What went through the hole ends before it, on nothing.
+    if (point.p_world.y() > -0.001f) continue;
+    const Eigen::Vector2f origin = input.poses[static_cast<size_t>(point.time_s * 10.0 + 0.5)]
+                                       .world_from_body.translation.head<2>()
+                                       .cast<float>();
+    const float share = (origin.y() - 0.3f) / (origin.y() - point.p_world.y());
+    point.p_world.head<2>() = origin + share * (point.p_world.head<2>() - origin);
+    point.plane_id = -1;
+  }
+  const FloorPlans plan = MakeFloorPlan(input);
+  ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1));
+  EXPECT_NEAR(plan.storeys[0].rooms[0].area_m2, 20.0, 1e-3);
+  EXPECT_THAT(plan.storeys[0].doors, SizeIs(0));
+}
+
+TEST(FloorPlan, AMapWithoutWallsHasNone) {
+  MadeUpRooms rooms;
+  rooms.AddWay({{1, 2}, {4, 2}});
+  EXPECT_THAT(ErrorOf([&] { MakeFloorPlan(rooms.Input()); }), HasSubstr("no room"));
+}
+
+TEST(FloorPlan, StoreysLieAboveEachOther) {
+  FloorPlanInput input = TwoMadeUpRooms();
+  const FloorPlanInput below = input;
+  constexpr double kRiseM = 3.0;
+  // The same once more, one storey higher and later.
+  std::vector<PlanePatch> planes = input.planes.planes();
+  const int num_ids = static_cast<int>(planes.size());
+  for (PlanePatch plane : below.planes.planes()) {
+    plane.id += num_ids;
+    plane.distance += kRiseM * plane.normal.z();
+    plane.centre.z() += kRiseM;
+    plane.first_time_ns += 1'000'000'000'000;
+    for (Eigen::Vector3d& corner : plane.outline) corner.z() += kRiseM;
+    planes.push_back(plane);
+  }
+  const Eigen::Index size = below.planes.covariance().rows();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(2 * size, 2 * size);
+  covariance.topLeftCorner(size, size) = below.planes.covariance();
+  covariance.bottomRightCorner(size, size) = below.planes.covariance();
+  input.planes = PlaneCovariance(planes, covariance);
+  for (StampedPose pose : below.poses) {
+    pose.time_ns += 1'000'000'000'000;
+    pose.world_from_body.translation.z() += kRiseM;
+    input.poses.push_back(pose);
+  }
+  for (CloudPoint point : below.points) {
+    point.time_s += 1000.0;
+    point.p_world.z() += static_cast<float>(kRiseM);
+    if (point.plane_id >= 0) point.plane_id += num_ids;
+    input.points.push_back(point);
+  }
+  const FloorPlans plan = MakeFloorPlan(input);
+  ASSERT_THAT(plan.storeys, SizeIs(2));
+  for (const StoreyPlan& storey : plan.storeys) {
+    ASSERT_THAT(storey.rooms, SizeIs(2));
+    EXPECT_NEAR(storey.rooms[0].area_m2, 12.0, 12.0 * kToleranceM);
+  }
+  EXPECT_NEAR(*plan.storeys[1].rooms[0].floor_m, kRiseM, kToleranceM);
+}
+
+}  // namespace
+}  // namespace plumbline

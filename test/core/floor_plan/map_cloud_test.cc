@@ -1,0 +1,87 @@
+#include "core/floor_plan/map_cloud.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/cloud/point_buffer.h"
+#include "core/result/point_cloud_writer.h"
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MapCloudTest : public TemporaryDirectoryTest {
+ protected:
+  void Write(int count) {
+    PointCloudWriter writer(directory_.string(), "result");
+    PointBuffer points;
+    for (int i = 0; i < count; ++i) {
+      const auto x = static_cast<float>(i);
+      points.Add({{x, 2.0f, 3.0f}, 0.5 * i, 1, i - 2, 0.25f});
+    }
+    writer.Add(points);
+    writer.Finish();
+  }
+  std::string Path() const { return (directory_ / "map.ply").string(); }
+};
+
+TEST_F(MapCloudTest, ReadsWhatTheMapperWrites) {
+  Write(3);
+  const std::vector<CloudPoint> points = ReadMapCloud(Path());
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points[2].p_world, Eigen::Vector3f(2.0f, 2.0f, 3.0f));
+  EXPECT_EQ(points[2].time_s, 1.0);
+  EXPECT_EQ(points[2].scanner, 1);
+  EXPECT_EQ(points[2].plane_id, 0);
+  EXPECT_EQ(points[2].residual_m, 0.25f);
+}
+
+TEST_F(MapCloudTest, ErrorsNameTheFileAndWhatIsWrong) {
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply: can not be read"));
+  Write(3);
+  const std::string bytes = ReadBytes(Path());
+  WriteBytes(Path(), bytes.substr(0, bytes.size() - 1));
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply: ends before"));
+  std::string other = bytes;
+  other.replace(other.find("float y"), 7, "float q");
+  WriteBytes(Path(), other);
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply:6: "));
+  WriteBytes(Path(), "solid\n");
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply:1: not a PLY file"));
+}
+
+TEST(BeamOrigins, LieBetweenPoses) {
+  Rig rig;
+  rig.scanners.resize(1);
+  rig.scanners[0].body_from_scanner.translation = {0.0, 0.0, 0.5};
+  std::vector<StampedPose> poses(3);
+  poses[1].time_ns = 100'000'000;
+  poses[1].world_from_body.translation.x() = 1.0;
+  poses[2].time_ns = 9'000'000'000;
+  const BeamOrigins origins(rig, poses, -50'000'000);
+  const auto at = origins.At(0, 0.1);  // 0.05 s after the first pose
+  ASSERT_TRUE(at.has_value());
+  EXPECT_NEAR((*at - Eigen::Vector3d(0.5, 0.0, 0.5)).norm(), 0.0, 1e-9);
+  EXPECT_FALSE(origins.At(0, 4.0).has_value());  // no pose is near
+  EXPECT_FALSE(origins.At(1, 0.1).has_value());  // no such scanner
+}
+
+TEST(RecordingStart, IsWhatPlanesAndPointsAgreeOn) {
+  std::vector<PlanePatch> planes(2);
+  planes[0].id = 3;
+  planes[0].first_time_ns = 1'000'000'000;
+  planes[1].id = 4;
+  planes[1].first_time_ns = 8'000'000'000;  // points of before were added later
+  std::vector<CloudPoint> points(3);
+  points[0].plane_id = 3;
+  points[0].time_s = 0.5;
+  points[1].plane_id = 4;
+  points[1].time_s = 2.0;
+  EXPECT_EQ(RecordingStart(planes, points), 500'000'000);
+  EXPECT_THAT(ErrorOf([&] { RecordingStart(planes, {points[2]}); }), HasSubstr("no point"));
+}
+
+}  // namespace
+}  // namespace plumbline
