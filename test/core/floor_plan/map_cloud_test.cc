@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/cloud/ply_writer.h"
 #include "core/cloud/point_buffer.h"
-#include "core/result/point_cloud_writer.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 class MapCloudTest : public TemporaryDirectoryTest {
  protected:
   void Write(int count) {
-    PointCloudWriter writer(directory_.string(), "result");
+    PlyWriter writer(Path(), "result/map.ply");
     PointBuffer points;
     for (int i = 0; i < count; ++i) {
       const auto x = static_cast<float>(i);
