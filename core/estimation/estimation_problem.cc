@@ -279,6 +279,10 @@ void EstimationProblem::AddPoseConstraint(const PoseConstraint& constraint) {
       ControlPointBlocks(at.first, kSplineOrder));
 }
 
+void EstimationProblem::AddOdometry(int first, const OdometryMeasurement& measurement) {
+  Add(CreateOdometryFactor(measurement), ControlPointBlocks(first, kSplineOrder));
+}
+
 BlockLayout EstimationProblem::Layout() const {
   BlockLayout layout;
   layout.offsets.assign(1, 0);

@@ -18,6 +18,7 @@
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/cost/linear_prior_factor.h"
+#include "factors/cost/odometry_factor.h"
 
 namespace ceres {
 class CostFunction;
@@ -96,6 +97,8 @@ class EstimationProblem {
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
   void AddPoseConstraint(const PoseConstraint& constraint);
+  // Adds what wheels say of the knot interval that begins with this control point.
+  void AddOdometry(int first, const OdometryMeasurement& measurement);
   // Adds any other cost function over these blocks, in its order.
   void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
                  const std::vector<BlockId>& blocks);

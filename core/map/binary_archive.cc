@@ -199,7 +199,9 @@ void BinaryArchive::operator()(MapState& state) {
          sub_minimum_segments,
          moving_beams,
          pose_constraints,
-         gaps] = state;
+         gaps,
+         odometry,  // stands in the recording
+         odometry_calibration] = state;
   trajectory.VisitMembers(*this);
   (*this)(landmarks);
   (*this)(observations);
@@ -208,6 +210,7 @@ void BinaryArchive::operator()(MapState& state) {
   (*this)(moving_beams);
   (*this)(pose_constraints);
   (*this)(gaps);
+  odometry_calibration.VisitMembers(*this);
 }
 
 }  // namespace plumbline

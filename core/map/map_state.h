@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,9 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/moving_beams.h"
+#include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
+#include "core/trajectory/odometry_calibration.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
 
@@ -38,6 +41,9 @@ struct MapState {
   // What the points on no plane say of the poses, by time.
   std::deque<PoseConstraint> pose_constraints = {};
   std::vector<MapGap> gaps = {};  // by time
+  // What wheels say of the motion, and how far to trust it; nullptr: there is no odometry.
+  std::shared_ptr<const Odometry> odometry = nullptr;
+  OdometryCalibration odometry_calibration = {};
 
   // Whether the trajectory covers the instant, and it lies in no gap.
   bool IsMapped(int64_t time_ns) const;

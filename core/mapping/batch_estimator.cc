@@ -13,6 +13,7 @@
 #include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/motion_noise_estimation.h"
+#include "core/estimation/odometry_terms.h"
 #include "core/estimation/solver.h"
 #include "core/map/observation_poses.h"
 #include "core/util/time.h"
@@ -102,6 +103,12 @@ std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind facto
   auto problem = std::make_unique<EstimationProblem>(
       rig_, planar_, &state_->trajectory, &state_->landmarks);
   problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
+  if (state_->odometry != nullptr) {
+    const int num_intervals = state_->trajectory.num_control_points() - kSplineOrder + 1;
+    state_->odometry_calibration = OdometryCalibration(options_.odometry);
+    Calibrate(*state_, 0, num_intervals, &state_->odometry_calibration);
+    AddOdometry(*state_, 0, num_intervals, problem.get());
+  }
   std::vector<const Observation*> associated;
   ForEachAssociated(*state_, [&](const Observation& observation) {
     if (factor == FactorKind::kPoint) {

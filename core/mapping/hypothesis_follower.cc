@@ -36,8 +36,10 @@ double HypothesisFollower::Evidence::NearShare() const {
 HypothesisFollower::HypothesisFollower(const Rig& rig,
                                        bool planar,
                                        const MapperOptions& options,
-                                       double scan_period_s)
-    : follower_(std::make_unique<ScanFollower>(rig, planar, options, scan_period_s)) {}
+                                       double scan_period_s,
+                                       std::shared_ptr<const Odometry> odometry)
+    : follower_(std::make_unique<ScanFollower>(
+          rig, planar, options, scan_period_s, std::move(odometry))) {}
 
 void HypothesisFollower::Follow(const Scan& scan) {
   if (by_motion_ != nullptr) {

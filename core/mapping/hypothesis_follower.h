@@ -22,7 +22,8 @@ class HypothesisFollower {
   HypothesisFollower(const Rig& rig,
                      bool planar,
                      const MapperOptions& options,
-                     double scan_period_s);
+                     double scan_period_s,
+                     std::shared_ptr<const Odometry> odometry = nullptr);
 
   // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {}) {

@@ -262,6 +262,9 @@ std::vector<MapResult> MapRecording(const Rig& rig,
       checkpoint.read_from.empty()
           ? FollowRecording(rig, planar, options, progress, recording, stop, &stages)
           : ReadCheckpoint(checkpoint.inputs, checkpoint.read_from);
+  for (FollowedPart& part : followed.parts) {
+    if (options.odometry.enabled) part.state.odometry = recording->odometry();
+  }
   double following_s = 0.0;
   for (const auto& [stage, seconds] : stages) following_s += seconds;
   if (!checkpoint.write_to.empty() && following_s >= checkpoint.after_s) {

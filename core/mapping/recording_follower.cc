@@ -31,7 +31,7 @@ std::vector<FollowerOfPart> RecordingFollower::Run(
     }
     if (is_followed()) {
       const double gap_s = SecondsBetween(previous_end_ns, scan.start_ns);
-      if (gap_s > options_.max_gap_s) {
+      if (gap_s > options_.max_gap_s && !WheelsCover(previous_end_ns, scan.start_ns)) {
         EndPart("no scans for " + FormatSeconds(gap_s) +
                 ", a gap the motion can not be followed across");
       }
@@ -48,6 +48,12 @@ std::vector<FollowerOfPart> RecordingFollower::Run(
   if (!lost_.empty()) throw Error(lost_);
   throw Error("no start: none of the first " + std::to_string(num_skipped_) + " scans shows " +
               (planar_ ? "a wall" : "floor or ceiling and a wall") + " clearly enough");
+}
+
+bool RecordingFollower::WheelsCover(int64_t begin_ns, int64_t end_ns) const {
+  const std::shared_ptr<const Odometry> odometry = recording_->odometry();
+  return options_.odometry.enabled && odometry != nullptr &&
+         odometry->Covers(begin_ns, end_ns);
 }
 
 bool RecordingFollower::TryToStart(const Scan& scan, double now_s) {
@@ -70,7 +76,11 @@ bool RecordingFollower::TryToStart(const Scan& scan, double now_s) {
 std::unique_ptr<HypothesisFollower> RecordingFollower::StartWith(const Scan& scan,
                                                                  double now_s) {
   auto follower = std::make_unique<HypothesisFollower>(
-      rig_, planar_, options_, recording_->scan_period_s());
+      rig_,
+      planar_,
+      options_,
+      recording_->scan_period_s(),
+      options_.odometry.enabled ? recording_->odometry() : nullptr);
   std::optional<int64_t> knot_ns;
   if (!parts_.empty()) {
     knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();

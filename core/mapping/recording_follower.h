@@ -44,6 +44,8 @@ class RecordingFollower {
   const std::vector<std::string>& left_out() const { return left_out_; }
 
  private:
+  // Whether the odometry says how the rig moved between two instants.
+  bool WheelsCover(int64_t begin_ns, int64_t end_ns) const;
   // Looks for the scan that a part starts with; false when there is no use in looking any
   // longer.
   bool TryToStart(const Scan& scan, double now_s);

@@ -15,6 +15,7 @@
 #include "core/association/model_frame.h"
 #include "core/association/plane_merging.h"
 #include "core/association/undecided_planes.h"
+#include "core/estimation/odometry_terms.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
@@ -53,6 +54,7 @@ ScanFollower::ScanFollower(const ScanFollower& other)
       planar_(other.planar_),
       options_(other.options_),
       scan_period_s_(other.scan_period_s_),
+      odometry_(other.odometry_),
       tentative_planes_(other.tentative_planes_),
       motion_prior_(other.motion_prior_),
       state_(std::make_unique<MapState>(*other.state_)),
@@ -68,6 +70,7 @@ ScanFollower::ScanFollower(const ScanFollower& other)
       may_found_(other.may_found_),
       last_solved_interval_(other.last_solved_interval_),
       last_solved_scan_(other.last_solved_scan_),
+      num_calibrated_(other.num_calibrated_),
       segmentation_watch_(other.segmentation_watch_) {}
 
 ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
@@ -178,6 +181,8 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   Trajectory trajectory(
       start_ns, interval_ns, {frame->world_from_body, Eigen::Vector3d::Zero()});
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
+  state_->odometry = odometry_;
+  state_->odometry_calibration = OdometryCalibration(options_.odometry);
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, &motion_prior_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, &motion_prior_, state_.get());
@@ -278,6 +283,9 @@ void ScanFollower::StartPlanes(int min_scans, int min_scanners) {
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
+  // What has left the window will not change before the batch.
+  Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
+  num_calibrated_ = window_->start();
   for (const auto& [into, from] :
        FindMergeablePlanes(rig_, *state_, options_, last_solved_scan_)) {
     const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
@@ -381,6 +389,7 @@ Scan ScanFollower::WithoutRepetitions(const Scan& scan) {
 void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   const Scan scan = WithoutRepetitions(recorded);
   state_->trajectory.ExtendTo(scan.end_ns);
+  tracker_->FollowOdometry();
   const int first = static_cast<int>(state_->observations.size());
   const int scan_index = static_cast<int>(scan_times_ns_.size());
   if (scan_matcher_ != nullptr) {

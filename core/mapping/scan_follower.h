@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/association/model_frame.h"
@@ -12,6 +13,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
+#include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_reader.h"
 #include "core/sensor/scanner_motion.h"
@@ -32,11 +34,17 @@ class LostTrack : public Error {
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class ScanFollower {
  public:
-  ScanFollower(const Rig& rig, bool planar, const MapperOptions& options, double scan_period_s)
+  // odometry: what wheels say of the motion; nullptr where nothing does.
+  ScanFollower(const Rig& rig,
+               bool planar,
+               const MapperOptions& options,
+               double scan_period_s,
+               std::shared_ptr<const Odometry> odometry = nullptr)
       : rig_(rig),
         planar_(planar),
         options_(options),
         scan_period_s_(scan_period_s),
+        odometry_(std::move(odometry)),
         tentative_planes_(planar, options, MaxRangeNoise(rig)),
         motion_prior_(options.trajectory) {}
 
@@ -106,6 +114,7 @@ class ScanFollower {
   bool planar_;
   const MapperOptions& options_;
   double scan_period_s_;
+  std::shared_ptr<const Odometry> odometry_;
   TentativePlanes tentative_planes_;
   MotionPrior motion_prior_;
   std::unique_ptr<MapState> state_;
@@ -120,6 +129,7 @@ class ScanFollower {
   bool may_found_ = true;
   int last_solved_interval_ = -1;
   int last_solved_scan_ = 0;
+  int num_calibrated_ = 0;  // knot intervals that the odometry has been calibrated with
   Stopwatch segmentation_watch_;
 };
 

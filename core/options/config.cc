@@ -101,6 +101,11 @@ void Visit(Options& o, Visitor& v) {
     s.Flag("leave_out_moving", o.points.leave_out_moving);
     s.Number("max_age_s", o.points.max_age_s, 0.1, 1e6);
   });
+  v.Section("odometry", [&](auto& s) {
+    s.Flag("enabled", o.odometry.enabled);
+    s.Number("length_noise", o.odometry.length_noise, 1e-3, 10.0);
+    s.Number("turn_noise", o.odometry.turn_noise, 1e-3, 10.0);
+  });
   VisitWholeMap(o, v);
 }
 

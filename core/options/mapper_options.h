@@ -56,6 +56,16 @@ struct PlaneOptions {
   double max_tentative_age_s = 1.0;
 };
 
+// Where the rig file names a topic of odometry.
+struct OdometryOptions {
+  // Whether it holds the motion.
+  bool enabled = true;
+  // What is known beforehand of its noise, as shares of length and turn
+  // (core/trajectory/odometry_calibration.h). [0.001, 10] each
+  double length_noise = 0.1;
+  double turn_noise = 0.1;
+};
+
 // Who solves: our Gauss-Newton, or ceres::Solve on one residual block a segment.
 enum class SolverKind { kGaussNewton, kCeres };
 
@@ -140,6 +150,7 @@ struct MapperOptions {
   TrackingOptions tracking;
   WindowOptions window;
   PointOptions points;
+  OdometryOptions odometry;
   LoopClosureOptions loop_closure;
   BatchOptions batch;
   // The motion can not be bridged over a longer gap in all scanners: the map ends there.

@@ -120,6 +120,9 @@ struct RecordingReader::Impl {
   ScanOrder order;
   std::vector<LostMessages> undecodable;  // by scanner
   std::vector<LostMessages> off_plane;    // by scanner
+  std::vector<OdometrySample> samples;    // until they have all been read
+  std::shared_ptr<const Odometry> odometry;
+  int num_odometry_lost = 0;  // messages that can not be decoded
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -132,6 +135,7 @@ struct RecordingReader::Impl {
   const std::string& path() const { return source->path(); }
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
+  void TakeOdometry(const Rig& rig);
   void SortByReceipt();
   void CollectWarnings(const Rig& rig);
   std::string DamageText() const;
@@ -196,7 +200,13 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
   RecordingVisitor visitor;
   visitor.with_ranges = false;
   visitor.wants = [&](const RecordingTopic& topic) {
-    return topic.HasScanLines() && scanner_indices.count(topic.name) > 0;
+    return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
+           (topic.HasOdometry() && topic.name == rig.odometry_topic);
+  };
+  visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
+    samples.push_back({message.stamp_ns + NanosecondsFromSeconds(rig.odometry_time_offset_s),
+                       {message.position[0], message.position[1]},
+                       message.Yaw()});
   };
   visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& scan) {
     if (!scan.is_planar) {
@@ -207,16 +217,36 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     stamps.push_back({scan.stamp_ns, scanner_of(ref), scan.IsUsable()});
   };
   visitor.undecodable = [&](const MessageRef& ref) {
-    undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
+    if (source->topics()[ref.topic_index].HasOdometry()) {
+      ++num_odometry_lost;
+    } else {
+      undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
+    }
   };
   source->Visit(visitor);
   CheckTopics(rig);
+  TakeOdometry(rig);
   SortByReceipt();
   order = OrderScanLines(rig, stamps);
   orders.assign(stamps.size(), -1);
   for (size_t i = 0; i < order.positions.size(); ++i) {
     orders[order.positions[i]] = static_cast<int64_t>(i);
   }
+}
+
+// The topic that the rig names must be there and carry odometry.
+void RecordingReader::Impl::TakeOdometry(const Rig& rig) {
+  if (rig.odometry_topic.empty()) return;
+  std::set<std::string> topics;
+  for (const RecordingTopic& topic : source->topics()) {
+    if (topic.HasOdometry()) topics.insert(topic.name);
+  }
+  if (topics.count(rig.odometry_topic) == 0) {
+    throw Error(path() + ": has no odometry in topic " + Shown(rig.odometry_topic) +
+                " that the rig names; topics with odometry in this recording:" +
+                TopicsText(topics) + DamageText());
+  }
+  odometry = std::make_shared<const Odometry>(std::move(samples));
 }
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
@@ -247,6 +277,11 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
     undecodable[i].WarnOf(name, "that can not be decoded", &warnings);
     off_plane[i].WarnOf(
         name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
+  }
+  if (num_odometry_lost > 0) {
+    warnings.push_back("odometry: " + std::to_string(num_odometry_lost) +
+                       (num_odometry_lost == 1 ? " message is lost" : " messages are lost") +
+                       " that can not be decoded");
   }
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
@@ -326,6 +361,8 @@ int64_t RecordingReader::end_ns() const {
 int RecordingReader::num_scan_lines() const {
   return static_cast<int>(impl_->order.positions.size());
 }
+
+std::shared_ptr<const Odometry> RecordingReader::odometry() const { return impl_->odometry; }
 
 double RecordingReader::scan_period_s() const { return impl_->order.scan_period_s; }
 

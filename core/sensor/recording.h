@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
@@ -33,6 +34,9 @@ class RecordingReader {
   int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;
+  // What the rig file's odometry topic says of the motion; nullptr where the rig file names
+  // none.
+  std::shared_ptr<const Odometry> odometry() const;
   // Sentences about what is damaged or missing and about scan lines that were passed over or
   // look wrong, for the user and summary.json.
   const std::vector<std::string>& warnings() const;

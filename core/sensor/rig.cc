@@ -122,6 +122,12 @@ Rig ReadRig(const std::string& path) {
     }
     rig.scanners.push_back(scanner);
   }
+  if (root.Has("odometry")) {
+    const YamlNode odometry = root["odometry"];
+    rig.odometry_topic = odometry["topic"].AsString();
+    odometry.Optional("time_offset_s", &rig.odometry_time_offset_s, -10.0, 10.0);
+    odometry.RejectUnreadKeys();
+  }
   if (rig.scanners.empty()) root["scanners"].Fail("the rig has no scanner");
   root.RejectUnreadKeys();
   return rig;
@@ -131,6 +137,11 @@ void WriteRig(const Rig& rig, const std::string& path) {
   std::ostringstream out;
   out << "motion: " << kMotionNames.at(static_cast<size_t>(rig.motion)) << "\nscanners:\n";
   for (const Scanner& scanner : rig.scanners) WriteScanner(scanner, out);
+  if (!rig.odometry_topic.empty()) {
+    out << "odometry:\n"
+        << "  topic: " << Quote(rig.odometry_topic) << "\n"
+        << "  time_offset_s: " << Format(rig.odometry_time_offset_s) << "\n";
+  }
   WriteFileAtomically(path, out.str());
 }
 

@@ -39,6 +39,10 @@ enum class MotionModel { kAutomatic, kSpatial, kPlanar };
 struct Rig {
   MotionModel motion = MotionModel::kAutomatic;
   std::vector<Scanner> scanners;
+  // Of nav_msgs/Odometry messages that say how the body moves; empty: there are none. Their
+  // time is their stamp plus the offset.
+  std::string odometry_topic;
+  double odometry_time_offset_s = 0.0;
 };
 
 // Reads a rig file (docs/inputs.md). Throws Error with file and line.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/estimation/linearisation.h"
+#include "core/estimation/odometry_terms.h"
 #include "core/estimation/pose_prior.h"
 #include "core/geometry/matrix_types.h"
 #include "core/tracking/scan_on_planes.h"
@@ -116,7 +117,18 @@ EstimationProblem Tracker::MakeProblem() const {
   for (int i = std::max(first(), known - 2); i + 2 < end; ++i) {
     problem.AddMotionPrior(i, motion_prior_->At(i));
   }
+  AddOdometry(*state_,
+              std::max(first(), known - kSplineOrder + 1),
+              end - kSplineOrder + 1,
+              &problem);
   return problem;
+}
+
+void Tracker::FollowOdometry() {
+  const Trajectory& trajectory = state_->trajectory;
+  if (state_->odometry == nullptr || gaussian_.end() == trajectory.num_control_points()) return;
+  EstimationProblem problem = MakeProblem();
+  solver_->Solve(&problem);
 }
 
 PoseGaussian Tracker::Predict() const {

@@ -36,6 +36,10 @@ class Tracker {
   // Goes on from where another one stands, with copies of what it works on.
   Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* state);
 
+  // Moves the newest control points, if there are any that no scan has held yet, to where the
+  // wheels say that the rig went.
+  void FollowOdometry();
+
   // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.
   // scan_matcher: with the scan's points, if they are to hold the pose as well; nullptr if

@@ -9,6 +9,7 @@
 #include "core/estimation/block_layout.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/normal_equations.h"
+#include "core/estimation/odometry_terms.h"
 #include "core/estimation/pose_prior.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_gaussian.h"
@@ -20,6 +21,7 @@
 #include "factors/linear_algebra/symmetric_inverse.h"
 #include "factors/manifold/manifolds.h"
 #include "factors/spline/so3.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
@@ -254,13 +256,15 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
   AddMarginalPrior(out_of_view, &problem);
   if (start_ == 0) AddStart(&problem);
-  AddMotionPriors(&problem, start_, state_->trajectory.num_control_points() - 3);
+  const int num_control_points = state_->trajectory.num_control_points();
+  AddMotionPriors(&problem, start_, num_control_points - 3);
+  AddOdometry(*state_, start_, num_control_points - kSplineOrder + 1, &problem);
   std::vector<const Observation*> in_window;
   for (const int index : window_) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
   }
   problem.AddSegments(in_window, options_.association.huber_width, &groups_);
-  AddPoseConstraints(state_->trajectory.num_control_points(), &problem);
+  AddPoseConstraints(num_control_points, &problem);
   const NormalEquations equations = solver_->Solve(&problem);
 
   const int newest = state_->trajectory.Locate(now_ns).first;
@@ -339,6 +343,7 @@ void Window::Marginalise(int new_start) {
   EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
   if (start_ == 0) AddStart(&leaving);
   AddMotionPriors(&leaving, start_, new_start - 1);
+  AddOdometry(*state_, start_, new_start, &leaving);
   std::vector<int> staying;
   std::vector<const Observation*> gone;
   for (const int index : window_) {

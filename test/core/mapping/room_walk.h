@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -36,8 +37,11 @@ class RoomWalk {
   int64_t now_ns() const { return kStartNs + num_scans_ * NanosecondsFromSeconds(kPeriod); }
 
   Rigid3d WorldFromBody(int64_t time_ns) const {
-    return {Eigen::Quaterniond::Identity(), SecondsBetween(kStartNs, time_ns) * velocity_m_s_};
+    return {Eigen::Quaterniond::Identity(),
+            SecondsBetween(kStartNs, std::min(time_ns, stop_ns_)) * velocity_m_s_};
   }
+  // The rig stands still from now on.
+  void Stop() { stop_ns_ = now_ns(); }
 
   // The next scan of the room, with noise.
   Scan Take() {
@@ -83,6 +87,7 @@ class RoomWalk {
   }
 
   Eigen::Vector3d velocity_m_s_;
+  int64_t stop_ns_ = std::numeric_limits<int64_t>::max();
   Rig rig_ = MakePaperRig();
   PlaneScene room_ = Room();
   std::mt19937_64 random_{7};

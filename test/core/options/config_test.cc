@@ -39,6 +39,7 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
   o.window = {SolverKind::kCeres, 33, 3, false, true};
   o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
+  o.odometry = {false, 0.03, 0.2};
   o.loop_closure = {false, 77};
   o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
@@ -83,6 +84,9 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.correlated_errors, CorrelatedErrorsKind::kOff);
   EXPECT_EQ(read.window.solver, SolverKind::kCeres);
   EXPECT_EQ(read.batch.solver, SolverKind::kCeres);
+  EXPECT_FALSE(read.odometry.enabled);
+  EXPECT_EQ(read.odometry.length_noise, 0.03);
+  EXPECT_EQ(read.odometry.turn_noise, 0.2);
   EXPECT_EQ(read.max_gap_s, 0.6);
 }
 

@@ -47,6 +47,7 @@ TEST(Rig, ReadsDefaults) {
   EXPECT_EQ(rig.scanners[0].time_offset_s, 0.0);
   EXPECT_NEAR(rig.scanners[0].angle_noise_rad, 0.005 * M_PI / 180.0, 1e-15);
   EXPECT_EQ(rig.scanners[0].beams, 270);
+  EXPECT_EQ(rig.odometry_topic, "");
   EXPECT_EQ(ReadText("motion: planar\nscanners:\n" + kScanner).motion, MotionModel::kPlanar);
 }
 
@@ -105,10 +106,14 @@ TEST(Rig, WrittenRigReadsBack) {
     scanner.scan_rate_hz = 25.0;
     rig.scanners.push_back(scanner);
   }
+  rig.odometry_topic = "/wheels";
+  rig.odometry_time_offset_s = -0.05;
   WriteRig(rig, TestPath());
   const Rig read = ReadRig(TestPath());
   ASSERT_EQ(read.scanners.size(), rig.scanners.size());
   EXPECT_EQ(read.motion, rig.motion);
+  EXPECT_EQ(read.odometry_topic, rig.odometry_topic);
+  EXPECT_EQ(read.odometry_time_offset_s, rig.odometry_time_offset_s);
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Scanner& expected = rig.scanners[i];
     const Scanner& scanner = read.scanners[i];

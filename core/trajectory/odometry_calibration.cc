@@ -1,0 +1,95 @@
+#include "core/trajectory/odometry_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr double kSmallLength = 0.02;              // m
+constexpr double kSmallTurn = 0.5 * M_PI / 180.0;  // rad
+constexpr double kTurnPerLength = 0.1;             // rad/m
+
+// The scales are known to this beforehand.
+constexpr double kScaleStddev = 0.05;
+// The options' noise counts as much as so many motions.
+constexpr double kPriorMotions = 30.0;
+// Of a rig that hardly moves, neither scale nor noise shows.
+constexpr double kMinLength = 0.02;              // m
+constexpr double kMinTurn = 1.0 * M_PI / 180.0;  // rad
+// Residuals beyond so many standard deviations are wheels that slip, or poses that are wrong.
+constexpr double kMaxDeviation = 3.0;
+// The estimate is held by the wheels, too: it can not tell that they have next to no noise.
+constexpr double kMinNoise = 0.02;
+
+}  // namespace
+
+OdometryCalibration::OdometryCalibration(const OdometryOptions& options) {
+  const auto begin = [](double noise) {
+    Ratio ratio;
+    // A regression that knows the scale 1 to kScaleStddev, in units of its noise.
+    ratio.stated2 = 1.0 / (kScaleStddev * kScaleStddev);
+    ratio.stated_estimated = ratio.stated2;
+    ratio.weight = kPriorMotions;
+    ratio.squares = kPriorMotions * noise * noise;
+    return ratio;
+  };
+  length_ = begin(options.length_noise);
+  turn_ = begin(options.turn_noise);
+}
+
+double OdometryCalibration::Ratio::Noise() const {
+  return std::max(kMinNoise, std::sqrt(squares / weight));
+}
+
+void OdometryCalibration::Ratio::Add(double stated, double estimated, double amount) {
+  const double stddev = Noise() * amount;
+  const double deviation = std::abs(estimated - Scale() * stated) / stddev;
+  const double robust = std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9));
+  stated_estimated += robust * stated * estimated / (stddev * stddev);
+  stated2 += robust * stated * stated / (stddev * stddev);
+}
+
+void OdometryCalibration::Ratio::AddResidual(double residual, double amount) {
+  const double most = kMaxDeviation * Noise();
+  const double share = std::min(std::abs(residual) / amount, most);
+  squares += share * share;
+  weight += 1.0;
+}
+
+double OdometryCalibration::LengthAmount(const PlanarMotion& stated) {
+  return stated.translation.norm() + kSmallLength;
+}
+
+double OdometryCalibration::TurnAmount(const PlanarMotion& stated) {
+  return std::abs(stated.turn) + kTurnPerLength * stated.translation.norm() + kSmallTurn;
+}
+
+void OdometryCalibration::Add(const PlanarMotion& stated, const PlanarMotion& estimated) {
+  const double length = stated.translation.norm();
+  if (length < kMinLength && std::abs(stated.turn) < kMinTurn) return;
+  ++num_motions_;
+  if (length >= kMinLength) {
+    const double along = estimated.translation.dot(stated.translation) / length;
+    const double amount = LengthAmount(stated);
+    length_.Add(length, along, amount);
+    for (int axis = 0; axis < 2; ++axis) {
+      length_.AddResidual(
+          estimated.translation[axis] - length_scale() * stated.translation[axis], amount);
+    }
+  }
+  const double amount = TurnAmount(stated);
+  if (std::abs(stated.turn) >= kMinTurn) turn_.Add(stated.turn, estimated.turn, amount);
+  turn_.AddResidual(estimated.turn - turn_scale() * stated.turn, amount);
+}
+
+OdometryMeasurement OdometryCalibration::Measure(const PlanarMotion& stated) const {
+  OdometryMeasurement measurement;
+  measurement.translation = length_scale() * stated.translation;
+  measurement.turn = turn_scale() * stated.turn;
+  measurement.translation_stddev = length_noise() * LengthAmount(stated);
+  measurement.turn_stddev = turn_noise() * TurnAmount(stated);
+  return measurement;
+}
+
+}  // namespace plumbline
