@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/check/view_comparison.h"
+
+namespace plumbline {
+
+// How far two scanners agree on the places that both see.
+struct PairAgreement {
+  size_t a = 0;
+  size_t b = 0;
+  int num_compared = 0;
+  double near_share = 0.0;  // of these, within a decimetre of each other
+  double median_m = 0.0;    // of the distances' sizes
+};
+
+// One element for each pair of scanners.
+std::vector<PairAgreement> AgreementsOf(const std::vector<std::vector<SampledLine>>& sample,
+                                        const MountedRig& rig);
+
+// Another way in which the rig may be built, under which its scanners agree.
+struct OtherMounting {
+  std::vector<size_t> scanners;  // that are mounted otherwise than the rig file says
+  std::string words;             // "scanner top is mirrored ..."
+  std::string advice;
+  double share_as_stated = 0.0;  // of the places that these compare with others, near
+  double share_so = 0.0;
+  MountedRig rig;
+};
+
+// Tries scanners that are mirrored, turned in their planes by quarter turns, exchanged for one
+// another, or measure in another unit. Returns the one change under which the scanners agree
+// clearly better than as the rig file says; nothing where there is none.
+std::optional<OtherMounting> FindOtherMounting(
+    const std::vector<std::vector<SampledLine>>& sample,
+    const MountedRig& rig,
+    const std::vector<std::string>& names);
+
+// The correction of one scanner that brings what it sees best onto what the others see. What
+// the scans leave open is zero.
+struct MountingCorrection {
+  int num_compared = 0;
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // about the body's axes
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+  double time_offset_s = 0.0;   // to be added to its stamps
+  double range_offset_m = 0.0;  // to be added to its ranges
+  // Standard deviations of these eight, in this order; cautious, since neighbouring lines share
+  // their errors.
+  Eigen::Matrix<double, 8, 1> stddev = Eigen::Matrix<double, 8, 1>::Zero();
+  double near_share = 0.0;   // of the places, within 3 cm, as the rig file says
+  double moved_share = 0.0;  // after the correction
+  MountedScanner corrected;
+};
+
+// One element for each scanner, each as if the others were right.
+std::vector<MountingCorrection> FitMountings(const std::vector<std::vector<SampledLine>>& sample,
+                                             const MountedRig& rig);
+
+}  // namespace plumbline
