@@ -157,6 +157,9 @@ Json TopicJson(const TopicSurvey& topic, const OwnAttitude& attitude) {
   json["largest_range_m"] = topic.largest_range_m;
   json["noise_m"] = topic.noise_m;
   json["stands"] = AttitudeName(attitude.attitude);
+  json["turns"] = attitude.num_turns;
+  json["still_share"] = attitude.still_share;
+  json["alike_share"] = attitude.alike_share;
   return json;
 }
 
@@ -212,7 +215,7 @@ std::string NameOf(Severity severity) {
 
 std::string FormatCheckText(const CheckReport& report) {
   std::string text = report.survey.path + " " + report.verdict + ".\n\n";
-  text += "  " + Decimal(report.survey.duration_s(), 1) + " s, " +
+  text += "  " + report.survey.format + ", " + Decimal(report.survey.duration_s(), 1) + " s, " +
           std::to_string(report.survey.topics.size()) + " topics with scan lines\n";
   if (!report.survey.topics.empty()) text += TopicTable(report);
   if (report.rig) text += "\n" + AgreementText(report);
@@ -231,6 +234,7 @@ std::string FormatCheckText(const CheckReport& report) {
 std::string FormatCheckJson(const CheckReport& report) {
   Json json;
   json["recording"] = report.survey.path;
+  json["format"] = report.survey.format;
   json["mappable"] = MappableName(report.mappable);
   json["verdict"] = report.verdict;
   json["duration_s"] = report.survey.duration_s();

@@ -11,7 +11,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kRigShare = 0.8;  // of the lines, near returns in the same beam
-constexpr double kMinNoise = 0.002;  // m
+constexpr double kMinNoise = 0.01;  // m; walls and mountings are hardly better
 
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
@@ -81,7 +81,8 @@ std::string FormatFirstRig(const CheckReport& report) {
     text += "      rotation_rpy_deg: [0.0, 0.0, 0.0]   " +
             RotationComment(report.attitudes[i].attitude) + "\n";
     text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
-            "                  # from neighbouring beams; uneven walls add to it\n";
+            "                  # neighbouring beams show " +
+            Decimal(topic.noise_m, 3) + "; uneven walls and the mounting add to it\n";
     text += "    min_range_m: " + Decimal(MinRangeOf(topic), 2) + "\n";
     text += "    max_range_m: " + Decimal(MaxRangeOf(topic), 2) + "\n";
     text += "    time_offset_s: 0.0\n";

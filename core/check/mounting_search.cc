@@ -16,7 +16,7 @@ using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 constexpr int kLinesForAgreement = 400;  // of each pair
 constexpr int kLinesForFit = 1500;
-constexpr int kMinCompared = 40;         // places that say anything about a pair
+constexpr int kMinCompared = 20;         // places that say anything about a pair
 constexpr double kAgreed = 0.1;          // m
 constexpr double kNear = 0.03;           // m
 // Another mounting has to bring so many more of the places together, and most of them.
@@ -29,11 +29,14 @@ constexpr double kPriorTurn = 0.2;    // rad
 constexpr double kPriorShift = 0.2;   // m
 constexpr double kPriorTime = 0.1;    // s
 constexpr double kPriorRange = 0.05;  // m
-// What is known less well than this is left open by the scans, and held at zero.
-constexpr double kOpenTurn = 0.1 * kRadiansPerDegree;
-constexpr double kOpenShift = 0.01;   // m
-constexpr double kOpenTime = 0.004;   // s
-constexpr double kOpenRange = 0.005;  // m
+// What is known less well than this is left open by the scans, and held at zero; so are turns
+// and shifts that are known so many times worse than those about or along the best axis, since
+// what little is seen of them comes from the noise of the surfaces' directions.
+constexpr double kOpenTurn = 1.0 * kRadiansPerDegree;
+constexpr double kOpenShift = 0.05;  // m
+constexpr double kOpenTime = 0.01;   // s
+constexpr double kOpenRange = 0.01;  // m
+constexpr double kOpenRatio = 5.0;
 
 Vector8d Stacked(double turn, double shift, double time, double range) {
   Vector8d stacked;
@@ -240,9 +243,14 @@ class MountingFit {
   // Holds what the scans do not show.
   void HoldOpen() {
     constexpr double kHeld = 1e12;
-    const Vector8d open = Stacked(kOpenTurn, kOpenShift, kOpenTime, kOpenRange);
+    const Vector8d stddev = covariance_.diagonal().cwiseSqrt();
+    Vector8d open = Stacked(kOpenTurn, kOpenShift, kOpenTime, kOpenRange);
+    for (const Eigen::Index first : {0, 3}) {
+      const double best = kOpenRatio * stddev.segment<3>(first).minCoeff();
+      open.segment<3>(first) = open.segment<3>(first).cwiseMin(best);
+    }
     for (Eigen::Index i = 0; i < prior_.size(); ++i) {
-      if (std::sqrt(covariance_(i, i)) > open(i)) prior_(i) = kHeld;
+      if (stddev(i) > open(i)) prior_(i) = kHeld;
     }
     total_.setZero();
     Apply();
@@ -266,8 +274,18 @@ class MountingFit {
       right -= weight * one.distance_m * jacobian;
     }
     const Eigen::LDLT<Matrix8d> factor(normal_matrix);
-    covariance_ = factor.solve(Matrix8d::Identity());
+    const double scatter = ScatterRatio(loss_scale);
+    covariance_ = scatter * scatter * factor.solve(Matrix8d::Identity());
     total_ += factor.solve(right);
+  }
+
+  // The standard deviation of a place's distance over the one that the loss stands for.
+  // Neighbouring lines share their errors: twice what the distances show is right.
+  double ScatterRatio(double loss_scale) const {
+    constexpr double kMinScatter = 0.01;  // m
+    constexpr double kShared = 2.0;
+    const double scatter = std::max(kMinScatter, 1.4826 * MedianSize(comparisons_));
+    return std::min(1.0, kShared * scatter / loss_scale);
   }
 
   void Apply() {

@@ -16,7 +16,7 @@ constexpr double kFewReturns = 0.3;
 constexpr double kRigShare = 0.8;     // of the lines, near returns in the same beam
 constexpr double kBlindWidth = 5.0;   // deg
 constexpr double kHighNoise = 1.5;    // times the stated one
-constexpr double kLowNoise = 1.0 / 3.0;
+constexpr double kLowNoise = 0.25;
 
 const Scanner* ScannerOf(const CheckReport& report, size_t topic) {
   if (!report.rig) return nullptr;

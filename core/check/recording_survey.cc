@@ -106,6 +106,7 @@ RecordingSurvey SurveyRecording(const std::string& path,
         surveyors[index].Add(message);
         sample.Add(message, survey.start_receipt_ns);
       });
+  survey.format = recorded.format;
   survey.warnings = recorded.warnings;
   for (size_t i = 0; i < recorded.topics.size(); ++i) {
     if (recorded.topics[i].has_scan_lines && i < surveyors.size()) {

@@ -13,6 +13,7 @@ namespace plumbline {
 // lines from windows of two seconds spread over the whole of it.
 struct RecordingSurvey {
   std::string path;
+  std::string format;                          // of the file, such as "ROS 1 bag"
   std::vector<TopicSurvey> topics;             // with scan lines
   std::vector<std::string> other_topics;       // names, without scan lines
   std::vector<std::string> warnings;           // what is damaged or missing

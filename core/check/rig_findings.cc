@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinCompared = 40;       // places that say anything about a pair
+constexpr int kMinCompared = 20;       // places that say anything about a pair
 constexpr double kAgreedShare = 0.75;  // of a pair that sits as the rig file says
 // A correction counts where it brings so many more of the places together.
 constexpr double kMinGain = 0.015;
@@ -46,7 +46,7 @@ NamedParts NameParts(const MountingCorrection& correction) {
     const Eigen::Vector3d turn = correction.rotation_rad * kDegreesPerRadian;
     const Eigen::Vector3d rpy = RollPitchYawDegrees(corrected.body_from_scanner.rotation);
     const bool is_upright = std::abs(turn.z()) > 0.9 * turn.norm();
-    parts.words.push_back("turned by " + Decimal(is_upright ? turn.z() : turn.norm(), 1) +
+    parts.words.push_back("to be turned by " + Decimal(is_upright ? turn.z() : turn.norm(), 1) +
                           " deg" + (is_upright ? " about the vertical" : ""));
     parts.advice.push_back("rotation_rpy_deg: [" + Decimal(rpy.x(), 1) + ", " +
                            Decimal(rpy.y(), 1) + ", " + Decimal(rpy.z(), 1) + "]");
@@ -54,7 +54,7 @@ NamedParts NameParts(const MountingCorrection& correction) {
   }
   if (is_certain(3, kNamedShift, correction.translation_m)) {
     const Eigen::Vector3d& t = corrected.body_from_scanner.translation;
-    parts.words.push_back("shifted by " + Decimal(1e3 * correction.translation_m.norm(), 0) +
+    parts.words.push_back("to be shifted by " + Decimal(1e3 * correction.translation_m.norm(), 0) +
                           " mm");
     parts.advice.push_back("translation: [" + Decimal(t.x(), 3) + ", " + Decimal(t.y(), 3) +
                            ", " + Decimal(t.z(), 3) + "]");
@@ -65,14 +65,14 @@ NamedParts NameParts(const MountingCorrection& correction) {
   };
   if (is_sure(6, kNamedTime, correction.time_offset_s)) {
     const double late_ms = -1e3 * correction.time_offset_s;
-    parts.words.push_back("stamped " + Decimal(std::abs(late_ms), 0) + " ms too " +
+    parts.words.push_back("to be stamped " + Decimal(std::abs(late_ms), 0) + " ms too " +
                           (late_ms > 0.0 ? "late" : "early"));
     parts.advice.push_back("time_offset_s: " + Decimal(corrected.time_offset_s, 4));
     parts.is_large = parts.is_large || std::abs(correction.time_offset_s) > kLargeTime;
   }
   if (is_sure(7, kNamedRange, correction.range_offset_m)) {
     parts.words.push_back(
-        "measuring " + Decimal(1e3 * std::abs(correction.range_offset_m), 0) + " mm too " +
+        "to measure " + Decimal(1e3 * std::abs(correction.range_offset_m), 0) + " mm too " +
         (correction.range_offset_m < 0.0 ? "long" : "short"));
   }
   return parts;
@@ -107,6 +107,15 @@ class RigJudge {
   }
   const std::string& NameOf(size_t scanner) const { return rig_.scanners[scanner].name; }
   const std::string& TopicOf(size_t scanner) const { return rig_.scanners[scanner].topic; }
+
+  // Places that the scanner and another see.
+  int NumCompared(size_t scanner) const {
+    int num = 0;
+    for (const PairAgreement& pair : report_->agreements) {
+      if (pair.a == scanner || pair.b == scanner) num += pair.num_compared;
+    }
+    return num;
+  }
 
   void JudgeTopics() {
     std::vector<std::string> found;
@@ -170,10 +179,9 @@ class RigJudge {
     }
     if (most == 0.0) return false;
     const NamedParts parts = NameParts(corrections[worst]);
-    const std::string who = "scanner " + NameOf(worst) + " looks " + Enumerate(parts.words) +
-                            " against what " +
-                            (rig_.scanners.size() > 2 ? "the others see" : "the other sees") +
-                            " at the same places";
+    const std::string who = "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
+                            ", by the places that it " +
+                            (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
     Add(parts.is_large ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) + " of them " +
@@ -187,11 +195,7 @@ class RigJudge {
     if (rig_.scanners.size() < 2) return;
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i)) continue;
-      int num = 0;
-      for (const PairAgreement& pair : report_->agreements) {
-        if (pair.a == i || pair.b == i) num += pair.num_compared;
-      }
-      if (num >= kMinCompared) continue;
+      if (NumCompared(i) >= kMinCompared) continue;
       Add(Severity::kNote,
           TopicOf(i),
           "scanner " + NameOf(i) + " sees hardly any place that another sees as well: whether it "
@@ -200,9 +204,10 @@ class RigJudge {
     }
   }
 
+  // Only where no other scanner vouches for this one: a rig that swings deceives this test.
   void JudgeAttitudes() {
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
-      if (!HasLines(i)) continue;
+      if (!HasLines(i) || NumCompared(i) >= kMinCompared) continue;
       const OwnAttitude& own =
           report_->attitudes[static_cast<size_t>(report_->topics_of_scanners[i])];
       const bool is_tilted = report_->heights[i].is_tilted;
@@ -262,7 +267,7 @@ class RigJudge {
           "tilt two scanners so that they see floor, ceiling and walls, and check their "
           "rotation_rpy_deg");
     }
-    if (floors.size() > 1) {
+    if (floors.size() > 1 && !report_->other_mounting) {
       const auto [low, high] = std::minmax_element(floors.begin(), floors.end());
       if (*high - *low > kFloorsApart) {
         Add(Severity::kWarning,

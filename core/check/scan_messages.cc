@@ -1,47 +1,67 @@
 #include "core/check/scan_messages.h"
 
+#include <Eigen/Core>
+#include <cmath>
 #include <map>
+#include <memory>
+#include <utility>
 
-#include "core/bag/bag_reader.h"
-#include "core/sensor/laser_scan_message.h"
+#include "core/recording/recording_source.h"
 
 namespace plumbline {
+namespace {
 
-RecordedTopics ReadScans(const std::string& path,
-                         const ScanVisitor& visit) {
-  BagReader bag(path);
+// Takes over all of a message but its topic.
+void Convert(const MessageRef& where, const ScanLineMessage& scan, ScanMessage* message) {
+  message->receipt_ns = static_cast<int64_t>(where.receipt_ns);
+  message->usable = scan.IsUsable();
+  message->stated_min_range_m = scan.range_min;
+  message->stated_max_range_m = scan.range_max;
+  ScanLine& line = message->line;
+  line.stamp_ns = scan.stamp_ns;
+  line.angle_min = scan.angle_min;
+  line.angle_increment = scan.angle_increment;
+  line.time_increment_s = scan.time_increment;
+  line.ranges = scan.ranges;
+  line.directions = nullptr;
+  if (scan.angles.empty()) return;
+  auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
+  for (const float angle : scan.angles) {
+    directions->emplace_back(std::cos(static_cast<double>(angle)),
+                             std::sin(static_cast<double>(angle)));
+  }
+  line.directions = std::move(directions);
+}
+
+}  // namespace
+
+RecordedTopics ReadScans(const std::string& path, const ScanVisitor& visit) {
+  const std::unique_ptr<RecordingSource> source = OpenRecording(path);
   RecordedTopics recorded;
-  std::map<std::string, int> indices;  // by topic
-  const auto index_of = [&](const BagConnection& connection, bool has_scan_lines) {
-    const auto [known, is_new] =
-        indices.emplace(connection.topic, static_cast<int>(recorded.topics.size()));
+  std::map<std::string, size_t> indices;  // by name; several publishers may share a topic
+  const auto index_of = [&](const RecordingTopic& topic) {
+    const auto [known, is_new] = indices.emplace(topic.name, recorded.topics.size());
     if (is_new) {
-      recorded.topics.push_back({connection.topic, connection.type, has_scan_lines, 0});
+      recorded.topics.push_back({topic.name, topic.type, topic.HasScanLines(), 0});
     }
     return known->second;
   };
   ScanMessage message;
-  bag.Scan(IsLaserScan, [&](const BagMessage& where, ByteView data) {
-    const BagConnection& connection = bag.connections()[where.connection_index];
-    message.line.scanner_index = index_of(connection, true);
-    LaserScanMessage scan;
-    if (!ReadLaserScan(data, IsMultiEchoLaserScan(connection), &scan, &message.line.ranges)) {
-      ++recorded.topics[static_cast<size_t>(message.line.scanner_index)].num_undecodable;
-      return false;
-    }
-    message.receipt_ns = static_cast<int64_t>(where.receipt_ns);
-    message.usable = scan.IsUsable();
-    message.line.stamp_ns = scan.stamp_ns;
-    message.line.angle_min = scan.angle_min;
-    message.line.angle_increment = scan.angle_increment;
-    message.line.time_increment_s = scan.time_increment;
-    visit(recorded.topics[static_cast<size_t>(message.line.scanner_index)], message);
-    return true;
-  });
-  for (const BagConnection& connection : bag.connections()) {
-    index_of(connection, IsLaserScan(connection));
-  }
-  recorded.warnings = bag.warnings();
+  RecordingVisitor visitor;
+  visitor.wants = [](const RecordingTopic& topic) { return topic.HasScanLines(); };
+  visitor.scan_line = [&](const MessageRef& where, const ScanLineMessage& scan) {
+    const size_t index = index_of(source->topics()[where.topic_index]);
+    Convert(where, scan, &message);
+    message.line.scanner_index = static_cast<int>(index);
+    visit(recorded.topics[index], message);
+  };
+  visitor.undecodable = [&](const MessageRef& where) {
+    ++recorded.topics[index_of(source->topics()[where.topic_index])].num_undecodable;
+  };
+  source->Visit(visitor);
+  for (const RecordingTopic& topic : source->topics()) index_of(topic);
+  recorded.format = source->format();
+  recorded.warnings = source->warnings();
   return recorded;
 }
 

@@ -29,6 +29,7 @@ struct ScanMessage {
 
 // What a recording holds besides its scan lines.
 struct RecordedTopics {
+  std::string format;                 // of the file, such as "ROS 1 bag"
   std::vector<RecordedTopic> topics;  // those with scan lines come first
   std::vector<std::string> warnings;  // what is damaged or missing
 };

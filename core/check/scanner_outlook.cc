@@ -13,13 +13,18 @@ namespace {
 constexpr double kStep = 0.5;        // s, in which a turn is looked for
 constexpr double kMinLength = 0.5;   // m, of a trace whose turn counts
 constexpr double kMaxTurn = 40.0 * kRadiansPerDegree;
-constexpr double kMinTurn = 6.0 * kRadiansPerDegree;    // in a step, of a rig that turns
+constexpr double kMinTurn = 8.0 * kRadiansPerDegree;    // in a step, of a rig that turns
+constexpr double kTogether = 0.7;    // of a level scanner's traces turn with the rig
+constexpr double kMinSeen = 3.0;     // m of traces
 constexpr double kStill = 1.0 * kRadiansPerDegree;      // of a trace that does not
 constexpr double kSpread = 1.5 * kRadiansPerDegree;     // of traces that turn together
 constexpr int kMinTurns = 3;
 // Of a level scanner hardly any trace stays, of a tilted one those of floor and ceiling do.
-constexpr double kTiltedShare = 0.2;
-constexpr double kLevelShare = 0.08;
+constexpr double kTiltedShare = 0.15;
+constexpr double kLevelShare = 0.1;
+// In turns, of which any scanner's traces tell.
+constexpr double kOftenAlike = 0.8;
+constexpr double kRarelyAlike = 0.25;
 // Heights.
 const double kMinTilt = std::sin(12.0 * kRadiansPerDegree);   // of a plane that sees heights
 const double kMaxSlope = std::sin(10.0 * kRadiansPerDegree);  // of a level trace
@@ -108,32 +113,41 @@ std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLin
 
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample) {
   std::vector<std::map<int64_t, std::vector<TurnedTrace>>> turns;
-  std::set<int64_t> turning;  // steps
+  std::vector<std::set<int64_t>> together;  // by scanner: steps in which most traces turn alike
+  std::set<int64_t> turning;                // steps in which any scanner's do
   for (const std::vector<SampledLine>& lines : sample) {
     turns.push_back(TurnsOf(lines));
+    together.emplace_back();
     for (const auto& [step, traces] : turns.back()) {
       const double turn = CommonTurn(traces);
-      const double together = LengthWithin(traces, turn, kSpread);
       const double all = LengthWithin(traces, 0.0, 10.0);
-      if (std::abs(turn) > kMinTurn && together > 0.3 * all && all > 2.0) turning.insert(step);
+      if (std::abs(turn) < kMinTurn || all < kMinSeen) continue;
+      if (LengthWithin(traces, turn, kSpread) > kTogether * all) together.back().insert(step);
     }
+    turning.insert(together.back().begin(), together.back().end());
   }
   std::vector<OwnAttitude> attitudes;
-  for (const auto& of_scanner : turns) {
+  for (size_t i = 0; i < sample.size(); ++i) {
     OwnAttitude own;
     double still = 0.0;
     double all = 0.0;
+    int num_alike = 0;
     for (const int64_t step : turning) {
-      const auto found = of_scanner.find(step);
-      if (found == of_scanner.end() || found->second.empty()) continue;
+      const auto found = turns[i].find(step);
+      if (found == turns[i].end() || found->second.empty()) continue;
       ++own.num_turns;
+      num_alike += static_cast<int>(together[i].count(step));
       still += LengthWithin(found->second, 0.0, kStill);
       all += LengthWithin(found->second, 0.0, 10.0);
     }
     if (all > 0.0) own.still_share = still / all;
     if (own.num_turns >= kMinTurns) {
-      if (own.still_share > kTiltedShare) own.attitude = Attitude::kTilted;
-      if (own.still_share < kLevelShare) own.attitude = Attitude::kLevel;
+      own.alike_share = static_cast<double>(num_alike) / own.num_turns;
+      if (own.still_share > kTiltedShare && own.alike_share < kRarelyAlike) {
+        own.attitude = Attitude::kTilted;
+      } else if (own.still_share < kLevelShare && own.alike_share > kOftenAlike) {
+        own.attitude = Attitude::kLevel;
+      }
     }
     attitudes.push_back(own);
   }

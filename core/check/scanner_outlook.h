@@ -19,6 +19,7 @@ struct OwnAttitude {
   Attitude attitude = Attitude::kUnknown;
   int num_turns = 0;          // half seconds in which the rig turned
   double still_share = 0.0;   // of the length of the traces in these, that did not turn
+  double alike_share = 0.0;   // of these, in which most of its traces turned alike
 };
 
 // Judges each scanner from its traces while the rig turns about the vertical. The stamps of all

@@ -42,7 +42,8 @@ std::string Pair(const Eigen::Vector2d& p) { return Number(p.x()) + " " + Number
 void SvgCanvas::Rectangle(
     double x, double y, double width, double height, const std::string& fill) {
   body_ += "<rect" + Attribute("x", x) + Attribute("y", y) + Attribute("width", width) +
-           Attribute("height", height) + Attribute("fill", fill) + "/>\n";
+           Attribute("height", height) + Attribute("fill", fill) +
+           Attribute("shape-rendering", "crispEdges") + "/>\n";
 }
 
 void SvgCanvas::Frame(double x, double y, double width, double height) {

@@ -5,6 +5,7 @@
 #include "core/check/findings.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/options/mapper_options.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -35,11 +36,43 @@ double DelayOf(const TopicSurvey& topic) {
   return MedianOf(delays_s);
 }
 
+// A stretch without scan lines, in seconds since the recording's start.
+struct Gap {
+  double start_s = 0.0;
+  double end_s = 0.0;
+};
+
+// The gaps in which no topic has anything.
+std::vector<Gap> CommonGaps(const RecordingSurvey& survey) {
+  std::vector<int64_t> receipts_ns;
+  double period_s = 0.0;
+  for (const TopicSurvey& topic : survey.topics) {
+    period_s = std::max(period_s, topic.period_s);
+    for (const LineStamp& stamp : topic.stamps) receipts_ns.push_back(stamp.receipt_ns);
+  }
+  std::sort(receipts_ns.begin(), receipts_ns.end());
+  const double limit_s = std::max(kMinGap, kGapPeriods * period_s);
+  std::vector<Gap> gaps;
+  for (size_t i = 1; i < receipts_ns.size(); ++i) {
+    const Gap gap = {SecondsBetween(survey.start_receipt_ns, receipts_ns[i - 1]),
+                     SecondsBetween(survey.start_receipt_ns, receipts_ns[i])};
+    if (gap.end_s - gap.start_s > limit_s) gaps.push_back(gap);
+  }
+  return gaps;
+}
+
 // Tells what is wrong with the stamps of one topic.
 class StampJudge {
  public:
-  StampJudge(const TopicSurvey& topic, int64_t start_receipt_ns, std::vector<Finding>* findings)
-      : topic_(topic), start_receipt_ns_(start_receipt_ns), findings_(findings) {}
+  // common_gaps: of all topics, which are told by themselves.
+  StampJudge(const TopicSurvey& topic,
+             int64_t start_receipt_ns,
+             const std::vector<Gap>& common_gaps,
+             std::vector<Finding>* findings)
+      : topic_(topic),
+        start_receipt_ns_(start_receipt_ns),
+        common_gaps_(common_gaps),
+        findings_(findings) {}
 
   void Judge() {
     if (topic_.num_unusable > 0) {
@@ -109,7 +142,8 @@ class StampJudge {
               (num_back == 1 ? " time, " : " times, first ") + At(*first_back),
           "set the scanner's clock before recording, not while; no time server that steps");
     }
-    if (num_steps > 0) {
+    // A stamp that jumps back is told already.
+    if (num_steps > num_back) {
       Add(Severity::kWarning,
           "the clock of the stamps jumps against the recorder's " + std::to_string(num_steps) +
               (num_steps == 1 ? " time, by " : " times, by up to ") +
@@ -118,9 +152,17 @@ class StampJudge {
     }
   }
 
+  bool IsCommon(const LineStamp& before, const LineStamp& after) const {
+    const double start_s = SecondsBetween(start_receipt_ns_, before.receipt_ns);
+    const double end_s = SecondsBetween(start_receipt_ns_, after.receipt_ns);
+    return std::any_of(common_gaps_.begin(), common_gaps_.end(), [&](const Gap& gap) {
+      return std::min(end_s, gap.end_s) - std::max(start_s, gap.start_s) >
+             0.8 * (end_s - start_s);
+    });
+  }
+
   void JudgeGaps() {
     const double limit_s = std::max(kMinGap, kGapPeriods * topic_.period_s);
-    std::vector<bool> is_gap;
     int num_gaps = 0;
     double longest_s = 0.0;
     std::string first_gap;
@@ -129,7 +171,8 @@ class StampJudge {
       const double apart_s =
           SecondsBetween(topic_.stamps[i - 1].stamp_ns, topic_.stamps[i].stamp_ns);
       if (apart_s > limit_s) {
-        if (num_gaps++ == 0) first_gap = At(topic_.stamps[i - 1]);
+        if (IsCommon(topic_.stamps[i - 1], topic_.stamps[i])) continue;
+        if (num_gaps++ == 0) first_gap = At(topic_.stamps[i - 1]).substr(3) + " on";
         longest_s = std::max(longest_s, apart_s);
       } else if (apart_s > 1.5 * topic_.period_s) {
         num_lost += static_cast<int>(std::lround(apart_s / topic_.period_s)) - 1;
@@ -137,15 +180,18 @@ class StampJudge {
     }
     if (num_gaps > 0) {
       Add(Severity::kWarning,
-          num_gaps == 1 ? "sends nothing for " + Decimal(longest_s, 1) + " s, " + first_gap
+          num_gaps == 1 ? "sends nothing for " + Decimal(longest_s, 1) + " s, from " + first_gap
                         : "has " + std::to_string(num_gaps) + " gaps of up to " +
-                              Decimal(longest_s, 1) + " s, the first " + first_gap,
+                              Decimal(longest_s, 1) + " s, the first from " + first_gap,
           "look for a loose cable or a network or disk that can not keep up");
     }
-    const double lost_share = num_lost / static_cast<double>(topic_.stamps.size());
+    const double lost_share =
+        num_lost / (static_cast<double>(topic_.stamps.size()) + static_cast<double>(num_lost));
     if (lost_share > kLostShare) {
       Add(Severity::kWarning,
-          "about " + PercentOf(lost_share) + " of the scan lines are lost, one or a few at a time",
+          "about " + PercentOf(lost_share) +
+              " of the scan lines are missing, one or a few at a time: the usual time between "
+              "two is " + Decimal(1e3 * topic_.period_s, 0) + " ms",
           "look for a network or disk that can not keep up");
     }
     if (topic_.period_s > 1.0 / kSlowRate) {
@@ -184,6 +230,7 @@ class StampJudge {
 
   const TopicSurvey& topic_;
   int64_t start_receipt_ns_;
+  const std::vector<Gap>& common_gaps_;
   std::vector<Finding>* findings_;
 };
 
@@ -231,34 +278,39 @@ void FindClocksApart(CheckReport* report) {
        "file"});
 }
 
-// Seconds in which no topic has anything.
-void FindCommonGaps(CheckReport* report) {
-  std::vector<bool> is_empty;
-  for (const TopicSurvey& topic : report->survey.topics) {
-    is_empty.resize(std::max(is_empty.size(), topic.seconds.size()), true);
-    for (size_t i = 0; i < topic.seconds.size(); ++i) {
-      if (topic.seconds[i].num_lines > 0) is_empty[i] = false;
-    }
+void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
+  if (gaps.empty()) return;
+  std::vector<std::string> words;
+  const bool is_long = std::any_of(gaps.begin(), gaps.end(), [](const Gap& gap) {
+    return gap.end_s - gap.start_s > MapperOptions().max_gap_s;
+  });
+  for (const Gap& gap : gaps) {
+    if (words.size() == 6) break;
+    words.push_back("from " + Decimal(gap.start_s, 1) + " to " + Decimal(gap.end_s, 1) + " s");
   }
-  const std::string spans = SpansInWords(is_empty, 1);
-  if (spans.empty()) return;
+  const std::string more =
+      gaps.size() > words.size()
+          ? " and " + std::to_string(gaps.size() - words.size()) + " times more"
+          : "";
   report->findings.push_back(
       {Severity::kWarning,
        "",
-       "no scanner sends anything " + spans + ": the map will fall into parts, which are joined "
-       "where the motion allows it",
+       "no scanner sends anything " + Enumerate(words) + more +
+           (is_long ? ": the map will fall into parts, which are joined where the motion allows it"
+                    : ": the motion has to bridge that"),
        "record again without the gap, or stand still during it"});
 }
 
 }  // namespace
 
 void FindTimingFaults(CheckReport* report) {
+  const std::vector<Gap> common_gaps = CommonGaps(report->survey);
   for (const TopicSurvey& topic : report->survey.topics) {
-    StampJudge(topic, report->survey.start_receipt_ns, &report->findings).Judge();
+    StampJudge(topic, report->survey.start_receipt_ns, common_gaps, &report->findings).Judge();
   }
   FindAbsences(report);
   FindClocksApart(report);
-  FindCommonGaps(report);
+  TellCommonGaps(common_gaps, report);
 }
 
 }  // namespace plumbline

@@ -8,7 +8,9 @@ namespace plumbline {
 std::string Decimal(double value, int digits) {
   std::array<char, 64> text;
   std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
+  const std::string written = text.data();
+  const bool is_zero = written.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && written[0] == '-' ? written.substr(1) : written;
 }
 
 std::string PercentOf(double share) {
