@@ -1,6 +1,7 @@
 #include "core/check/mounting_search.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -200,7 +201,8 @@ class MountingFit {
         stated_(rig[scanner]),
         prior_(Stacked(kPriorTurn, kPriorShift, kPriorTime, kPriorRange)
                    .cwiseAbs2()
-                   .cwiseInverse()) {}
+                   .cwiseInverse()
+                   .asDiagonal()) {}
 
   MountingCorrection Run() {
     MountingCorrection correction;
@@ -243,23 +245,31 @@ class MountingFit {
   // Holds what the scans do not show.
   void HoldOpen() {
     constexpr double kHeld = 1e12;
-    const Vector8d stddev = covariance_.diagonal().cwiseSqrt();
-    Vector8d open = Stacked(kOpenTurn, kOpenShift, kOpenTime, kOpenRange);
-    for (const Eigen::Index first : {0, 3}) {
-      const double best = kOpenRatio * stddev.segment<3>(first).minCoeff();
-      open.segment<3>(first) = open.segment<3>(first).cwiseMin(best);
-    }
-    for (Eigen::Index i = 0; i < prior_.size(); ++i) {
-      if (stddev(i) > open(i)) prior_(i) = kHeld;
-    }
+    HoldAxes(0, kOpenTurn);
+    HoldAxes(3, kOpenShift);
+    if (covariance_(6, 6) > kOpenTime * kOpenTime) prior_(6, 6) = kHeld;
+    if (covariance_(7, 7) > kOpenRange * kOpenRange) prior_(7, 7) = kHeld;
     total_.setZero();
     Apply();
     Compare();
   }
 
+  // Holds the axes, of any direction, of a turn or a shift that are known badly.
+  void HoldAxes(Eigen::Index first, double open) {
+    constexpr double kHeld = 1e12;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+        covariance_.block<3, 3>(first, first));
+    const Eigen::Vector3d stddev = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (stddev(i) < std::min(open, kOpenRatio * stddev(0))) continue;
+      prior_.block<3, 3>(first, first) +=
+          kHeld * axes.eigenvectors().col(i) * axes.eigenvectors().col(i).transpose();
+    }
+  }
+
   void Step(double loss_scale) {
-    Matrix8d normal_matrix = prior_.asDiagonal();
-    Vector8d right = -prior_.cwiseProduct(total_);
+    Matrix8d normal_matrix = prior_;
+    Vector8d right = -prior_ * total_;
     const Eigen::Vector3d origin = rig_[scanner_].body_from_scanner.translation;
     for (const ViewComparison& one : comparisons_) {
       const Eigen::Vector3d beam = one.p_a - origin;
@@ -306,7 +316,7 @@ class MountingFit {
   MountedRig rig_;
   size_t scanner_;
   MountedScanner stated_;
-  Vector8d prior_;  // of the total
+  Matrix8d prior_;  // information about the total
   Vector8d total_ = Vector8d::Zero();
   Matrix8d covariance_ = Matrix8d::Zero();
   std::vector<ViewComparison> comparisons_;
