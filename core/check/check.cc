@@ -21,6 +21,13 @@ std::map<std::string, RangeLimits> LimitsOf(const std::optional<Rig>& rig) {
   return limits;
 }
 
+// Whether one scanner's correction makes most of its places agree that did not.
+bool IsMended(const std::vector<MountingCorrection>& corrections) {
+  return std::any_of(corrections.begin(), corrections.end(), [](const auto& one) {
+    return one.moved_share > 0.5 && one.moved_share > one.near_share + 0.25;
+  });
+}
+
 // Compares the scanners that have lines, with the rig file and with each other.
 void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport* report) {
   const Rig& rig = *report->rig;
@@ -50,11 +57,17 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport*
   }
   const MountedRig mounted = AsRigFileSays(present, sources);
   report->agreements = AgreementsOf(sample, mounted);
-  for (PairAgreement& pair : report->agreements) pair = {indices[pair.a], indices[pair.b], pair.num_compared, pair.near_share, pair.median_m};
+  for (PairAgreement& pair : report->agreements) {
+    pair.a = indices[pair.a];
+    pair.b = indices[pair.b];
+  }
   report->other_mounting = FindOtherMounting(sample, mounted, names);
   report->corrections.resize(rig.scanners.size());
   const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
   for (size_t i = 0; i < corrections.size(); ++i) report->corrections[indices[i]] = corrections[i];
+  if (!report->other_mounting && !IsMended(corrections)) {
+    report->other_mounting = FindTurn(sample, mounted, names);
+  }
   report->starts = FindStarts(present, lines);
 }
 

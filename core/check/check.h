@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/check/finding.h"
+#include "core/check/mounting_fit.h"
 #include "core/check/mounting_search.h"
 #include "core/check/recording_survey.h"
 #include "core/check/scanner_outlook.h"

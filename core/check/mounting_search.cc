@@ -1,69 +1,30 @@
 #include "core/check/mounting_search.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "core/check/mounting_fit.h"
+#include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/geometry/roll_pitch_yaw.h"
 
 namespace plumbline {
 namespace {
 
-using Vector8d = Eigen::Matrix<double, 8, 1>;  // rotation, translation, time, range
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
-
 constexpr int kLinesForAgreement = 400;  // of each pair
-constexpr int kLinesForFit = 1500;
 constexpr int kMinCompared = 20;         // places that say anything about a pair
 constexpr double kAgreed = 0.1;          // m
-constexpr double kNear = 0.03;           // m
 // Another mounting has to bring so many more of the places together, and most of them.
 constexpr double kMinGain = 0.25;
 constexpr double kMinShareSo = 0.55;
-// Scales of Cauchy's loss, one for each step: what is far off is to be caught first.
-constexpr double kLossScales[] = {0.4, 0.4, 0.2, 0.2, 0.1, 0.05, 0.05, 0.05};  // m
-// Standard deviations of the prior about what the rig file says.
-constexpr double kPriorTurn = 0.2;    // rad
-constexpr double kPriorShift = 0.2;   // m
-constexpr double kPriorTime = 0.1;    // s
-constexpr double kPriorRange = 0.05;  // m
-// What is known less well than this is left open by the scans, and held at zero; so are turns
-// and shifts that are known so many times worse than those about or along the best axis, since
-// what little is seen of them comes from the noise of the surfaces' directions.
-constexpr double kOpenTurn = 1.0 * kRadiansPerDegree;
-constexpr double kOpenShift = 0.05;  // m
-constexpr double kOpenTime = 0.01;   // s
-constexpr double kOpenRange = 0.01;  // m
-constexpr double kOpenRatio = 5.0;
-
-Vector8d Stacked(double turn, double shift, double time, double range) {
-  Vector8d stacked;
-  stacked << turn, turn, turn, shift, shift, shift, time, range;
-  return stacked;
-}
+// Turns of any angle are tried in such steps, and the best of them fitted.
+constexpr int kTurnStep = 20;      // deg
+constexpr double kCaught = 0.4;    // m, between places that a fit may bring together
+constexpr size_t kMaxFitted = 4;
 
 using Sample = std::vector<std::vector<SampledLine>>;
-
-double MedianSize(const std::vector<ViewComparison>& comparisons) {
-  std::vector<double> sizes;
-  for (const ViewComparison& one : comparisons) sizes.push_back(std::abs(one.distance_m));
-  if (sizes.empty()) return 0.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
-}
-
-double ShareWithin(const std::vector<ViewComparison>& comparisons, double distance_m) {
-  if (comparisons.empty()) return 0.0;
-  const auto num = std::count_if(
-      comparisons.begin(), comparisons.end(), [distance_m](const ViewComparison& one) {
-        return std::abs(one.distance_m) < distance_m;
-      });
-  return static_cast<double>(num) / static_cast<double>(comparisons.size());
-}
 
 PairAgreement AgreementOf(const Sample& sample, const MountedRig& rig, size_t a, size_t b) {
   const auto comparisons = CompareViews(sample, rig, a, b, kLinesForAgreement);
@@ -71,7 +32,7 @@ PairAgreement AgreementOf(const Sample& sample, const MountedRig& rig, size_t a,
           b,
           static_cast<int>(comparisons.size()),
           ShareWithin(comparisons, kAgreed),
-          MedianSize(comparisons)};
+          MedianDistance(comparisons)};
 }
 
 // The mean share of the pairs that have one of the scanners; negative where none could be
@@ -191,135 +152,106 @@ class Alternatives {
   const std::vector<std::string>& names_;
 };
 
-// Fits the correction of one scanner, the others held.
-class MountingFit {
- public:
-  MountingFit(const Sample& sample, const MountedRig& rig, size_t scanner)
-      : sample_(sample),
-        rig_(rig),
-        scanner_(scanner),
-        stated_(rig[scanner]),
-        prior_(Stacked(kPriorTurn, kPriorShift, kPriorTime, kPriorRange)
-                   .cwiseAbs2()
-                   .cwiseInverse()
-                   .asDiagonal()) {}
+// Judges a mounting by its places, and keeps it if it is good enough and better for the whole
+// rig than the best so far.
+void KeepBetter(const Sample& sample,
+                OtherMounting* other,
+                std::optional<OtherMounting>* best) {
+  const std::set<size_t> changed(other->scanners.begin(), other->scanners.end());
+  const std::vector<PairAgreement> agreements = AgreementsOf(sample, other->rig);
+  other->share_so = ShareOf(agreements, changed);
+  const double gain = other->share_so - other->share_as_stated;
+  if (other->share_so < kMinShareSo || gain < kMinGain) return;
+  std::set<size_t> all;
+  for (size_t i = 0; i < other->rig.size(); ++i) all.insert(i);
+  other->share_of_all = ShareOf(agreements, all);
+  if (*best && other->share_of_all <= (*best)->share_of_all) return;
+  *best = *other;
+}
 
-  MountingCorrection Run() {
-    MountingCorrection correction;
-    correction.corrected = stated_;
-    Compare();
-    correction.num_compared = static_cast<int>(comparisons_.size());
-    if (correction.num_compared < kMinCompared) return correction;
-    correction.near_share = ShareWithin(comparisons_, kNear);
-    Iterate();
-    HoldOpen();
-    Iterate();
-    correction.moved_share = ShareWithin(comparisons_, kNear);
-    correction.rotation_rad = total_.head<3>();
-    correction.translation_m = total_.segment<3>(3);
-    correction.time_offset_s = total_(6);
-    correction.range_offset_m = total_(7);
-    correction.stddev = covariance_.diagonal().cwiseSqrt();
-    correction.corrected = rig_[scanner_];
-    return correction;
+// Tries turns of one scanner by any angle.
+class TurnSearch {
+ public:
+  TurnSearch(const Sample& sample, const MountedRig& rig, size_t scanner, const std::string& name)
+      : sample_(sample), rig_(rig), scanner_(scanner), name_(name) {}
+
+  // share_as_stated: of the scanner's places.
+  void Search(double share_as_stated, std::optional<OtherMounting>* best) {
+    std::vector<std::pair<double, MountedRig>> starts = Starts();
+    std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) {
+      return a.first > b.first;
+    });
+    if (starts.size() > kMaxFitted) starts.resize(kMaxFitted);
+    for (auto& [share, turned] : starts) {
+      turned[scanner_] = FitMounting(sample_, turned, scanner_).corrected;
+      OtherMounting other;
+      other.scanners = {scanner_};
+      other.share_as_stated = share_as_stated;
+      other.rig = turned;
+      Describe(&other);
+      KeepBetter(sample_, &other, best);
+    }
   }
 
  private:
-  void Compare() {
-    comparisons_.clear();
-    for (size_t other = 0; other < rig_.size(); ++other) {
+  // Coarse turns, with the share of the places that come near each other.
+  std::vector<std::pair<double, MountedRig>> Starts() const {
+    std::vector<std::pair<double, MountedRig>> starts;
+    for (const bool is_upright : {true, false}) {
+      for (int angle = kTurnStep; angle < 360; angle += kTurnStep) {
+        MountedRig turned = rig_;
+        turned[scanner_] = TurnedInPlane(rig_[scanner_], angle * kRadiansPerDegree);
+        if (is_upright) {
+          turned[scanner_].body_from_scanner.rotation =
+              Eigen::AngleAxisd(angle * kRadiansPerDegree, Eigen::Vector3d::UnitZ()) *
+              rig_[scanner_].body_from_scanner.rotation;
+        }
+        starts.emplace_back(CaughtShare(turned), turned);
+      }
+    }
+    return starts;
+  }
+
+  double CaughtShare(const MountedRig& rig) const {
+    double sum = 0.0;
+    int num = 0;
+    for (size_t other = 0; other < rig.size(); ++other) {
       if (other == scanner_) continue;
-      const auto some = CompareViews(sample_, rig_, scanner_, other, kLinesForFit);
-      comparisons_.insert(comparisons_.end(), some.begin(), some.end());
+      const auto comparisons = CompareViews(sample_, rig, scanner_, other, kLinesForAgreement);
+      if (static_cast<int>(comparisons.size()) < kMinCompared) continue;
+      sum += ShareWithin(comparisons, kCaught);
+      ++num;
     }
+    return num == 0 ? 0.0 : sum / num;
   }
 
-  void Iterate() {
-    for (const double loss_scale : kLossScales) {
-      Step(loss_scale);
-      Apply();
-      Compare();
+  void Describe(OtherMounting* other) const {
+    const Eigen::Quaterniond stated = rig_[scanner_].body_from_scanner.rotation;
+    const Eigen::Quaterniond found = other->rig[scanner_].body_from_scanner.rotation;
+    const Eigen::AngleAxisd turn(found * stated.conjugate());
+    const Eigen::Vector3d own_axis = stated * Eigen::Vector3d::UnitZ();
+    const double by = turn.angle() * kDegreesPerRadian;
+    const double upright = turn.axis().z();
+    const double own = turn.axis().dot(own_axis);
+    constexpr double kAlong = 0.99;
+    std::string words = "scanner " + name_ + " is turned by ";
+    if (std::abs(upright) > kAlong) {
+      words += Decimal(upright > 0.0 ? by : -by, 0) + " deg about the vertical";
+    } else if (std::abs(own) > kAlong) {
+      words += Decimal(own > 0.0 ? by : -by, 0) + " deg in its own plane";
+    } else {
+      words += Decimal(by, 0) + " deg";
     }
-  }
-
-  // Holds what the scans do not show.
-  void HoldOpen() {
-    constexpr double kHeld = 1e12;
-    HoldAxes(0, kOpenTurn);
-    HoldAxes(3, kOpenShift);
-    if (covariance_(6, 6) > kOpenTime * kOpenTime) prior_(6, 6) = kHeld;
-    if (covariance_(7, 7) > kOpenRange * kOpenRange) prior_(7, 7) = kHeld;
-    total_.setZero();
-    Apply();
-    Compare();
-  }
-
-  // Holds the axes, of any direction, of a turn or a shift that are known badly.
-  void HoldAxes(Eigen::Index first, double open) {
-    constexpr double kHeld = 1e12;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-        covariance_.block<3, 3>(first, first));
-    const Eigen::Vector3d stddev = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      if (stddev(i) < std::min(open, kOpenRatio * stddev(0))) continue;
-      prior_.block<3, 3>(first, first) +=
-          kHeld * axes.eigenvectors().col(i) * axes.eigenvectors().col(i).transpose();
-    }
-  }
-
-  void Step(double loss_scale) {
-    Matrix8d normal_matrix = prior_;
-    Vector8d right = -prior_ * total_;
-    const Eigen::Vector3d origin = rig_[scanner_].body_from_scanner.translation;
-    for (const ViewComparison& one : comparisons_) {
-      const Eigen::Vector3d beam = one.p_a - origin;
-      Vector8d jacobian;
-      jacobian.head<3>() = beam.cross(one.normal);
-      jacobian.segment<3>(3) = one.normal;
-      jacobian(6) = -one.rate_m_s;
-      jacobian(7) = one.normal.dot(beam.normalized());
-      const double scaled = one.distance_m / loss_scale;
-      const double weight = 1.0 / ((1.0 + scaled * scaled) * loss_scale * loss_scale);
-      normal_matrix += weight * jacobian * jacobian.transpose();
-      right -= weight * one.distance_m * jacobian;
-    }
-    const Eigen::LDLT<Matrix8d> factor(normal_matrix);
-    const double scatter = ScatterRatio(loss_scale);
-    covariance_ = scatter * scatter * factor.solve(Matrix8d::Identity());
-    total_ += factor.solve(right);
-  }
-
-  // The standard deviation of a place's distance over the one that the loss stands for.
-  // Neighbouring lines share their errors: twice what the distances show is right.
-  double ScatterRatio(double loss_scale) const {
-    constexpr double kMinScatter = 0.01;  // m
-    constexpr double kShared = 2.0;
-    const double scatter = std::max(kMinScatter, 1.4826 * MedianSize(comparisons_));
-    return std::min(1.0, kShared * scatter / loss_scale);
-  }
-
-  void Apply() {
-    MountedScanner& moved = rig_[scanner_];
-    moved = stated_;
-    const double angle = total_.head<3>().norm();
-    if (angle > 0.0) {
-      moved.body_from_scanner.rotation =
-          Eigen::Quaterniond(Eigen::AngleAxisd(angle, total_.head<3>() / angle)) *
-          stated_.body_from_scanner.rotation;
-    }
-    moved.body_from_scanner.translation += total_.segment<3>(3);
-    moved.time_offset_s += total_(6);
-    moved.range_offset_m += total_(7);
+    other->words = words + " against the rig file";
+    const Eigen::Vector3d rpy = RollPitchYawDegrees(found);
+    other->advice = "in the rig file: rotation_rpy_deg: [" + Decimal(rpy.x(), 1) + ", " +
+                    Decimal(rpy.y(), 1) + ", " + Decimal(rpy.z(), 1) + "]";
   }
 
   const Sample& sample_;
-  MountedRig rig_;
+  const MountedRig& rig_;
   size_t scanner_;
-  MountedScanner stated_;
-  Matrix8d prior_;  // information about the total
-  Vector8d total_ = Vector8d::Zero();
-  Matrix8d covariance_ = Matrix8d::Zero();
-  std::vector<ViewComparison> comparisons_;
+  const std::string& name_;
 };
 
 }  // namespace
@@ -343,26 +275,22 @@ std::optional<OtherMounting> FindOtherMounting(const Sample& sample,
     const std::set<size_t> changed(other.scanners.begin(), other.scanners.end());
     other.share_as_stated = ShareOf(stated, changed);
     if (other.share_as_stated < 0.0 || other.share_as_stated > 1.0 - kMinGain) continue;
-    std::vector<PairAgreement> agreements;
-    for (const PairAgreement& pair : stated) {
-      if (changed.count(pair.a) == 0 && changed.count(pair.b) == 0) continue;
-      agreements.push_back(AgreementOf(sample, other.rig, pair.a, pair.b));
-    }
-    other.share_so = ShareOf(agreements, changed);
-    const double gain = other.share_so - other.share_as_stated;
-    if (other.share_so < kMinShareSo || gain < kMinGain) continue;
-    if (best && gain <= best->share_so - best->share_as_stated) continue;
-    best = other;
+    KeepBetter(sample, &other, &best);
   }
   return best;
 }
 
-std::vector<MountingCorrection> FitMountings(const Sample& sample, const MountedRig& rig) {
-  std::vector<MountingCorrection> corrections(rig.size());
-  for (size_t i = 0; i < rig.size() && rig.size() > 1; ++i) {
-    corrections[i] = MountingFit(sample, rig, i).Run();
+std::optional<OtherMounting> FindTurn(const Sample& sample,
+                                      const MountedRig& rig,
+                                      const std::vector<std::string>& names) {
+  const std::vector<PairAgreement> stated = AgreementsOf(sample, rig);
+  std::optional<OtherMounting> best;
+  for (size_t i = 0; i < rig.size(); ++i) {
+    const double share = ShareOf(stated, {i});
+    if (share < 0.0 || share > 1.0 - kMinGain) continue;
+    TurnSearch(sample, rig, i, names[i]).Search(share, &best);
   }
-  return corrections;
+  return best;
 }
 
 }  // namespace plumbline

@@ -29,6 +29,7 @@ struct OtherMounting {
   std::string advice;
   double share_as_stated = 0.0;  // of the places that these compare with others, near
   double share_so = 0.0;
+  double share_of_all = 0.0;  // so, of the places of all pairs
   MountedRig rig;
 };
 
@@ -40,24 +41,10 @@ std::optional<OtherMounting> FindOtherMounting(
     const MountedRig& rig,
     const std::vector<std::string>& names);
 
-// The correction of one scanner that brings what it sees best onto what the others see. What
-// the scans leave open is zero.
-struct MountingCorrection {
-  int num_compared = 0;
-  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // about the body's axes
-  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
-  double time_offset_s = 0.0;   // to be added to its stamps
-  double range_offset_m = 0.0;  // to be added to its ranges
-  // Standard deviations of these eight, in this order; cautious, since neighbouring lines share
-  // their errors.
-  Eigen::Matrix<double, 8, 1> stddev = Eigen::Matrix<double, 8, 1>::Zero();
-  double near_share = 0.0;   // of the places, within 3 cm, as the rig file says
-  double moved_share = 0.0;  // after the correction
-  MountedScanner corrected;
-};
-
-// One element for each scanner, each as if the others were right.
-std::vector<MountingCorrection> FitMountings(const std::vector<std::vector<SampledLine>>& sample,
-                                             const MountedRig& rig);
+// Tries turns of single scanners by any angle, about the vertical and in their own planes. Takes
+// a second; for rigs that nothing else explains.
+std::optional<OtherMounting> FindTurn(const std::vector<std::vector<SampledLine>>& sample,
+                                      const MountedRig& rig,
+                                      const std::vector<std::string>& names);
 
 }  // namespace plumbline

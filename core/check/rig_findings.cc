@@ -13,7 +13,7 @@ namespace {
 constexpr int kMinCompared = 20;       // places that say anything about a pair
 constexpr double kAgreedShare = 0.75;  // of a pair that sits as the rig file says
 // A correction counts where it brings so many more of the places together.
-constexpr double kMinGain = 0.015;
+constexpr double kMinGain = 0.025;
 constexpr double kMinSigmas = 4.0;
 // Smaller errors are not worth a word, larger ones bend a map by centimetres and more.
 constexpr double kNamedTurn = 0.25 * kRadiansPerDegree;
@@ -185,7 +185,7 @@ class RigJudge {
     Add(parts.is_large ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) + " of them " +
-            "agree to 3 cm, as it is " + PercentOf(corrections[worst].near_share),
+            "agree to 1.5 cm, as it is " + PercentOf(corrections[worst].near_share),
         parts.advice.empty() ? "calibrate its ranges"
                              : "in the rig file: " + Enumerate(parts.advice));
     return true;

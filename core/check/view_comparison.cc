@@ -242,4 +242,22 @@ std::vector<ViewComparison> CompareViews(const std::vector<std::vector<SampledLi
   return comparisons;
 }
 
+double MedianDistance(const std::vector<ViewComparison>& comparisons) {
+  std::vector<double> sizes;
+  for (const ViewComparison& one : comparisons) sizes.push_back(std::abs(one.distance_m));
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
+}
+
+double ShareWithin(const std::vector<ViewComparison>& comparisons, double distance_m) {
+  if (comparisons.empty()) return 0.0;
+  const auto num = std::count_if(
+      comparisons.begin(), comparisons.end(), [distance_m](const ViewComparison& one) {
+        return std::abs(one.distance_m) < distance_m;
+      });
+  return static_cast<double>(num) / static_cast<double>(comparisons.size());
+}
+
 }  // namespace plumbline

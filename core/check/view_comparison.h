@@ -42,4 +42,10 @@ std::vector<ViewComparison> CompareViews(const std::vector<std::vector<SampledLi
                                          size_t b,
                                          int max_lines);
 
+// The median of the distances' sizes, m; 0 without any.
+double MedianDistance(const std::vector<ViewComparison>& comparisons);
+
+// The share of the places whose distance is smaller than this; 0 without any.
+double ShareWithin(const std::vector<ViewComparison>& comparisons, double distance_m);
+
 }  // namespace plumbline

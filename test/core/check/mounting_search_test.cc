@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/check/mounting_fit.h"
 #include "core/geometry/angles.h"
 #include "test/core/check/turning_rig.h"
 
@@ -100,6 +101,20 @@ TEST_F(MountingSearchTest, CorrectsNothingOfARightRig) {
     EXPECT_LT(correction.moved_share - correction.near_share, 0.03);
     EXPECT_LT(std::abs(correction.time_offset_s), 0.004);
   }
+}
+
+// Turns that no fit finds from where the rig file says.
+TEST_F(MountingSearchTest, FindsLargeTurns) {
+  const Eigen::Quaterniond stated = RigFile()[0].body_from_scanner.rotation;
+  MountedRig file = RigFile();
+  file[0].body_from_scanner.rotation =
+      stated * Eigen::AngleAxisd(-130.0 * kRadiansPerDegree, Eigen::Vector3d::UnitZ());
+  EXPECT_FALSE(FindOtherMounting(sample_, file, kNames));
+  const auto other = FindTurn(sample_, file, kNames);
+  ASSERT_TRUE(other);
+  EXPECT_THAT(other->words, HasSubstr("scanner top is turned by 130 deg about the vertical"));
+  EXPECT_LT(other->rig[0].body_from_scanner.rotation.angularDistance(stated),
+            0.5 * kRadiansPerDegree);
 }
 
 // A scanner that nobody can be compared with is left alone.
