@@ -30,7 +30,8 @@ constexpr int kNotMappable = 3;
 int main(int argc, char** argv) {
   // The recording may stand alone, as the first argument.
   std::vector<std::string> arguments(argv, argv + argc);
-  if (argc > 1 && arguments[1].rfind("-", 0) != 0) arguments[1] = "--recording=" + arguments[1];
+  if (argc > 1 && arguments[1].rfind("-", 0) != 0)
+    arguments[1] = "--recording=" + arguments[1];
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   bool is_mappable = true;

@@ -45,9 +45,8 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport*
     }
     report->topics_of_scanners.push_back(topic);
     const auto at = static_cast<size_t>(std::max(0, topic));
-    report->heights.push_back(
-        FindHeights(topic < 0 ? std::vector<SampledLine>() : sample[at],
-                    scanner.body_from_scanner));
+    report->heights.push_back(FindHeights(topic < 0 ? std::vector<SampledLine>() : sample[at],
+                                          scanner.body_from_scanner));
     if (topic < 0 || sample[at].empty()) continue;
     present.scanners.push_back(scanner);
     sources.push_back(at);
@@ -64,7 +63,8 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport*
   report->other_mounting = FindOtherMounting(sample, mounted, names);
   report->corrections.resize(rig.scanners.size());
   const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
-  for (size_t i = 0; i < corrections.size(); ++i) report->corrections[indices[i]] = corrections[i];
+  for (size_t i = 0; i < corrections.size(); ++i)
+    report->corrections[indices[i]] = corrections[i];
   if (!report->other_mounting && !IsMended(corrections)) {
     report->other_mounting = FindTurn(sample, mounted, names);
   }
@@ -80,8 +80,9 @@ bool HasStop(const CheckReport& report) {
 void JudgeWithRig(CheckReport* report) {
   if (IsPlanar(*report->rig)) {
     report->mappable = Mappable::kInThePlane;
-    report->verdict = "can be mapped in the plane: all scanners are level, so that neither "
-                      "heights nor tilts are seen";
+    report->verdict =
+        "can be mapped in the plane: all scanners are level, so that neither "
+        "heights nor tilts are seen";
   } else {
     report->mappable = Mappable::kInSpace;
     report->verdict = "can be mapped in 3D";
@@ -99,26 +100,28 @@ void JudgeWithoutRig(CheckReport* report) {
   report->mappable = Mappable::kInThePlane;
   if (num_tilted > 0 && num_topics > 1) {
     report->mappable = Mappable::kInSpace;
-    report->verdict = "can be mapped in 3D once the rig file is filled in: " +
-                      std::to_string(num_tilted) + " of " + std::to_string(num_topics) +
-                      " scanners see floor or ceiling";
+    report->verdict =
+        "can be mapped in 3D once the rig file is filled in: " + std::to_string(num_tilted) +
+        " of " + std::to_string(num_topics) + " scanners see floor or ceiling";
   } else if (num_level == num_topics) {
-    report->verdict = "can be mapped in the plane once the rig file is filled in: all scanners "
-                      "are level";
+    report->verdict =
+        "can be mapped in the plane once the rig file is filled in: all scanners "
+        "are level";
   } else if (num_topics == 1) {
-    report->verdict = "can be mapped in the plane if the scanner is level; 3D needs a second "
-                      "one that is tilted against it";
+    report->verdict =
+        "can be mapped in the plane if the scanner is level; 3D needs a second "
+        "one that is tilted against it";
   } else {
-    report->verdict = "can be mapped once the rig file is filled in; whether in 3D or in the "
-                      "plane the scans do not show by themselves, since the rig hardly turns";
+    report->verdict =
+        "can be mapped once the rig file is filled in; whether in 3D or in the "
+        "plane the scans do not show by themselves";
   }
 }
 
 void Judge(CheckReport* report) {
-  std::stable_sort(
-      report->findings.begin(), report->findings.end(), [](const auto& a, const auto& b) {
-        return a.severity > b.severity;
-      });
+  std::stable_sort(report->findings.begin(),
+                   report->findings.end(),
+                   [](const auto& a, const auto& b) { return a.severity > b.severity; });
   if (HasStop(*report)) {
     report->mappable = Mappable::kNot;
     report->verdict = "can not be mapped as it is: first change what is marked stop";

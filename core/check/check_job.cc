@@ -40,7 +40,8 @@ CheckOutcome RunCheckJob(const CheckJob& job) {
   outcome.text = FormatCheckText(report);
   WriteFileAtomically(output + "/check.json", FormatCheckJson(report));
   WriteFileAtomically(output + "/check.svg", DrawCheck(report));
-  outcome.text += "\n  picture: " + output + "/check.svg, figures: " + output + "/check.json\n";
+  outcome.text +=
+      "\n  picture: " + output + "/check.svg, figures: " + output + "/check.json\n";
   if (!rig && !report.survey.topics.empty()) {
     WriteFileAtomically(output + "/rig.yaml", FormatFirstRig(report));
     outcome.text += "  a rig file to fill in: " + output +

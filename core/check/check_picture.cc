@@ -17,8 +17,8 @@ constexpr double kWidth = 1200.0;
 constexpr double kMargin = 20.0;
 constexpr double kRowHeight = 230.0;
 constexpr double kViewHeight = 460.0;
-constexpr size_t kMaxDots = 4000;  // of a scanner in a view
-constexpr double kFirst = 1.0;     // s, of which the points are shown
+constexpr size_t kMaxDots = 4000;      // of a scanner in a view
+constexpr double kFirst = 1.0;         // s, of which the points are shown
 constexpr double kPlaneRadius = 0.22;  // of a drawn scan plane, as a share of the view
 
 const std::array<const char*, 6> kColours = {
@@ -28,9 +28,12 @@ std::string ColourOf(size_t index) { return kColours[index % kColours.size()]; }
 
 std::string ColourOf(Severity severity) {
   switch (severity) {
-    case Severity::kNote: return "#555555";
-    case Severity::kWarning: return "#b06000";
-    case Severity::kStop: return "#c00000";
+    case Severity::kNote:
+      return "#555555";
+    case Severity::kWarning:
+      return "#b06000";
+    case Severity::kStop:
+      return "#c00000";
   }
   return "#000000";
 }
@@ -70,9 +73,11 @@ class Scene {
     for (double ring = step; ring * scale_ < 0.5 * std::min(box.width, box.height);
          ring += step) {
       canvas_->Circle(box.centre(), ring * scale_, "#dddddd");
-      canvas_->Text(
-          At({0.0, ring}) + Eigen::Vector2d(2.0, 10.0), Decimal(ring, 0) + " m", 9, "start",
-          "#999999");
+      canvas_->Text(At({0.0, ring}) + Eigen::Vector2d(2.0, 10.0),
+                    Decimal(ring, 0) + " m",
+                    9,
+                    "start",
+                    "#999999");
     }
   }
 
@@ -84,7 +89,9 @@ class Scene {
     return at.x() > box_.x && at.x() < box_.x + box_.width && at.y() > box_.y &&
            at.y() < box_.y + box_.height;
   }
-  void Dots(const std::vector<Eigen::Vector2d>& points, const std::string& colour, double size) {
+  void Dots(const std::vector<Eigen::Vector2d>& points,
+            const std::string& colour,
+            double size) {
     std::vector<Eigen::Vector2d> placed;
     for (const Eigen::Vector2d& point : points) {
       if (Holds(point)) placed.push_back(At(point));
@@ -121,9 +128,10 @@ class TopicRow {
   void Draw() {
     canvas_->Text({kMargin, y_ + 14.0}, topic_.name, 14, "start", ColourOf(index_), true);
     DrawLine({kMargin, y_ + 22.0, 200.0, 195.0});
-    DrawTime({270.0, y_ + 34.0, 460.0, 70.0},
-             "scan lines a second",
-             [](const SurveyedSecond& second) { return static_cast<double>(second.num_lines); });
+    DrawTime(
+        {270.0, y_ + 34.0, 460.0, 70.0},
+        "scan lines a second",
+        [](const SurveyedSecond& second) { return static_cast<double>(second.num_lines); });
     DrawTime({270.0, y_ + 132.0, 460.0, 70.0},
              "beams with a return, %",
              [](const SurveyedSecond& second) {
@@ -163,7 +171,8 @@ class TopicRow {
     const double most = std::max(1e-9, *std::max_element(values.begin(), values.end()));
     // A long recording has more seconds than the strip has pixels: the worst of each stands.
     const size_t step = 1 + values.size() / 460;
-    const double width = box.width * static_cast<double>(step) / static_cast<double>(values.size());
+    const double width =
+        box.width * static_cast<double>(step) / static_cast<double>(values.size());
     for (size_t i = 0; i < values.size(); i += step) {
       const double least = *std::min_element(
           values.begin() + static_cast<std::ptrdiff_t>(i),
@@ -180,7 +189,9 @@ class TopicRow {
     canvas_->Text({box.x - 4.0, box.y + 9.0}, Decimal(most, 0), 10, "end");
     canvas_->Text({box.x - 4.0, box.y + box.height}, "0", 10, "end");
     canvas_->Text({box.x + box.width, box.y + box.height + 12.0},
-                  Decimal(static_cast<double>(num_seconds), 0) + " s", 10, "end");
+                  Decimal(static_cast<double>(num_seconds), 0) + " s",
+                  10,
+                  "end");
   }
 
   void DrawBeams(const Box& box) {
@@ -191,10 +202,10 @@ class TopicRow {
       const auto columns = static_cast<size_t>(box.width);
       for (size_t column = 0; column < columns; ++column) {
         const size_t beam = column * beams.size() / columns;
-        const double share = beams[beam].num_lines == 0
-                                 ? 0.0
-                                 : static_cast<double>(beams[beam].num_returns) /
-                                       beams[beam].num_lines;
+        const double share =
+            beams[beam].num_lines == 0
+                ? 0.0
+                : static_cast<double>(beams[beam].num_returns) / beams[beam].num_lines;
         const double x = box.x + static_cast<double>(column);
         corners.push_back({x, box.y + box.height * (1.0 - share)});
       }
@@ -331,10 +342,10 @@ double DrawFindings(const CheckReport& report, double y, SvgCanvas* canvas) {
     y += 16.0;
   }
   if (report.findings.size() > kMaxFindings) {
-    canvas->Text({kMargin, y},
-                 "and " + std::to_string(report.findings.size() - kMaxFindings) +
-                     " more in check.json",
-                 11);
+    canvas->Text(
+        {kMargin, y},
+        "and " + std::to_string(report.findings.size() - kMaxFindings) + " more in check.json",
+        11);
     y += 16.0;
   }
   return y;

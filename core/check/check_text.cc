@@ -18,7 +18,9 @@ std::string Padded(const std::string& text, size_t width) {
 }
 
 // Breaks a text into lines that begin with an indent.
-std::string Wrapped(const std::string& text, const std::string& first, const std::string& indent) {
+std::string Wrapped(const std::string& text,
+                    const std::string& first,
+                    const std::string& indent) {
   std::string wrapped;
   std::string line = first;
   size_t begin = 0;
@@ -44,38 +46,52 @@ std::string RateOf(const TopicSurvey& topic) {
 }
 
 std::string AnglesOf(const TopicSurvey& topic) {
-  const double last = topic.angle_min + std::max(0, topic.num_beams - 1) * topic.angle_increment;
+  const double last =
+      topic.angle_min + std::max(0, topic.num_beams - 1) * topic.angle_increment;
   return Decimal(topic.angle_min * kDegreesPerRadian, 1) + " to " +
          Decimal(last * kDegreesPerRadian, 1) + " deg";
 }
 
 double ReturnShareOf(const TopicSurvey& topic) {
-  return topic.num_ranges == 0 ? 0.0
-                               : static_cast<double>(topic.num_returns) /
-                                     static_cast<double>(topic.num_ranges);
+  return topic.num_ranges == 0
+             ? 0.0
+             : static_cast<double>(topic.num_returns) / static_cast<double>(topic.num_ranges);
 }
 
 std::string AttitudeName(Attitude attitude) {
   switch (attitude) {
-    case Attitude::kLevel: return "level";
-    case Attitude::kTilted: return "tilted";
-    case Attitude::kUnknown: return "not shown";
+    case Attitude::kLevel:
+      return "level";
+    case Attitude::kTilted:
+      return "tilted";
+    case Attitude::kUnknown:
+      return "not shown";
   }
   return "";
 }
 
 std::string MappableName(Mappable mappable) {
   switch (mappable) {
-    case Mappable::kNot: return "not";
-    case Mappable::kInThePlane: return "in_the_plane";
-    case Mappable::kInSpace: return "in_3d";
+    case Mappable::kNot:
+      return "not";
+    case Mappable::kInThePlane:
+      return "in_the_plane";
+    case Mappable::kInSpace:
+      return "in_3d";
   }
   return "";
 }
 
 std::string TopicTable(const CheckReport& report) {
-  std::vector<std::vector<std::string>> rows = {
-      {"topic", "lines", "rate", "beams", "angles", "returns", "half within", "noise", "stands"}};
+  std::vector<std::vector<std::string>> rows = {{"topic",
+                                                 "lines",
+                                                 "rate",
+                                                 "beams",
+                                                 "angles",
+                                                 "returns",
+                                                 "half within",
+                                                 "noise",
+                                                 "stands"}};
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     const TopicSurvey& topic = report.survey.topics[i];
     rows.push_back({topic.name,
@@ -111,23 +127,24 @@ std::string AgreementText(const CheckReport& report) {
       continue;
     }
     text += "  " + names + " see " + std::to_string(pair.num_compared) +
-            " places in common: half of them within " + Decimal(1e3 * pair.median_m, 0) + " mm, " +
-            PercentOf(pair.near_share) + " within 100 mm\n";
+            " places in common: half of them within " + Decimal(1e3 * pair.median_m, 0) +
+            " mm, " + PercentOf(pair.near_share) + " within 100 mm\n";
   }
   for (size_t i = 0; i < report.heights.size(); ++i) {
     const HeightView& view = report.heights[i];
     if (!view.is_tilted) continue;
     text += "  " + report.rig->scanners[i].name + " sees ";
-    text += view.floor.is_seen ? "the floor " + Decimal(-view.floor.height_m, 2) +
-                                     " m below the body"
-                               : "no floor";
+    text += view.floor.is_seen
+                ? "the floor " + Decimal(-view.floor.height_m, 2) + " m below the body"
+                : "no floor";
     text += view.ceiling.is_seen
                 ? ", the ceiling " + Decimal(view.ceiling.height_m, 2) + " m above\n"
                 : ", no ceiling\n";
   }
   if (report.starts.num_scans > 0) {
     text += "  " + std::to_string(report.starts.num_starts) + " of " +
-            std::to_string(report.starts.num_scans) + " scans show all that a map starts from\n";
+            std::to_string(report.starts.num_scans) +
+            " scans show all that a map starts from\n";
   }
   return text;
 }
@@ -178,12 +195,11 @@ Json CorrectionJson(const std::string& name, const MountingCorrection& correctio
 void AddRigJson(const CheckReport& report, Json* json) {
   (*json)["agreement"] = Json::array();
   for (const PairAgreement& pair : report.agreements) {
-    (*json)["agreement"].push_back({{"scanners",
-                                     {report.rig->scanners[pair.a].name,
-                                      report.rig->scanners[pair.b].name}},
-                                    {"places", pair.num_compared},
-                                    {"within_0_1_m", pair.near_share},
-                                    {"median_m", pair.median_m}});
+    (*json)["agreement"].push_back(
+        {{"scanners", {report.rig->scanners[pair.a].name, report.rig->scanners[pair.b].name}},
+         {"places", pair.num_compared},
+         {"within_0_1_m", pair.near_share},
+         {"median_m", pair.median_m}});
   }
   (*json)["corrections"] = Json::array();
   (*json)["heights"] = Json::array();
@@ -199,31 +215,36 @@ void AddRigJson(const CheckReport& report, Json* json) {
     height["ceiling_m"] = view.ceiling.is_seen ? Json(view.ceiling.height_m) : Json();
     (*json)["heights"].push_back(height);
   }
-  (*json)["starts"] = {{"scans", report.starts.num_scans}, {"starts", report.starts.num_starts}};
+  (*json)["starts"] = {{"scans", report.starts.num_scans},
+                       {"starts", report.starts.num_starts}};
 }
 
 }  // namespace
 
 std::string NameOf(Severity severity) {
   switch (severity) {
-    case Severity::kNote: return "note";
-    case Severity::kWarning: return "warning";
-    case Severity::kStop: return "stop";
+    case Severity::kNote:
+      return "note";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kStop:
+      return "stop";
   }
   return "";
 }
 
 std::string FormatCheckText(const CheckReport& report) {
   std::string text = report.survey.path + " " + report.verdict + ".\n\n";
-  text += "  " + report.survey.format + ", " + Decimal(report.survey.duration_s(), 1) + " s, " +
-          std::to_string(report.survey.topics.size()) + " topics with scan lines\n";
+  text += "  " + report.survey.format + ", " + Decimal(report.survey.duration_s(), 1) +
+          " s, " + std::to_string(report.survey.topics.size()) + " topics with scan lines\n";
   if (!report.survey.topics.empty()) text += TopicTable(report);
   if (report.rig) text += "\n" + AgreementText(report);
   if (!report.findings.empty()) text += "\n";
   for (const Finding& finding : report.findings) {
     const std::string subject = finding.subject.empty() ? "" : finding.subject + ": ";
-    text += Wrapped(
-        subject + finding.sentence, "  " + Padded(NameOf(finding.severity), 9), std::string(11, ' '));
+    text += Wrapped(subject + finding.sentence,
+                    "  " + Padded(NameOf(finding.severity), 9),
+                    std::string(11, ' '));
     if (finding.advice.empty()) continue;
     text += Wrapped(finding.advice, std::string(11, ' ') + "-> ", std::string(14, ' '));
   }

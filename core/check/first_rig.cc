@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kRigShare = 0.8;  // of the lines, near returns in the same beam
+constexpr double kRigShare = 0.8;   // of the lines, near returns in the same beam
 constexpr double kMinNoise = 0.01;  // m; walls and mountings are hardly better
 
 std::string Quoted(const std::string& text) {
@@ -50,7 +50,8 @@ double MaxRangeOf(const TopicSurvey& topic) {
 std::string RotationComment(Attitude attitude) {
   switch (attitude) {
     case Attitude::kLevel:
-      return "# it stands level: roll 0 (180 where it hangs upside down), pitch 0; FILL IN yaw";
+      return "# it stands level: roll 0 (180 where it hangs upside down), pitch 0; FILL IN "
+             "yaw";
     case Attitude::kTilted:
       return "# FILL IN; it is not level: it sees floor or ceiling";
     case Attitude::kUnknown:
@@ -66,8 +67,10 @@ std::string FormatFirstRig(const CheckReport& report) {
       "# A first rig file for " + OnOneLine(report.survey.path) +
       ", made by plumbline_check.\n"
       "# Replace what is marked FILL IN; the other values were read off the recording.\n"
-      "# Body axes: x forward, y left, z up. Scanner axes: x along the beam at angle 0, beams\n"
-      "# turning counter-clockwise about z. Rotation: R = Rz(yaw) Ry(pitch) Rx(roll), degrees.\n"
+      "# Body axes: x forward, y left, z up. Scanner axes: x along the beam at angle 0, "
+      "beams\n"
+      "# turning counter-clockwise about z. Rotation: R = Rz(yaw) Ry(pitch) Rx(roll), "
+      "degrees.\n"
       "# Leave a scanner out by deleting its block.\n"
       "motion: automatic\n"
       "scanners:\n";
@@ -81,8 +84,8 @@ std::string FormatFirstRig(const CheckReport& report) {
     text += "      rotation_rpy_deg: [0.0, 0.0, 0.0]   " +
             RotationComment(report.attitudes[i].attitude) + "\n";
     text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
-            "                  # neighbouring beams show " +
-            Decimal(topic.noise_m, 3) + "; uneven walls and the mounting add to it\n";
+            "                  # neighbouring beams show " + Decimal(topic.noise_m, 3) +
+            "; uneven walls and the mounting add to it\n";
     text += "    min_range_m: " + Decimal(MinRangeOf(topic), 2) + "\n";
     text += "    max_range_m: " + Decimal(MaxRangeOf(topic), 2) + "\n";
     text += "    time_offset_s: 0.0\n";

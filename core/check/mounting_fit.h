@@ -15,8 +15,8 @@ struct MountingCorrection {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
   double time_offset_s = 0.0;   // to be added to its stamps
   double range_offset_m = 0.0;  // to be added to its ranges
-  // Standard deviations of these eight, in this order; cautious, since neighbouring lines share
-  // their errors.
+  // Standard deviations of these eight, in this order; cautious, since neighbouring lines
+  // share their errors.
   Eigen::Matrix<double, 8, 1> stddev = Eigen::Matrix<double, 8, 1>::Zero();
   double near_share = 0.0;   // of the places, within 1.5 cm, as the rig file says
   double moved_share = 0.0;  // after the correction
@@ -29,7 +29,7 @@ MountingCorrection FitMounting(const std::vector<std::vector<SampledLine>>& samp
                                size_t scanner);
 
 // One element for each scanner, each as if the others were right.
-std::vector<MountingCorrection> FitMountings(const std::vector<std::vector<SampledLine>>& sample,
-                                             const MountedRig& rig);
+std::vector<MountingCorrection> FitMountings(
+    const std::vector<std::vector<SampledLine>>& sample, const MountedRig& rig);
 
 }  // namespace plumbline

@@ -20,8 +20,8 @@ constexpr double kAgreed = 0.1;          // m
 constexpr double kMinGain = 0.25;
 constexpr double kMinShareSo = 0.55;
 // Turns of any angle are tried in such steps, and the best of them fitted.
-constexpr int kTurnStep = 20;      // deg
-constexpr double kCaught = 0.4;    // m, between places that a fit may bring together
+constexpr int kTurnStep = 20;    // deg
+constexpr double kCaught = 0.4;  // m, between places that a fit may bring together
 constexpr size_t kMaxFitted = 4;
 
 using Sample = std::vector<std::vector<SampledLine>>;
@@ -37,7 +37,8 @@ PairAgreement AgreementOf(const Sample& sample, const MountedRig& rig, size_t a,
 
 // The mean share of the pairs that have one of the scanners; negative where none could be
 // compared.
-double ShareOf(const std::vector<PairAgreement>& agreements, const std::set<size_t>& scanners) {
+double ShareOf(const std::vector<PairAgreement>& agreements,
+               const std::set<size_t>& scanners) {
   double sum = 0.0;
   int num = 0;
   for (const PairAgreement& pair : agreements) {
@@ -102,8 +103,9 @@ class Alternatives {
       }
       OtherMounting* mirrored =
           Add({i},
-              Named(i) + " is mirrored against the rig file: its beams come the other way "
-                         "round, as of a scanner that hangs upside down" +
+              Named(i) +
+                  " is mirrored against the rig file: its beams come the other way "
+                  "round, as of a scanner that hangs upside down" +
                   (quarters > 0 ? ", and turned by " + by : ""),
               "mount it the right way up, or add 180 deg to the roll of its rotation_rpy_deg" +
                   std::string(quarters > 0 ? " and turn its zero beam" : ""));
@@ -140,11 +142,10 @@ class Alternatives {
   }
 
   void AddCycle(const std::vector<size_t>& sources) {
-    OtherMounting* other =
-        Add({0, 1, 2},
-            "the three scanners are exchanged in a circle: " + names_[0] + " sees what " +
-                names_[sources[0]] + " should see",
-            "exchange their topics in the rig file");
+    OtherMounting* other = Add({0, 1, 2},
+                               "the three scanners are exchanged in a circle: " + names_[0] +
+                                   " sees what " + names_[sources[0]] + " should see",
+                               "exchange their topics in the rig file");
     for (size_t i = 0; i < 3; ++i) other->rig[i].source = rig_[sources[i]].source;
   }
 
@@ -172,7 +173,10 @@ void KeepBetter(const Sample& sample,
 // Tries turns of one scanner by any angle.
 class TurnSearch {
  public:
-  TurnSearch(const Sample& sample, const MountedRig& rig, size_t scanner, const std::string& name)
+  TurnSearch(const Sample& sample,
+             const MountedRig& rig,
+             size_t scanner,
+             const std::string& name)
       : sample_(sample), rig_(rig), scanner_(scanner), name_(name) {}
 
   // share_as_stated: of the scanner's places.

@@ -41,8 +41,8 @@ std::optional<OtherMounting> FindOtherMounting(
     const MountedRig& rig,
     const std::vector<std::string>& names);
 
-// Tries turns of single scanners by any angle, about the vertical and in their own planes. Takes
-// a second; for rigs that nothing else explains.
+// Tries turns of single scanners by any angle, about the vertical and in their own planes.
+// Takes a second; for rigs that nothing else explains.
 std::optional<OtherMounting> FindTurn(const std::vector<std::vector<SampledLine>>& sample,
                                       const MountedRig& rig,
                                       const std::vector<std::string>& names);

@@ -8,20 +8,21 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSilentShare = 0.05;  // of the usual returns of a second
-constexpr size_t kMinSilent = 2;       // s
-constexpr int kFrozenPercent = 50;     // of a second's lines
+constexpr double kSilentShare = 0.05;    // of the usual returns of a second
+constexpr size_t kMinSilent = 2;         // s
+constexpr int kFrozenPercent = 50;       // of a second's lines
 constexpr double kStraightShare = 0.35;  // of the usual share of beams that continue a line
 constexpr double kFewReturns = 0.3;
-constexpr double kRigShare = 0.8;     // of the lines, near returns in the same beam
-constexpr double kBlindWidth = 5.0;   // deg
-constexpr double kHighNoise = 1.5;    // times the stated one
+constexpr double kRigShare = 0.8;    // of the lines, near returns in the same beam
+constexpr double kBlindWidth = 5.0;  // deg
+constexpr double kHighNoise = 1.5;   // times the stated one
 constexpr double kLowNoise = 0.25;
 
 const Scanner* ScannerOf(const CheckReport& report, size_t topic) {
   if (!report.rig) return nullptr;
   for (size_t i = 0; i < report.topics_of_scanners.size(); ++i) {
-    if (report.topics_of_scanners[i] == static_cast<int>(topic)) return &report.rig->scanners[i];
+    if (report.topics_of_scanners[i] == static_cast<int>(topic))
+      return &report.rig->scanners[i];
   }
   return nullptr;
 }
@@ -46,9 +47,18 @@ double StraightShare(const SurveyedSecond& second) {
 }
 
 double ReturnShare(const SurveyedSecond& second) {
-  return second.num_beams == 0 ? 0.0
-                               : static_cast<double>(second.num_returns) /
-                                     static_cast<double>(second.num_beams);
+  return second.num_beams == 0
+             ? 0.0
+             : static_cast<double>(second.num_returns) / static_cast<double>(second.num_beams);
+}
+
+// Whether the ranges of a topic turned out to be in another unit, by what the others see.
+bool IsRescaled(const CheckReport& report, size_t topic) {
+  if (!report.other_mounting) return false;
+  const MountedRig& rig = report.other_mounting->rig;
+  return std::any_of(rig.begin(), rig.end(), [topic](const MountedScanner& scanner) {
+    return scanner.source == topic && scanner.scale != 1.0;
+  });
 }
 
 // Tells what is wrong with the ranges of one topic.
@@ -243,7 +253,9 @@ class RangeJudge {
 
 void FindRangeFaults(CheckReport* report) {
   for (size_t i = 0; i < report->survey.topics.size(); ++i) {
-    RangeJudge(report->survey.topics[i], ScannerOf(*report, i), &report->findings).Judge();
+    // The stated noise can not be held against ranges of another unit.
+    const Scanner* scanner = IsRescaled(*report, i) ? nullptr : ScannerOf(*report, i);
+    RangeJudge(report->survey.topics[i], scanner, &report->findings).Judge();
   }
 }
 

@@ -88,11 +88,11 @@ RecordingSurvey SurveyRecording(const std::string& path,
   WindowSample sample;
   std::vector<TopicSurveyor> surveyors;
   bool is_first = true;
-  const RecordedTopics recorded = ReadScans(
-      path, [&](const RecordedTopic& topic, const ScanMessage& message) {
+  const RecordedTopics recorded =
+      ReadScans(path, [&](const RecordedTopic& topic, const ScanMessage& message) {
         if (is_first) survey.start_receipt_ns = message.receipt_ns;
-        survey.end_receipt_ns =
-            is_first ? message.receipt_ns : std::max(survey.end_receipt_ns, message.receipt_ns);
+        survey.end_receipt_ns = is_first ? message.receipt_ns
+                                         : std::max(survey.end_receipt_ns, message.receipt_ns);
         is_first = false;
         const auto index = static_cast<size_t>(message.line.scanner_index);
         while (surveyors.size() < index) {  // topics of which nothing can be decoded

@@ -13,12 +13,12 @@ namespace plumbline {
 // lines from windows of two seconds spread over the whole of it.
 struct RecordingSurvey {
   std::string path;
-  std::string format;                          // of the file, such as "ROS 1 bag"
-  std::vector<TopicSurvey> topics;             // with scan lines
-  std::vector<std::string> other_topics;       // names, without scan lines
-  std::vector<std::string> warnings;           // what is damaged or missing
-  int64_t start_receipt_ns = 0;                // of the first scan line
-  int64_t end_receipt_ns = 0;                  // of the last one
+  std::string format;                     // of the file, such as "ROS 1 bag"
+  std::vector<TopicSurvey> topics;        // with scan lines
+  std::vector<std::string> other_topics;  // names, without scan lines
+  std::vector<std::string> warnings;      // what is damaged or missing
+  int64_t start_receipt_ns = 0;           // of the first scan line
+  int64_t end_receipt_ns = 0;             // of the last one
   // By topic, in the order of the recording; ranges in metres, those that are no returns NaN.
   // scanner_index is the topic's position above.
   std::vector<std::vector<ScanLine>> sample;

@@ -21,9 +21,9 @@ constexpr double kNamedShift = 0.015;  // m
 constexpr double kNamedTime = 0.004;   // s
 constexpr double kNamedRange = 0.007;  // m
 constexpr double kLargeTurn = 1.5 * kRadiansPerDegree;
-constexpr double kLargeShift = 0.05;  // m
-constexpr double kLargeTime = 0.1;    // s
-constexpr double kFloorsApart = 0.1;  // m
+constexpr double kLargeShift = 0.05;    // m
+constexpr double kLargeTime = 0.1;      // s
+constexpr double kFloorsApart = 0.1;    // m
 constexpr double kMaxStartTilt = 20.0;  // deg
 const double kParallel = std::sin(8.0 * kRadiansPerDegree);
 
@@ -46,16 +46,17 @@ NamedParts NameParts(const MountingCorrection& correction) {
     const Eigen::Vector3d turn = correction.rotation_rad * kDegreesPerRadian;
     const Eigen::Vector3d rpy = RollPitchYawDegrees(corrected.body_from_scanner.rotation);
     const bool is_upright = std::abs(turn.z()) > 0.9 * turn.norm();
-    parts.words.push_back("to be turned by " + Decimal(is_upright ? turn.z() : turn.norm(), 1) +
-                          " deg" + (is_upright ? " about the vertical" : ""));
+    parts.words.push_back("to be turned by " +
+                          Decimal(is_upright ? turn.z() : turn.norm(), 1) + " deg" +
+                          (is_upright ? " about the vertical" : ""));
     parts.advice.push_back("rotation_rpy_deg: [" + Decimal(rpy.x(), 1) + ", " +
                            Decimal(rpy.y(), 1) + ", " + Decimal(rpy.z(), 1) + "]");
     parts.is_large = parts.is_large || correction.rotation_rad.norm() > kLargeTurn;
   }
   if (is_certain(3, kNamedShift, correction.translation_m)) {
     const Eigen::Vector3d& t = corrected.body_from_scanner.translation;
-    parts.words.push_back("to be shifted by " + Decimal(1e3 * correction.translation_m.norm(), 0) +
-                          " mm");
+    parts.words.push_back("to be shifted by " +
+                          Decimal(1e3 * correction.translation_m.norm(), 0) + " mm");
     parts.advice.push_back("translation: [" + Decimal(t.x(), 3) + ", " + Decimal(t.y(), 3) +
                            ", " + Decimal(t.z(), 3) + "]");
     parts.is_large = parts.is_large || correction.translation_m.norm() > kLargeShift;
@@ -71,9 +72,9 @@ NamedParts NameParts(const MountingCorrection& correction) {
     parts.is_large = parts.is_large || std::abs(correction.time_offset_s) > kLargeTime;
   }
   if (is_sure(7, kNamedRange, correction.range_offset_m)) {
-    parts.words.push_back(
-        "to measure " + Decimal(1e3 * std::abs(correction.range_offset_m), 0) + " mm too " +
-        (correction.range_offset_m < 0.0 ? "long" : "short"));
+    parts.words.push_back("to measure " +
+                          Decimal(1e3 * std::abs(correction.range_offset_m), 0) + " mm too " +
+                          (correction.range_offset_m < 0.0 ? "long" : "short"));
   }
   return parts;
 }
@@ -157,9 +158,11 @@ class RigJudge {
     if (!apart.empty() && !is_corrected) {
       Add(Severity::kStop,
           "",
-          "the scanners do not see the same places where the rig file says that they should: " +
+          "the scanners do not see the same places where the rig file says that they "
+          "should: " +
               Enumerate(apart),
-          "check body_from_scanner of each: axes x forward, y left, z up; R = Rz(yaw) Ry(pitch) "
+          "check body_from_scanner of each: axes x forward, y left, z up; R = Rz(yaw) "
+          "Ry(pitch) "
           "Rx(roll)");
     }
     JudgeUncompared();
@@ -179,13 +182,15 @@ class RigJudge {
     }
     if (most == 0.0) return false;
     const NamedParts parts = NameParts(corrections[worst]);
-    const std::string who = "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
-                            ", by the places that it " +
-                            (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
+    const std::string who =
+        "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
+        ", by the places that it " +
+        (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
     Add(parts.is_large ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
-        who + "; with that mended, " + PercentOf(corrections[worst].moved_share) + " of them " +
-            "agree to 1.5 cm, as it is " + PercentOf(corrections[worst].near_share),
+        who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +
+            " of them " + "agree to 1.5 cm, as it is " +
+            PercentOf(corrections[worst].near_share),
         parts.advice.empty() ? "calibrate its ranges"
                              : "in the rig file: " + Enumerate(parts.advice));
     return true;
@@ -198,8 +203,9 @@ class RigJudge {
       if (NumCompared(i) >= kMinCompared) continue;
       Add(Severity::kNote,
           TopicOf(i),
-          "scanner " + NameOf(i) + " sees hardly any place that another sees as well: whether it "
-          "sits as the rig file says could not be judged",
+          "scanner " + NameOf(i) +
+              " sees hardly any place that another sees as well: whether it "
+              "sits as the rig file says could not be judged",
           "");
     }
   }
@@ -215,14 +221,16 @@ class RigJudge {
         Add(Severity::kWarning,
             TopicOf(i),
             "scanner " + NameOf(i) + " is level in the rig file, but " +
-                PercentOf(own.still_share) + " of what it sees stays when the rig turns, as "
+                PercentOf(own.still_share) +
+                " of what it sees stays when the rig turns, as "
                 "floor and ceiling do",
             "check its rotation_rpy_deg");
       } else if (own.attitude == Attitude::kLevel && is_tilted) {
         Add(Severity::kWarning,
             TopicOf(i),
-            "scanner " + NameOf(i) + " is tilted in the rig file, but all that it sees turns "
-            "when the rig does: it may be level, or see neither floor nor ceiling",
+            "scanner " + NameOf(i) +
+                " is tilted in the rig file, but all that it sees turns "
+                "when the rig does: it may be level, or see neither floor nor ceiling",
             "check its rotation_rpy_deg");
       }
     }
@@ -294,7 +302,8 @@ class RigJudge {
           "",
           "the body's z axis leans by " + Decimal(starts.tilt_deg, 0) +
               " deg against the vertical that the scans show",
-          "turn the body frame in the rig file so that z points up; beyond 35 deg no map starts");
+          "turn the body frame in the rig file so that z points up; beyond 35 deg no map "
+          "starts");
     }
   }
 

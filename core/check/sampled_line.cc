@@ -9,10 +9,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMinLength = 0.2;     // m, of a segment worth keeping
-constexpr double kRateSpan = 0.3;      // s, before and after, in which a rate is constant
-constexpr int kMaxNeighbours = 4;      // lines before and after
-constexpr double kMaxChange = 0.3;     // m, of a range in that time; more is another surface
+constexpr double kMinLength = 0.2;  // m, of a segment worth keeping
+constexpr double kRateSpan = 0.3;   // s, before and after, in which a rate is constant
+constexpr int kMaxNeighbours = 4;   // lines before and after
+constexpr double kMaxChange = 0.3;  // m, of a range in that time; more is another surface
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();

@@ -34,8 +34,8 @@ struct SampledLine {
 std::vector<SampledLine> SegmentSample(const std::vector<ScanLine>& lines,
                                        double range_noise_m);
 
-// Where a ray from the scanner meets the nearest segment: the range, m; negative where it meets
-// none. direction: unit vector.
+// Where a ray from the scanner meets the nearest segment: the range, m; negative where it
+// meets none. direction: unit vector.
 double RangeAlong(const SampledLine& line, const Eigen::Vector2d& direction);
 
 // The rate at which the range towards a point of line `index` changes, m/s, from the lines

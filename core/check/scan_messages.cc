@@ -1,10 +1,8 @@
 #include "core/check/scan_messages.h"
 
-#include <Eigen/Core>
-#include <cmath>
 #include <map>
 #include <memory>
-#include <utility>
+#include <vector>
 
 #include "core/recording/recording_source.h"
 
@@ -23,14 +21,11 @@ void Convert(const MessageRef& where, const ScanLineMessage& scan, ScanMessage* 
   line.angle_increment = scan.angle_increment;
   line.time_increment_s = scan.time_increment;
   line.ranges = scan.ranges;
-  line.directions = nullptr;
-  if (scan.angles.empty()) return;
-  auto directions = std::make_shared<std::vector<Eigen::Vector2d>>();
-  for (const float angle : scan.angles) {
-    directions->emplace_back(std::cos(static_cast<double>(angle)),
-                             std::sin(static_cast<double>(angle)));
+  line.angles = nullptr;
+  if (!scan.angles.empty()) {
+    line.angles =
+        std::make_shared<std::vector<double>>(scan.angles.begin(), scan.angles.end());
   }
-  line.directions = std::move(directions);
 }
 
 }  // namespace

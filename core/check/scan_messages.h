@@ -40,7 +40,6 @@ using ScanVisitor = std::function<void(const RecordedTopic&, const ScanMessage&)
 
 // Reads all scan lines of a recording, without a rig, in the order of the file.
 // Throws Error where the file is missing or no recording.
-RecordedTopics ReadScans(const std::string& path,
-                         const ScanVisitor& visit);
+RecordedTopics ReadScans(const std::string& path, const ScanVisitor& visit);
 
 }  // namespace plumbline

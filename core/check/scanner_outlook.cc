@@ -10,27 +10,32 @@
 namespace plumbline {
 namespace {
 
-constexpr double kStep = 0.5;        // s, in which a turn is looked for
-constexpr double kMinLength = 0.5;   // m, of a trace whose turn counts
+constexpr double kStep = 0.5;       // s, in which a turn is looked for
+constexpr double kMinLength = 0.5;  // m, of a trace whose turn counts
 constexpr double kMaxTurn = 40.0 * kRadiansPerDegree;
-constexpr double kMinTurn = 8.0 * kRadiansPerDegree;    // in a step, of a rig that turns
-constexpr double kTogether = 0.7;    // of a level scanner's traces turn with the rig
-constexpr double kMinSeen = 3.0;     // m of traces
-constexpr double kStill = 1.0 * kRadiansPerDegree;      // of a trace that does not
-constexpr double kSpread = 1.5 * kRadiansPerDegree;     // of traces that turn together
+constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in a step, of a rig that turns
+constexpr double kTogether = 0.7;  // of a level scanner's traces turn with the rig
+constexpr double kMinSeen = 3.0;   // m of traces
+constexpr double kStill = 1.0 * kRadiansPerDegree;   // of a trace that does not
+constexpr double kSpread = 1.5 * kRadiansPerDegree;  // of traces that turn together
 constexpr int kMinTurns = 3;
 // Of a level scanner hardly any trace stays, of a tilted one those of floor and ceiling do.
 constexpr double kTiltedShare = 0.15;
 constexpr double kLevelShare = 0.1;
 // In turns, of which any scanner's traces tell.
 constexpr double kOftenAlike = 0.8;
+// In clutter, traces are often taken for others; but where nothing that any scanner sees stays,
+// less is enough.
+constexpr double kNothingStays = 0.02;
+constexpr double kAlikeInClutter = 0.4;
+constexpr int kManyTurns = 20;
 constexpr double kRarelyAlike = 0.25;
 // Heights.
 const double kMinTilt = std::sin(12.0 * kRadiansPerDegree);   // of a plane that sees heights
 const double kMaxSlope = std::sin(10.0 * kRadiansPerDegree);  // of a level trace
-constexpr double kMinHeight = 0.2;  // m, above or below the body
-constexpr double kBin = 0.1;        // m
-constexpr double kMinShare = 0.1;   // of the lines
+constexpr double kMinHeight = 0.2;                            // m, above or below the body
+constexpr double kBin = 0.1;                                  // m
+constexpr double kMinShare = 0.1;                             // of the lines
 
 struct TurnedTrace {
   double turn_rad = 0.0;
@@ -113,8 +118,9 @@ std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLin
 
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample) {
   std::vector<std::map<int64_t, std::vector<TurnedTrace>>> turns;
-  std::vector<std::set<int64_t>> together;  // by scanner: steps in which most traces turn alike
-  std::set<int64_t> turning;                // steps in which any scanner's do
+  std::vector<std::set<int64_t>>
+      together;               // by scanner: steps in which most traces turn alike
+  std::set<int64_t> turning;  // steps in which any scanner's do
   for (const std::vector<SampledLine>& lines : sample) {
     turns.push_back(TurnsOf(lines));
     together.emplace_back();
@@ -151,10 +157,18 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
     }
     attitudes.push_back(own);
   }
+  const bool nothing_stays =
+      std::all_of(attitudes.begin(), attitudes.end(), [](const OwnAttitude& own) {
+        return own.num_turns >= kManyTurns && own.still_share < kNothingStays;
+      });
+  for (OwnAttitude& own : attitudes) {
+    if (nothing_stays && own.alike_share > kAlikeInClutter) own.attitude = Attitude::kLevel;
+  }
   return attitudes;
 }
 
-HeightView FindHeights(const std::vector<SampledLine>& lines, const Rigid3d& body_from_scanner) {
+HeightView FindHeights(const std::vector<SampledLine>& lines,
+                       const Rigid3d& body_from_scanner) {
   HeightView view;
   const Eigen::Vector3d normal = body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
   view.is_tilted = normal.head<2>().norm() > kMinTilt;

@@ -17,13 +17,13 @@ enum class Attitude {
 
 struct OwnAttitude {
   Attitude attitude = Attitude::kUnknown;
-  int num_turns = 0;          // half seconds in which the rig turned
-  double still_share = 0.0;   // of the length of the traces in these, that did not turn
-  double alike_share = 0.0;   // of these, in which most of its traces turned alike
+  int num_turns = 0;         // half seconds in which the rig turned
+  double still_share = 0.0;  // of the length of the traces in these, that did not turn
+  double alike_share = 0.0;  // of these, in which most of its traces turned alike
 };
 
-// Judges each scanner from its traces while the rig turns about the vertical. The stamps of all
-// have to come from one clock.
+// Judges each scanner from its traces while the rig turns about the vertical. The stamps of
+// all have to come from one clock.
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample);
 
 // Where a scanner that is tilted sees level traces, as those of floor and ceiling.
@@ -37,6 +37,7 @@ struct HeightView {
   LevelTraces floor;
   LevelTraces ceiling;
 };
-HeightView FindHeights(const std::vector<SampledLine>& lines, const Rigid3d& body_from_scanner);
+HeightView FindHeights(const std::vector<SampledLine>& lines,
+                       const Rigid3d& body_from_scanner);
 
 }  // namespace plumbline

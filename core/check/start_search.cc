@@ -31,12 +31,14 @@ const ScanLine* LineNear(const std::vector<ScanLine>& lines, int64_t instant_ns)
 
 }  // namespace
 
-StartSearch FindStarts(const Rig& rig, const std::vector<const std::vector<ScanLine>*>& lines) {
+StartSearch FindStarts(const Rig& rig,
+                       const std::vector<const std::vector<ScanLine>*>& lines) {
   StartSearch search;
   const bool planar = IsPlanar(rig);
-  const auto most = std::max_element(lines.begin(), lines.end(), [](const auto* a, const auto* b) {
-    return a->size() < b->size();
-  });
+  const auto most =
+      std::max_element(lines.begin(), lines.end(), [](const auto* a, const auto* b) {
+        return a->size() < b->size();
+      });
   if (most == lines.end() || (*most)->empty()) return search;
   const std::vector<ScanLine>& reference = **most;
   std::vector<double> tilts_deg;

@@ -7,11 +7,11 @@
 
 namespace plumbline {
 
-// How often the scans show what the mapper starts from: floor or ceiling and a wall, of a planar
-// rig a wall.
+// How often the scans show what the mapper starts from: floor or ceiling and a wall, of a
+// planar rig a wall.
 struct StartSearch {
-  int num_scans = 0;   // looked at
-  int num_starts = 0;  // of these, that show it
+  int num_scans = 0;      // looked at
+  int num_starts = 0;     // of these, that show it
   double tilt_deg = 0.0;  // median, of the body's z axis against the vertical found
 };
 

@@ -25,11 +25,20 @@ std::string Escaped(const std::string& text) {
   std::string escaped;
   for (const char c : OnOneLine(text)) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
     }
   }
   return escaped;
@@ -76,7 +85,8 @@ void SvgCanvas::Polygon(const std::vector<Eigen::Vector2d>& corners,
                         const std::string& fill,
                         double opacity) {
   std::string path;
-  for (const Eigen::Vector2d& corner : corners) path += (path.empty() ? "M" : "L") + Pair(corner);
+  for (const Eigen::Vector2d& corner : corners)
+    path += (path.empty() ? "M" : "L") + Pair(corner);
   body_ += "<path" + Attribute("d", path + "Z") + Attribute("stroke", colour) +
            Attribute("fill", fill) + Attribute("fill-opacity", Decimal(opacity, 2)) + "/>\n";
 }

@@ -25,7 +25,9 @@ class SvgCanvas {
                const std::string& fill,
                double opacity);
   // One dot for each point.
-  void Dots(const std::vector<Eigen::Vector2d>& points, const std::string& colour, double size);
+  void Dots(const std::vector<Eigen::Vector2d>& points,
+            const std::string& colour,
+            double size);
   // anchor: "start", "middle" or "end". size: pixels.
   void Text(const Eigen::Vector2d& at,
             const std::string& text,

@@ -180,9 +180,10 @@ class StampJudge {
     }
     if (num_gaps > 0) {
       Add(Severity::kWarning,
-          num_gaps == 1 ? "sends nothing for " + Decimal(longest_s, 1) + " s, from " + first_gap
-                        : "has " + std::to_string(num_gaps) + " gaps of up to " +
-                              Decimal(longest_s, 1) + " s, the first from " + first_gap,
+          num_gaps == 1
+              ? "sends nothing for " + Decimal(longest_s, 1) + " s, from " + first_gap
+              : "has " + std::to_string(num_gaps) + " gaps of up to " + Decimal(longest_s, 1) +
+                    " s, the first from " + first_gap,
           "look for a loose cable or a network or disk that can not keep up");
     }
     const double lost_share =
@@ -191,7 +192,8 @@ class StampJudge {
       Add(Severity::kWarning,
           "about " + PercentOf(lost_share) +
               " of the scan lines are missing, one or a few at a time: the usual time between "
-              "two is " + Decimal(1e3 * topic_.period_s, 0) + " ms",
+              "two is " +
+              Decimal(1e3 * topic_.period_s, 0) + " ms",
           "look for a network or disk that can not keep up");
     }
     if (topic_.period_s > 1.0 / kSlowRate) {
@@ -205,7 +207,8 @@ class StampJudge {
     const double line_s = topic_.time_increment_s * topic_.num_beams;
     const double turn = 2.0 * M_PI;
     if (topic_.time_increment_s == 0.0) {
-      const double whole_s = topic_.period_s * std::min(1.0, topic_.field_of_view_rad() / turn);
+      const double whole_s =
+          topic_.period_s * std::min(1.0, topic_.field_of_view_rad() / turn);
       Add(Severity::kWarning,
           "time_increment is 0: all beams of a scan line count as measured at once, while the "
           "scanner takes up to " +
@@ -216,13 +219,16 @@ class StampJudge {
     } else if (line_s > 1.05 * topic_.period_s) {
       Add(Severity::kWarning,
           "the beams of a scan line would take " + Decimal(1e3 * line_s, 1) +
-              " ms, but the next line begins after " + Decimal(1e3 * topic_.period_s, 1) + " ms",
+              " ms, but the next line begins after " + Decimal(1e3 * topic_.period_s, 1) +
+              " ms",
           "time_increment is too large, or every second line is missing from angle_increment: "
           "look at the driver");
     } else if (line_s < 0.5 * topic_.period_s * topic_.field_of_view_rad() / turn) {
       Add(Severity::kNote,
-          "the beams of a scan line take " + Decimal(1e3 * line_s, 1) + " ms; a scanner that "
-          "turns once in " + Decimal(1e3 * topic_.period_s, 1) + " ms would take " +
+          "the beams of a scan line take " + Decimal(1e3 * line_s, 1) +
+              " ms; a scanner that "
+              "turns once in " +
+              Decimal(1e3 * topic_.period_s, 1) + " ms would take " +
               Decimal(1e3 * topic_.period_s * topic_.field_of_view_rad() / turn, 1) + " ms",
           "right where lines were thinned out; else look at time_increment");
     }
@@ -240,8 +246,10 @@ void FindAbsences(CheckReport* report) {
   for (const TopicSurvey& topic : survey.topics) {
     if (topic.stamps.size() < kMinLines) continue;
     const double limit_s = std::max(kMinAbsence, kGapPeriods * topic.period_s);
-    const double late_s = SecondsBetween(survey.start_receipt_ns, topic.stamps.front().receipt_ns);
-    const double early_s = SecondsBetween(topic.stamps.back().receipt_ns, survey.end_receipt_ns);
+    const double late_s =
+        SecondsBetween(survey.start_receipt_ns, topic.stamps.front().receipt_ns);
+    const double early_s =
+        SecondsBetween(topic.stamps.back().receipt_ns, survey.end_receipt_ns);
     if (late_s > limit_s) {
       report->findings.push_back({Severity::kWarning,
                                   topic.name,
@@ -269,13 +277,14 @@ void FindClocksApart(CheckReport* report) {
   if (least == nullptr || least == most) return;
   const double apart_s = DelayOf(*most) - DelayOf(*least);
   if (apart_s < kMaxClockApart) return;
-  report->findings.push_back(
-      {apart_s > 1.0 ? Severity::kStop : Severity::kWarning,
-       most->name,
-       "its stamps lie " + Decimal(apart_s, 2) + " s behind those of " + least->name +
-           ", measured by when the recorder received them",
-       "let all scanners take their stamps from one clock, or state a time_offset_s in the rig "
-       "file"});
+  report->findings.push_back({apart_s > 1.0 ? Severity::kStop : Severity::kWarning,
+                              most->name,
+                              "its stamps lie " + Decimal(apart_s, 2) + " s behind those of " +
+                                  least->name +
+                                  ", measured by when the recorder received them",
+                              "let all scanners take their stamps from one clock, or state a "
+                              "time_offset_s in the rig "
+                              "file"});
 }
 
 void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
@@ -296,8 +305,9 @@ void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
       {Severity::kWarning,
        "",
        "no scanner sends anything " + Enumerate(words) + more +
-           (is_long ? ": the map will fall into parts, which are joined where the motion allows it"
-                    : ": the motion has to bridge that"),
+           (is_long
+                ? ": the map will fall into parts, which are joined where the motion allows it"
+                : ": the motion has to bridge that"),
        "record again without the gap, or stand still during it"});
 }
 

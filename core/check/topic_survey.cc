@@ -10,8 +10,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNear = 0.5;           // m, of returns that may be from the rig itself
-constexpr size_t kLinesForUnit = 20;    // that decide the unit
+constexpr double kNear = 0.5;         // m, of returns that may be from the rig itself
+constexpr size_t kLinesForUnit = 20;  // that decide the unit
 constexpr size_t kMaxDeviations = 100'000;
 constexpr int kDeviationStride = 7;
 constexpr double kMaxSecond = 86'400.0;  // no recording is longer than a day
@@ -168,11 +168,11 @@ void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
       if (counts != nullptr) ++counts->num_largest;
     }
     if (!is_return(range)) {
-      ++(std::isnan(range)        ? survey_.num_nan
-         : !std::isfinite(range)  ? survey_.num_infinite
-         : range <= 0.0           ? survey_.num_zero
-         : range < limits.min_m   ? survey_.num_too_near
-                                  : survey_.num_too_far);
+      ++(std::isnan(range)       ? survey_.num_nan
+         : !std::isfinite(range) ? survey_.num_infinite
+         : range <= 0.0          ? survey_.num_zero
+         : range < limits.min_m  ? survey_.num_too_near
+                                 : survey_.num_too_far);
       continue;
     }
     ++survey_.num_returns;
@@ -185,8 +185,10 @@ void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
       }
     }
     if (beam < spacing || beam + spacing >= line.num_beams()) continue;
-    const double before = unit * static_cast<double>(line.ranges[at - static_cast<size_t>(spacing)]);
-    const double after = unit * static_cast<double>(line.ranges[at + static_cast<size_t>(spacing)]);
+    const double before =
+        unit * static_cast<double>(line.ranges[at - static_cast<size_t>(spacing)]);
+    const double after =
+        unit * static_cast<double>(line.ranges[at + static_cast<size_t>(spacing)]);
     if (!is_return(before) || !is_return(after)) continue;
     // Along a straight line, 1 / range is a sinusoid of the angle.
     const double deviation = range - twice_cosine / (1.0 / before + 1.0 / after);

@@ -24,9 +24,9 @@ struct LineStamp {
 struct BeamCounts {
   int num_lines = 0;
   int num_returns = 0;
-  int num_near = 0;     // returns nearer than half a metre
+  int num_near = 0;              // returns nearer than half a metre
   float farthest_near_m = 0.0F;  // of these
-  int num_largest = 0;  // the topic's largest finite range
+  int num_largest = 0;           // the topic's largest finite range
 };
 
 // What one second of a topic holds.
@@ -45,7 +45,7 @@ struct TopicSurvey {
   std::string name;
   std::string type;
   int num_undecodable = 0;
-  int num_unusable = 0;  // no beams, or angles or times that make no sense
+  int num_unusable = 0;           // no beams, or angles or times that make no sense
   std::vector<LineStamp> stamps;  // of the usable lines, in the order of the recording
 
   // Layout of the first usable line, and how many lines differ from it.
@@ -68,14 +68,14 @@ struct TopicSurvey {
   int64_t num_too_near = 0;
   int64_t num_too_far = 0;
   int64_t num_at_limit = 0;  // the largest finite range, where many beams have the very same
-  double largest_range_m = 0.0;  // finite
-  int64_t num_largest = 0;       // beams with the very same
+  double largest_range_m = 0.0;    // finite
+  int64_t num_largest = 0;         // beams with the very same
   std::vector<int64_t> histogram;  // of the finite positive ranges, by HistogramBin()
 
   std::vector<BeamCounts> beams;        // of the lines with the first layout
   std::vector<SurveyedSecond> seconds;  // since the recording's start
-  double period_s = 0.0;  // median time between lines; 0: fewer than two lines
-  double noise_m = 0.0;   // of one range, from neighbouring beams; 0: could not be told
+  double period_s = 0.0;                // median time between lines; 0: fewer than two lines
+  double noise_m = 0.0;  // of one range, from neighbouring beams; 0: could not be told
 
   double duration_s() const;  // from the first to the last stamp
   double field_of_view_rad() const;

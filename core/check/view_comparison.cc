@@ -13,9 +13,10 @@ namespace {
 const double kParallel = std::sin(8.0 * M_PI / 180.0);
 // Traces that cross at a smaller angle do not show how their plane stands.
 constexpr double kMinCrossing = 0.2;
-constexpr double kMinTimeApart = 0.02;  // s; lines farther apart than a period see other places
-constexpr double kOccluded = 0.3;       // m
-constexpr double kMinTrace = 0.4;       // m, of a wall that parallel scan planes compare
+constexpr double kMinTimeApart =
+    0.02;                          // s; lines farther apart than a period see other places
+constexpr double kOccluded = 0.3;  // m
+constexpr double kMinTrace = 0.4;  // m, of a wall that parallel scan planes compare
 
 // One scanner's sample under what is assumed of it.
 class View {
@@ -173,8 +174,8 @@ class ViewComparer {
         // The surface's direction is that of the trace from which the point is.
         const Eigen::Vector3d trace = from.Turn(segment.end - segment.start);
         const Eigen::Vector3d normal = trace.cross(onto.plane_normal()).normalized();
-        const double time_s = SecondsBetween(from.Instant(line_from, p_from),
-                                             onto.Instant(line, p_onto));
+        const double time_s =
+            SecondsBetween(from.Instant(line_from, p_from), onto.Instant(line, p_onto));
         const Eigen::Vector3d velocity =
             0.5 * (onto.Velocity(index, p_onto) + from.Velocity(index_from, p_from));
         // Out of the plane nothing is compared.

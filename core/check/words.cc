@@ -32,7 +32,8 @@ std::string SpansInWords(const std::vector<bool>& marked, size_t min_length) {
     }
     first = last;
   }
-  if (num_spans > kMaxSpans) words += " and " + std::to_string(num_spans - kMaxSpans) + " more";
+  if (num_spans > kMaxSpans)
+    words += " and " + std::to_string(num_spans - kMaxSpans) + " more";
   return words;
 }
 

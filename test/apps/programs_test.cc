@@ -75,9 +75,21 @@ TEST_F(ProgramsTest, SimulatorAndEvaluatorNameMissingFiles) {
                 Path("no"));
 }
 
+TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
+  ExpectFailure("plumbline_check " + Path("no.bag") + " --output=" + Path("out"),
+                Path("no.bag"));
+  const std::string robot = std::string(PLUMBLINE_TEST_DATA_DIR) + "/robot_three_scanners.bag";
+  const std::string command = "plumbline_check " + robot + " --output=" + Path("out");
+  EXPECT_EQ(Run(command).exit_code, 0);
+  EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("can be mapped in the plane"));
+  // None of its topics is there.
+  EXPECT_EQ(Run(command + " --rig=" + RigFile()).exit_code, 3);
+  EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("the recording has no such topic"));
+}
+
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
   for (const char* program :
-       {"plumbline_bound", "plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
+       {"plumbline_bound", "plumbline_check", "plumbline_map", "plumbline_simulate", "plumbline_evaluate"}) {
     EXPECT_EQ(Run(program).exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --no_such_flag").exit_code, 2) << program;
     EXPECT_EQ(Run(std::string(program) + " --help").exit_code, 0) << program;

@@ -1,11 +1,12 @@
 // Recordings as the simulator makes them, looked at before they are mapped.
 
+#include "core/check/check.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/check/check.h"
 #include "core/check/check_job.h"
 #include "test/testing/scenario.h"
 

@@ -46,7 +46,8 @@ TEST(CheckPictureTest, ShowsEveryTopicAndTheRig) {
   EXPECT_THAT(svg, HasSubstr("rooms &amp; &lt;halls&gt;.bag"));
   EXPECT_THAT(svg, Not(HasSubstr("<halls>")));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
-  for (const char* text : {"/scan_0", "/scan_1", "/scan_2", "from above", "&quot;dead&quot;"}) {
+  for (const char* text :
+       {"/scan_0", "/scan_1", "/scan_2", "from above", "&quot;dead&quot;"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
 }

@@ -13,7 +13,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 auto IsFinding(Severity severity, const std::string& text) {
-  return AllOf(Field(&Finding::severity, severity), Field(&Finding::sentence, HasSubstr(text)));
+  return AllOf(Field(&Finding::severity, severity),
+               Field(&Finding::sentence, HasSubstr(text)));
 }
 
 // A topic of ten good seconds, and a rig file that fits it.
@@ -66,27 +67,32 @@ TEST_F(RangeFindingsTest, AFrozenScanner) {
 
 TEST_F(RangeFindingsTest, ASilentScanner) {
   topic().seconds[4].num_returns = topic().seconds[5].num_returns = 0;
-  EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kWarning, "next to nothing from 4 to 6 s")));
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kWarning, "next to nothing from 4 to 6 s")));
 }
 
 TEST_F(RangeFindingsTest, AScannerThatReturnsNoise) {
   topic().seconds[4].num_straight = topic().seconds[5].num_straight = 30;
-  EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kWarning, "from beam to beam from 4 to 6 s")));
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kWarning, "from beam to beam from 4 to 6 s")));
 }
 
 TEST_F(RangeFindingsTest, MoreNoiseThanTheRigFileSays) {
   topic().noise_m = 0.06;
-  EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kWarning, "60 mm, the rig file says 30 mm")));
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kWarning, "60 mm, the rig file says 30 mm")));
 }
 
 TEST_F(RangeFindingsTest, TheRigInView) {
   for (size_t beam = 10; beam < 20; ++beam) topic().beams[beam].num_near = 95;
-  EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kNote, "from 23 to 44 deg: the rig itself")));
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kNote, "from 23 to 44 deg: the rig itself")));
 }
 
 TEST_F(RangeFindingsTest, ABlindSector) {
   for (size_t beam = 10; beam < 20; ++beam) topic().beams[beam].num_returns = 0;
-  EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kNote, "never has a return from 23 to 44")));
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kNote, "never has a return from 23 to 44")));
 }
 
 }  // namespace

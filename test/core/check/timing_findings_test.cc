@@ -85,12 +85,14 @@ TEST_F(TimingFindingsTest, StampsThatJumpBack) {
 
 TEST_F(TimingFindingsTest, AClockThatIsSet) {
   for (size_t i = 50; i < 100; ++i) first().stamps[i].stamp_ns += 700'000'000;
-  EXPECT_THAT(Find(), Contains(IsFinding(Severity::kWarning, "/a", "1 time, by 0.70 s, at 5.0 s")));
+  EXPECT_THAT(Find(),
+              Contains(IsFinding(Severity::kWarning, "/a", "1 time, by 0.70 s, at 5.0 s")));
 }
 
 TEST_F(TimingFindingsTest, RepeatedStamps) {
   for (size_t i = 1; i < 5; ++i) first().stamps[i].stamp_ns = first().stamps[0].stamp_ns;
-  EXPECT_THAT(Find(), Contains(IsFinding(Severity::kWarning, "/a", "4 scan lines have the stamp")));
+  EXPECT_THAT(Find(),
+              Contains(IsFinding(Severity::kWarning, "/a", "4 scan lines have the stamp")));
 }
 
 TEST_F(TimingFindingsTest, ClocksApart) {

@@ -62,7 +62,8 @@ TEST_F(TopicSurveyTest, CountsAGoodScanner) {
   ASSERT_EQ(survey.seconds.size(), 10u);
   EXPECT_EQ(survey.seconds[3].num_lines, 10);
   EXPECT_EQ(survey.seconds[3].num_repeated, 0);
-  EXPECT_GT(survey.seconds[3].num_straight, 0.9 * static_cast<double>(survey.seconds[3].num_triples));
+  EXPECT_GT(survey.seconds[3].num_straight,
+            0.9 * static_cast<double>(survey.seconds[3].num_triples));
 }
 
 TEST_F(TopicSurveyTest, TellsMillimetresAndCentimetres) {
@@ -119,7 +120,8 @@ TEST_F(TopicSurveyTest, CountsRepeatedLinesAndNoise) {
   const TopicSurvey survey = Survey(messages);
   EXPECT_EQ(survey.seconds[0].num_repeated, 0);
   EXPECT_EQ(survey.seconds[1].num_repeated, 10);
-  EXPECT_LT(survey.seconds[2].num_straight, 0.1 * static_cast<double>(survey.seconds[2].num_triples));
+  EXPECT_LT(survey.seconds[2].num_straight,
+            0.1 * static_cast<double>(survey.seconds[2].num_triples));
 }
 
 TEST_F(TopicSurveyTest, CountsLinesThatAreUnlikeTheFirst) {
