@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/geometry/angles.h"
+#include "core/geometry/roll_pitch_yaw.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
 #include "core/util/yaml_node.h"
@@ -70,18 +71,6 @@ std::string Quote(const std::string& text) {
     }
   }
   return quoted + "\"";
-}
-
-Eigen::Vector3d RollPitchYawDegrees(const Eigen::Quaterniond& rotation) {
-  const Eigen::Matrix3d r = rotation.toRotationMatrix();
-  const double cos_pitch = std::hypot(r(0, 0), r(1, 0));
-  const double pitch = std::atan2(-r(2, 0), cos_pitch);
-  // Looking straight up or down only the sum of roll and yaw counts.
-  if (cos_pitch < 1e-9) {
-    return Eigen::Vector3d(0.0, pitch, std::atan2(-r(0, 1), r(1, 1))) / kRadiansPerDegree;
-  }
-  return Eigen::Vector3d(std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))) /
-         kRadiansPerDegree;
 }
 
 void WriteScanner(const Scanner& scanner, std::ostream& out) {

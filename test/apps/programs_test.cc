@@ -93,12 +93,26 @@ TEST_F(ProgramsTest, ReportNamesAMissingResult) {
   ExpectFailure("plumbline_report " + Path("no"), Path("no/summary.json"));
 }
 
+TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
+  ExpectFailure("plumbline_check " + Path("no.bag") + " --output=" + Path("out"),
+                Path("no.bag"));
+  const std::string robot = std::string(PLUMBLINE_TEST_DATA_DIR) + "/robot_three_scanners.bag";
+  const std::string command = "plumbline_check " + robot + " --output=" + Path("out");
+  EXPECT_EQ(Run(command).exit_code, 0);
+  EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("can be mapped in the plane"));
+  // None of its topics is there.
+  EXPECT_EQ(Run(command + " --rig=" + RigFile()).exit_code, 3);
+  EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("the recording has no such topic"));
+}
+
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
   for (const char* program :
        {"plumbline_bound",
+        "plumbline_check",
         "plumbline_evaluate",
         "plumbline_export",
         "plumbline_map",
+        "plumbline_plan",
         "plumbline_report",
         "plumbline_simulate"}) {
     EXPECT_EQ(Run(program).exit_code, 2) << program;

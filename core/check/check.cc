@@ -1,0 +1,167 @@
+#include "core/check/check.h"
+
+#include <algorithm>
+#include <map>
+
+#include "core/check/findings.h"
+#include "core/check/words.h"
+#include "core/util/error.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMinNoise = 0.005;  // m, for segmentation: surfaces are no better
+
+std::map<std::string, RangeLimits> LimitsOf(const std::optional<Rig>& rig) {
+  std::map<std::string, RangeLimits> limits;
+  if (!rig) return limits;
+  for (const Scanner& scanner : rig->scanners) {
+    limits[scanner.topic] = {scanner.min_range_m, scanner.max_range_m};
+  }
+  return limits;
+}
+
+// Whether one scanner's correction makes most of its places agree that did not.
+bool IsMended(const std::vector<MountingCorrection>& corrections) {
+  return std::any_of(corrections.begin(), corrections.end(), [](const auto& one) {
+    return one.moved_share > 0.5 && one.moved_share > one.near_share + 0.25;
+  });
+}
+
+// Compares the scanners that have lines, with the rig file and with each other.
+void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport* report) {
+  const Rig& rig = *report->rig;
+  Rig present = rig;
+  present.scanners.clear();
+  std::vector<size_t> sources;
+  std::vector<size_t> indices;  // in the rig, of those present
+  std::vector<std::string> names;
+  std::vector<const std::vector<ScanLine>*> lines;
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const Scanner& scanner = rig.scanners[i];
+    int topic = -1;
+    for (size_t k = 0; k < report->survey.topics.size(); ++k) {
+      if (report->survey.topics[k].name == scanner.topic) topic = static_cast<int>(k);
+    }
+    report->topics_of_scanners.push_back(topic);
+    const auto at = static_cast<size_t>(std::max(0, topic));
+    report->heights.push_back(FindHeights(topic < 0 ? std::vector<SampledLine>() : sample[at],
+                                          scanner.body_from_scanner));
+    if (topic < 0 || sample[at].empty()) continue;
+    present.scanners.push_back(scanner);
+    sources.push_back(at);
+    indices.push_back(i);
+    names.push_back(scanner.name);
+    lines.push_back(&report->survey.sample[at]);
+  }
+  const MountedRig mounted = AsRigFileSays(present, sources);
+  report->agreements = AgreementsOf(sample, mounted);
+  for (PairAgreement& pair : report->agreements) {
+    pair.a = indices[pair.a];
+    pair.b = indices[pair.b];
+  }
+  report->other_mounting = FindOtherMounting(sample, mounted, names);
+  report->corrections.resize(rig.scanners.size());
+  const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
+  for (size_t i = 0; i < corrections.size(); ++i)
+    report->corrections[indices[i]] = corrections[i];
+  if (!report->other_mounting && !IsMended(corrections)) {
+    report->other_mounting = FindTurn(sample, mounted, names);
+  }
+  report->starts = FindStarts(present, lines);
+}
+
+bool HasStop(const CheckReport& report) {
+  return std::any_of(report.findings.begin(), report.findings.end(), [](const Finding& one) {
+    return one.severity == Severity::kStop;
+  });
+}
+
+void JudgeWithRig(CheckReport* report) {
+  if (IsPlanar(*report->rig)) {
+    report->mappable = Mappable::kInThePlane;
+    report->verdict =
+        "can be mapped in the plane: all scanners are level, so that neither "
+        "heights nor tilts are seen";
+  } else {
+    report->mappable = Mappable::kInSpace;
+    report->verdict = "can be mapped in 3D";
+  }
+}
+
+void JudgeWithoutRig(CheckReport* report) {
+  int num_tilted = 0;
+  int num_level = 0;
+  for (const OwnAttitude& own : report->attitudes) {
+    if (own.attitude == Attitude::kTilted) ++num_tilted;
+    if (own.attitude == Attitude::kLevel) ++num_level;
+  }
+  const auto num_topics = static_cast<int>(report->survey.topics.size());
+  report->mappable = Mappable::kInThePlane;
+  if (num_tilted > 0 && num_topics > 1) {
+    report->mappable = Mappable::kInSpace;
+    report->verdict =
+        "can be mapped in 3D once the rig file is filled in: " + std::to_string(num_tilted) +
+        " of " + std::to_string(num_topics) + " scanners see floor or ceiling";
+  } else if (num_level == num_topics) {
+    report->verdict =
+        "can be mapped in the plane once the rig file is filled in: all scanners "
+        "are level";
+  } else if (num_topics == 1) {
+    report->verdict =
+        "can be mapped in the plane if the scanner is level; 3D needs a second "
+        "one that is tilted against it";
+  } else {
+    report->verdict =
+        "can be mapped once the rig file is filled in; whether in 3D or in the "
+        "plane the scans do not show by themselves";
+  }
+}
+
+void Judge(CheckReport* report) {
+  std::stable_sort(report->findings.begin(),
+                   report->findings.end(),
+                   [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  if (HasStop(*report)) {
+    report->mappable = Mappable::kNot;
+    report->verdict = "can not be mapped as it is: first change what is marked stop";
+  } else if (report->rig) {
+    JudgeWithRig(report);
+  } else {
+    JudgeWithoutRig(report);
+  }
+}
+
+}  // namespace
+
+CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig) {
+  CheckReport report;
+  report.rig = rig;
+  report.survey = SurveyRecording(path, LimitsOf(rig));
+  std::vector<std::vector<SampledLine>> sample;
+  for (size_t i = 0; i < report.survey.topics.size(); ++i) {
+    sample.push_back(SegmentSample(report.survey.sample[i],
+                                   std::max(kMinNoise, report.survey.topics[i].noise_m)));
+  }
+  report.attitudes = JudgeAttitudes(sample);
+  if (rig) LookAtRig(sample, &report);
+  if (report.survey.topics.empty()) {
+    report.findings.push_back({Severity::kStop,
+                               "",
+                               "the recording has no topic with scan lines",
+                               report.survey.other_topics.empty()
+                                   ? "check that the scanners' topics were recorded"
+                                   : "it has " + Enumerate(report.survey.other_topics) +
+                                         "; record sensor_msgs/LaserScan"});
+  }
+  for (const std::string& warning : report.survey.warnings) {
+    report.findings.push_back({Severity::kWarning, "", warning, ""});
+  }
+  FindTimingFaults(&report);
+  FindRangeFaults(&report);
+  FindRigFaults(&report);
+  Judge(&report);
+  return report;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/check/finding.h"
+#include "core/check/mounting_fit.h"
+#include "core/check/mounting_search.h"
+#include "core/check/recording_survey.h"
+#include "core/check/scanner_outlook.h"
+#include "core/check/start_search.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// What can be made of a recording.
+enum class Mappable { kNot, kInThePlane, kInSpace };
+
+// CheckReport is all that plumbline_check has found out.
+struct CheckReport {
+  RecordingSurvey survey;
+  std::vector<OwnAttitude> attitudes;  // by topic of the survey
+
+  // Only with a rig file.
+  std::optional<Rig> rig;
+  std::vector<int> topics_of_scanners;  // by scanner: topic of the survey; -1: none
+  std::vector<HeightView> heights;      // by scanner
+  std::vector<PairAgreement> agreements;
+  std::optional<OtherMounting> other_mounting;
+  std::vector<MountingCorrection> corrections;  // by scanner of the rig; may be empty
+  StartSearch starts;
+
+  std::vector<Finding> findings;  // the gravest first
+  Mappable mappable = Mappable::kNot;
+  std::string verdict;  // one sentence
+};
+
+// Looks at a recording before it is mapped. Without a rig it tells what the scan lines show by
+// themselves. Throws Error where the recording can not be read.
+CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig);
+
+}  // namespace plumbline

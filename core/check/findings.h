@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "core/check/check.h"
+
+namespace plumbline {
+
+// These add to report->findings what they find, from the rest of the report.
+
+// Rates, gaps, jumps of the clock, scan lines that take longer than they may.
+void FindTimingFaults(CheckReport* report);
+// Dead, frozen and blind scanners, units, noise, returns of the rig itself.
+void FindRangeFaults(CheckReport* report);
+// Topics of rig and recording that do not fit, scanners that do not stand as the rig says.
+void FindRigFaults(CheckReport* report);
+
+}  // namespace plumbline

@@ -1,0 +1,96 @@
+#include "core/check/first_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/check/words.h"
+#include "core/util/one_line.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kRigShare = 0.8;   // of the lines, near returns in the same beam
+constexpr double kMinNoise = 0.01;  // m; walls and mountings are hardly better
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : OnOneLine(text)) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+// The topic without its slash, unlike all names so far.
+std::string NameFor(const std::string& topic, std::set<std::string>* names) {
+  std::string name = topic.substr(std::min(topic.find_first_not_of('/'), topic.size()));
+  std::replace(name.begin(), name.end(), '/', '_');
+  if (name.empty()) name = "scanner";
+  while (!names->insert(name).second) name += "_";
+  return name;
+}
+
+// Beyond what the rig itself returns.
+double MinRangeOf(const TopicSurvey& topic) {
+  double min_range_m = std::max(0.1, topic.metres_per_unit * topic.stated_min_range_m);
+  for (const BeamCounts& beam : topic.beams) {
+    if (beam.num_near <= kRigShare * beam.num_lines) continue;
+    min_range_m = std::max(min_range_m, 1.05 * static_cast<double>(beam.farthest_near_m));
+  }
+  return std::ceil(100.0 * min_range_m) / 100.0;
+}
+
+double MaxRangeOf(const TopicSurvey& topic) {
+  const bool is_limited = topic.limits.max_m < 1e6;
+  const double max_range_m = is_limited ? topic.limits.max_m : topic.largest_range_m + 0.1;
+  return std::max(1.0, std::floor(100.0 * max_range_m - 1e-6) / 100.0);
+}
+
+std::string RotationComment(Attitude attitude) {
+  switch (attitude) {
+    case Attitude::kLevel:
+      return "# it stands level: roll 0 (180 where it hangs upside down), pitch 0; FILL IN "
+             "yaw";
+    case Attitude::kTilted:
+      return "# FILL IN; it is not level: it sees floor or ceiling";
+    case Attitude::kUnknown:
+      return "# FILL IN; whether it is level, the scans do not show";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string FormatFirstRig(const CheckReport& report) {
+  std::string text =
+      "# A first rig file for " + OnOneLine(report.survey.path) +
+      ", made by plumbline_check.\n"
+      "# Replace what is marked FILL IN; the other values were read off the recording.\n"
+      "# Body axes: x forward, y left, z up. Scanner axes: x along the beam at angle 0, "
+      "beams\n"
+      "# turning counter-clockwise about z. Rotation: R = Rz(yaw) Ry(pitch) Rx(roll), "
+      "degrees.\n"
+      "# Leave a scanner out by deleting its block.\n"
+      "motion: automatic\n"
+      "scanners:\n";
+  std::set<std::string> names;
+  for (size_t i = 0; i < report.survey.topics.size(); ++i) {
+    const TopicSurvey& topic = report.survey.topics[i];
+    text += "  - name: " + Quoted(NameFor(topic.name, &names)) + "\n";
+    text += "    topic: " + Quoted(topic.name) + "\n";
+    text += "    body_from_scanner:\n";
+    text += "      translation: [0.0, 0.0, 0.0]        # FILL IN, metres\n";
+    text += "      rotation_rpy_deg: [0.0, 0.0, 0.0]   " +
+            RotationComment(report.attitudes[i].attitude) + "\n";
+    text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
+            "                  # neighbouring beams show " + Decimal(topic.noise_m, 3) +
+            "; uneven walls and the mounting add to it\n";
+    text += "    min_range_m: " + Decimal(MinRangeOf(topic), 2) + "\n";
+    text += "    max_range_m: " + Decimal(MaxRangeOf(topic), 2) + "\n";
+    text += "    time_offset_s: 0.0\n";
+  }
+  return text;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,189 @@
+#include "core/check/mounting_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;  // rotation, translation, time, range
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
+constexpr int kLinesForFit = 1500;  // of each pair
+constexpr int kMinCompared = 20;    // places that say anything
+constexpr double kNear = 0.015;     // m
+// Scales of Cauchy's loss, one for each step: what is far off is to be caught first.
+constexpr double kLossScales[] = {0.4, 0.4, 0.2, 0.2, 0.1, 0.05, 0.05, 0.05};  // m
+// Standard deviations of the prior about what the rig file says.
+constexpr double kPriorTurn = 0.2;    // rad
+constexpr double kPriorShift = 0.2;   // m
+constexpr double kPriorTime = 0.1;    // s
+constexpr double kPriorRange = 0.05;  // m
+// What is known less well than this is left open by the scans, and held at zero; so are turns
+// and shifts that are known so many times worse than those about or along the best axis, since
+// what little is seen of them comes from the noise of the surfaces' directions.
+constexpr double kOpenTurn = 1.0 * kRadiansPerDegree;
+constexpr double kOpenShift = 0.05;  // m
+constexpr double kOpenTime = 0.01;   // s
+constexpr double kOpenRange = 0.01;  // m
+constexpr double kOpenRatio = 5.0;
+
+Vector8d Stacked(double turn, double shift, double time, double range) {
+  Vector8d stacked;
+  stacked << turn, turn, turn, shift, shift, shift, time, range;
+  return stacked;
+}
+
+using Sample = std::vector<std::vector<SampledLine>>;
+
+// Fits the correction of one scanner, the others held.
+class MountingFit {
+ public:
+  MountingFit(const Sample& sample, const MountedRig& rig, size_t scanner)
+      : sample_(sample),
+        rig_(rig),
+        scanner_(scanner),
+        stated_(rig[scanner]),
+        prior_(Stacked(kPriorTurn, kPriorShift, kPriorTime, kPriorRange)
+                   .cwiseAbs2()
+                   .cwiseInverse()
+                   .asDiagonal()) {}
+
+  MountingCorrection Run() {
+    MountingCorrection correction;
+    correction.corrected = stated_;
+    Compare();
+    correction.num_compared = static_cast<int>(comparisons_.size());
+    if (correction.num_compared < kMinCompared) return correction;
+    correction.near_share = ShareWithin(comparisons_, kNear);
+    Iterate();
+    HoldOpen();
+    Iterate();
+    correction.moved_share = ShareWithin(comparisons_, kNear);
+    correction.rotation_rad = total_.head<3>();
+    correction.translation_m = total_.segment<3>(3);
+    correction.time_offset_s = total_(6);
+    correction.range_offset_m = total_(7);
+    correction.stddev = covariance_.diagonal().cwiseSqrt();
+    correction.corrected = rig_[scanner_];
+    return correction;
+  }
+
+ private:
+  void Compare() {
+    comparisons_.clear();
+    for (size_t other = 0; other < rig_.size(); ++other) {
+      if (other == scanner_) continue;
+      const auto some = CompareViews(sample_, rig_, scanner_, other, kLinesForFit);
+      comparisons_.insert(comparisons_.end(), some.begin(), some.end());
+    }
+  }
+
+  void Iterate() {
+    for (const double loss_scale : kLossScales) {
+      Step(loss_scale);
+      Apply();
+      Compare();
+    }
+  }
+
+  // Holds what the scans do not show.
+  void HoldOpen() {
+    constexpr double kHeld = 1e12;
+    HoldAxes(0, kOpenTurn);
+    HoldAxes(3, kOpenShift);
+    if (covariance_(6, 6) > kOpenTime * kOpenTime) prior_(6, 6) = kHeld;
+    if (covariance_(7, 7) > kOpenRange * kOpenRange) prior_(7, 7) = kHeld;
+    total_.setZero();
+    Apply();
+    Compare();
+  }
+
+  // Holds the axes, of any direction, of a turn or a shift that are known badly.
+  void HoldAxes(Eigen::Index first, double open) {
+    constexpr double kHeld = 1e12;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+        covariance_.block<3, 3>(first, first));
+    const Eigen::Vector3d stddev = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (stddev(i) < std::min(open, kOpenRatio * stddev(0))) continue;
+      prior_.block<3, 3>(first, first) +=
+          kHeld * axes.eigenvectors().col(i) * axes.eigenvectors().col(i).transpose();
+    }
+  }
+
+  void Step(double loss_scale) {
+    Matrix8d normal_matrix = prior_;
+    Vector8d right = -prior_ * total_;
+    const Eigen::Vector3d origin = rig_[scanner_].body_from_scanner.translation;
+    for (const ViewComparison& one : comparisons_) {
+      const Eigen::Vector3d beam = one.p_a - origin;
+      Vector8d jacobian;
+      jacobian.head<3>() = beam.cross(one.normal);
+      jacobian.segment<3>(3) = one.normal;
+      jacobian(6) = -one.rate_m_s;
+      jacobian(7) = one.normal.dot(beam.normalized());
+      const double scaled = one.distance_m / loss_scale;
+      const double weight = 1.0 / ((1.0 + scaled * scaled) * loss_scale * loss_scale);
+      normal_matrix += weight * jacobian * jacobian.transpose();
+      right -= weight * one.distance_m * jacobian;
+    }
+    const Eigen::LDLT<Matrix8d> factor(normal_matrix);
+    const double scatter = ScatterRatio(loss_scale);
+    covariance_ = scatter * scatter * factor.solve(Matrix8d::Identity());
+    total_ += factor.solve(right);
+  }
+
+  // The standard deviation of a place's distance over the one that the loss stands for.
+  // Neighbouring lines share their errors: twice what the distances show is right.
+  double ScatterRatio(double loss_scale) const {
+    constexpr double kMinScatter = 0.01;  // m
+    constexpr double kShared = 2.0;
+    const double scatter = std::max(kMinScatter, 1.4826 * MedianDistance(comparisons_));
+    return std::min(1.0, kShared * scatter / loss_scale);
+  }
+
+  void Apply() {
+    MountedScanner& moved = rig_[scanner_];
+    moved = stated_;
+    const double angle = total_.head<3>().norm();
+    if (angle > 0.0) {
+      moved.body_from_scanner.rotation =
+          Eigen::Quaterniond(Eigen::AngleAxisd(angle, total_.head<3>() / angle)) *
+          stated_.body_from_scanner.rotation;
+    }
+    moved.body_from_scanner.translation += total_.segment<3>(3);
+    moved.time_offset_s += total_(6);
+    moved.range_offset_m += total_(7);
+  }
+
+  const Sample& sample_;
+  MountedRig rig_;
+  size_t scanner_;
+  MountedScanner stated_;
+  Matrix8d prior_;  // information about the total
+  Vector8d total_ = Vector8d::Zero();
+  Matrix8d covariance_ = Matrix8d::Zero();
+  std::vector<ViewComparison> comparisons_;
+};
+
+}  // namespace
+
+MountingCorrection FitMounting(const Sample& sample, const MountedRig& rig, size_t scanner) {
+  return MountingFit(sample, rig, scanner).Run();
+}
+
+std::vector<MountingCorrection> FitMountings(const Sample& sample, const MountedRig& rig) {
+  std::vector<MountingCorrection> corrections(rig.size());
+  for (size_t i = 0; i < rig.size() && rig.size() > 1; ++i) {
+    corrections[i] = FitMounting(sample, rig, i);
+  }
+  return corrections;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/check/topic_survey.h"
+#include "core/sensor/scan_line.h"
+
+namespace plumbline {
+
+// RecordingSurvey is what a recording holds: figures of each topic with scan lines, and scan
+// lines from windows of two seconds spread over the whole of it.
+struct RecordingSurvey {
+  std::string path;
+  std::string format;                     // of the file, such as "ROS 1 bag"
+  std::vector<TopicSurvey> topics;        // with scan lines
+  std::vector<std::string> other_topics;  // names, without scan lines
+  std::vector<std::string> warnings;      // what is damaged or missing
+  int64_t start_receipt_ns = 0;           // of the first scan line
+  int64_t end_receipt_ns = 0;             // of the last one
+  // By topic, in the order of the recording; ranges in metres, those that are no returns NaN.
+  // scanner_index is the topic's position above.
+  std::vector<std::vector<ScanLine>> sample;
+
+  double duration_s() const;
+};
+
+// Reads a recording once. limits: by topic, as the rig file says. Throws Error where the file
+// is missing or no recording.
+RecordingSurvey SurveyRecording(const std::string& path,
+                                const std::map<std::string, RangeLimits>& limits);
+
+}  // namespace plumbline

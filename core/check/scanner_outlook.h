@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/check/sampled_line.h"
+#include "core/geometry/rigid3.h"
+
+namespace plumbline {
+
+// How a scanner stands, as its own scan lines show it.
+enum class Attitude {
+  kUnknown,  // the rig hardly turned, or too little is seen
+  kLevel,    // all that it sees turns when the rig does: walls
+  kTilted    // some of what it sees stays when the rig turns: floor or ceiling
+};
+
+struct OwnAttitude {
+  Attitude attitude = Attitude::kUnknown;
+  int num_turns = 0;         // half seconds in which the rig turned
+  double still_share = 0.0;  // of the length of the traces in these, that did not turn
+  double alike_share = 0.0;  // of these, in which most of its traces turned alike
+};
+
+// Judges each scanner from its traces while the rig turns about the vertical. The stamps of
+// all have to come from one clock.
+std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample);
+
+// Where a scanner that is tilted sees level traces, as those of floor and ceiling.
+struct LevelTraces {
+  bool is_seen = false;
+  double height_m = 0.0;  // above the body's origin
+  double share = 0.0;     // of the scan lines that have such a trace
+};
+struct HeightView {
+  bool is_tilted = false;  // as the rig file says: only then heights are seen
+  LevelTraces floor;
+  LevelTraces ceiling;
+};
+HeightView FindHeights(const std::vector<SampledLine>& lines,
+                       const Rigid3d& body_from_scanner);
+
+}  // namespace plumbline

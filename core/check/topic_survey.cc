@@ -1,0 +1,228 @@
+#include "core/check/topic_survey.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/consistency/scanner_agreement.h"
+#include "core/geometry/angles.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kNear = 0.5;         // m, of returns that may be from the rig itself
+constexpr size_t kLinesForUnit = 20;  // that decide the unit
+constexpr size_t kMaxDeviations = 100'000;
+constexpr int kDeviationStride = 7;
+constexpr double kMaxSecond = 86'400.0;  // no recording is longer than a day
+// Neighbours so far apart hardly share the errors of scanners that smooth.
+constexpr double kTripleSpacing = 0.7 * kRadiansPerDegree;
+// The histogram's bins: so many a decade, from 1 mm to 1000 km.
+constexpr int kBinsPerDecade = 50;
+constexpr int kDecades = 9;
+constexpr double kFirstBin = 1e-3;
+// No scanner in a building has half of its returns beyond 40 m; in centimetres half of them
+// are beyond 40 even in a closet, in millimetres beyond 400.
+constexpr double kFarMedian = 40.0;
+constexpr double kMillimetreMedian = 400.0;
+// The largest range stands for no return where so large a share of the beams has the very
+// same.
+constexpr double kAtLimitShare = 0.005;
+
+size_t HistogramBin(double range) {
+  const double bin = kBinsPerDecade * std::log10(range / kFirstBin);
+  return static_cast<size_t>(
+      std::clamp(bin, 0.0, static_cast<double>(kBinsPerDecade * kDecades - 1)));
+}
+
+template <typename T>
+T QuantileOf(std::vector<T>* values, double share) {
+  if (values->empty()) return T();
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
+  std::nth_element(values->begin(), values->begin() + at, values->end());
+  return (*values)[static_cast<size_t>(at)];
+}
+
+}  // namespace
+
+double TopicSurvey::duration_s() const {
+  if (stamps.empty()) return 0.0;
+  return SecondsBetween(stamps.front().stamp_ns, stamps.back().stamp_ns);
+}
+
+double TopicSurvey::field_of_view_rad() const {
+  return std::max(0, num_beams - 1) * std::abs(angle_increment);
+}
+
+double TopicSurvey::RangeQuantile(double share) const {
+  int64_t sum = 0;
+  for (const int64_t count : histogram) sum += count;
+  const double wanted = share * static_cast<double>(sum);
+  int64_t below = 0;
+  for (size_t bin = 0; bin < histogram.size(); ++bin) {
+    below += histogram[bin];
+    if (below > 0 && static_cast<double>(below) >= wanted) {
+      return kFirstBin * std::pow(10.0, (static_cast<double>(bin) + 0.5) / kBinsPerDecade);
+    }
+  }
+  return 0.0;
+}
+
+TopicSurveyor::TopicSurveyor(const RangeLimits* limits, int64_t start_receipt_ns)
+    : has_limits_(limits != nullptr), start_receipt_ns_(start_receipt_ns) {
+  if (has_limits_) survey_.limits = *limits;
+  survey_.histogram.assign(kBinsPerDecade * kDecades, 0);
+}
+
+void TopicSurveyor::Add(const ScanMessage& message) {
+  if (!message.usable) {
+    ++survey_.num_unusable;
+    return;
+  }
+  survey_.stamps.push_back({message.line.stamp_ns, message.receipt_ns});
+  if (is_started_) {
+    Take(message);
+    return;
+  }
+  first_.push_back(message);
+  if (first_.size() >= kLinesForUnit) DecideUnit();
+}
+
+// Decides the unit and what counts as a return, from the first lines, and takes these.
+void TopicSurveyor::DecideUnit() {
+  is_started_ = true;
+  if (first_.empty()) return;
+  std::vector<float> ranges;
+  for (const ScanMessage& message : first_) {
+    for (const float range : message.line.ranges) {
+      if (std::isfinite(range) && range > 0.0F) ranges.push_back(range);
+    }
+  }
+  const double median = QuantileOf(&ranges, 0.5);
+  if (median > kFarMedian) survey_.metres_per_unit = median > kMillimetreMedian ? 1e-3 : 1e-2;
+  const ScanMessage& first = first_.front();
+  survey_.num_beams = first.line.num_beams();
+  survey_.angle_min = first.line.angle_min;
+  survey_.angle_increment = first.line.angle_increment;
+  survey_.time_increment_s = first.line.time_increment_s;
+  survey_.stated_min_range_m = first.stated_min_range_m;
+  survey_.stated_max_range_m = first.stated_max_range_m;
+  if (!has_limits_ && first.stated_max_range_m > first.stated_min_range_m) {
+    survey_.limits.min_m =
+        std::max(survey_.limits.min_m, survey_.metres_per_unit * first.stated_min_range_m);
+    // Many drivers give the stated limit itself where there is no return.
+    survey_.limits.max_m = 0.999 * survey_.metres_per_unit * first.stated_max_range_m;
+  }
+  survey_.beams.resize(static_cast<size_t>(survey_.num_beams));
+  for (const ScanMessage& message : first_) Take(message);
+  first_.clear();
+}
+
+SurveyedSecond* TopicSurveyor::SecondOf(const ScanMessage& message) {
+  const double second = SecondsBetween(start_receipt_ns_, message.receipt_ns);
+  const auto index = static_cast<size_t>(std::clamp(second, 0.0, kMaxSecond));
+  if (index >= survey_.seconds.size()) survey_.seconds.resize(index + 1);
+  return &survey_.seconds[index];
+}
+
+void TopicSurveyor::Take(const ScanMessage& message) {
+  const ScanLine& line = message.line;
+  SurveyedSecond* second = SecondOf(message);
+  ++second->num_lines;
+  const uint64_t fingerprint = FingerprintOf(line.ranges);
+  if (fingerprint != 0 && fingerprint == last_fingerprint_) ++second->num_repeated;
+  last_fingerprint_ = fingerprint;
+  if (line.num_beams() != survey_.num_beams ||
+      std::abs(line.angle_min - survey_.angle_min) > 1e-6 ||
+      std::abs(line.angle_increment - survey_.angle_increment) > 1e-9) {
+    ++survey_.num_other_layouts;
+  }
+  TakeRanges(line, second);
+}
+
+void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
+  const auto spacing = std::max(
+      1, static_cast<int>(std::lround(kTripleSpacing / std::abs(line.angle_increment))));
+  const double twice_cosine = 2.0 * std::cos(spacing * line.angle_increment);
+  const double unit = survey_.metres_per_unit;
+  const RangeLimits limits = survey_.limits;
+  const auto is_return = [&](double range) {
+    return std::isfinite(range) && range > 0.0 && range >= limits.min_m &&
+           range <= limits.max_m;
+  };
+  for (int beam = 0; beam < line.num_beams(); ++beam) {
+    const auto at = static_cast<size_t>(beam);
+    const double range = unit * static_cast<double>(line.ranges[at]);
+    ++survey_.num_ranges;
+    ++second->num_beams;
+    BeamCounts* counts = at < survey_.beams.size() ? &survey_.beams[at] : nullptr;
+    if (counts != nullptr) ++counts->num_lines;
+    if (std::isfinite(range) && range > 0.0) ++survey_.histogram[HistogramBin(range)];
+    if (std::isfinite(range) && range >= survey_.largest_range_m) {
+      if (range > survey_.largest_range_m) {
+        survey_.num_largest = 0;
+        for (BeamCounts& one : survey_.beams) one.num_largest = 0;
+      }
+      survey_.largest_range_m = range;
+      ++survey_.num_largest;
+      if (counts != nullptr) ++counts->num_largest;
+    }
+    if (!is_return(range)) {
+      ++(std::isnan(range)       ? survey_.num_nan
+         : !std::isfinite(range) ? survey_.num_infinite
+         : range <= 0.0          ? survey_.num_zero
+         : range < limits.min_m  ? survey_.num_too_near
+                                 : survey_.num_too_far);
+      continue;
+    }
+    ++survey_.num_returns;
+    ++second->num_returns;
+    if (counts != nullptr) {
+      ++counts->num_returns;
+      if (range < kNear) {
+        ++counts->num_near;
+        counts->farthest_near_m = std::max(counts->farthest_near_m, static_cast<float>(range));
+      }
+    }
+    if (beam < spacing || beam + spacing >= line.num_beams()) continue;
+    const double before =
+        unit * static_cast<double>(line.ranges[at - static_cast<size_t>(spacing)]);
+    const double after =
+        unit * static_cast<double>(line.ranges[at + static_cast<size_t>(spacing)]);
+    if (!is_return(before) || !is_return(after)) continue;
+    // Along a straight line, 1 / range is a sinusoid of the angle.
+    const double deviation = range - twice_cosine / (1.0 / before + 1.0 / after);
+    ++second->num_triples;
+    if (std::abs(deviation) < 0.1 + 0.02 * range) ++second->num_straight;
+    if (num_triples_++ % kDeviationStride == 0 && deviations_m_.size() < kMaxDeviations) {
+      deviations_m_.push_back(std::abs(deviation));
+    }
+  }
+}
+
+TopicSurvey TopicSurveyor::Finish(const RecordedTopic& topic) {
+  if (!is_started_) DecideUnit();
+  survey_.name = topic.name;
+  survey_.type = topic.type;
+  survey_.num_undecodable = topic.num_undecodable;
+  std::vector<double> periods_s;
+  for (size_t i = 1; i < survey_.stamps.size(); ++i) {
+    periods_s.push_back(
+        SecondsBetween(survey_.stamps[i - 1].stamp_ns, survey_.stamps[i].stamp_ns));
+  }
+  survey_.period_s = QuantileOf(&periods_s, 0.5);
+  const auto largest = static_cast<double>(survey_.num_largest);
+  if (survey_.largest_range_m <= survey_.limits.max_m &&
+      largest > kAtLimitShare * static_cast<double>(survey_.num_ranges) && largest > 20.0) {
+    survey_.num_at_limit = survey_.num_largest;
+    survey_.num_returns -= survey_.num_at_limit;
+    for (BeamCounts& beam : survey_.beams) beam.num_returns -= beam.num_largest;
+    survey_.limits.max_m = std::nextafter(survey_.largest_range_m, 0.0);
+  }
+  // Three tenths of the deviations, which edges and clutter leave alone, lie below 0.385
+  // standard deviations; that of a deviation is sqrt(1.5) times a range's.
+  survey_.noise_m = QuantileOf(&deviations_m_, 0.3) / (0.3853 * std::sqrt(1.5));
+  return std::move(survey_);
+}
+
+}  // namespace plumbline

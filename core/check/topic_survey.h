@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/check/scan_messages.h"
+
+namespace plumbline {
+
+// The ranges that count as returns, m.
+struct RangeLimits {
+  double min_m = 0.05;
+  double max_m = 1e9;
+};
+
+// The instants of one scan line.
+struct LineStamp {
+  int64_t stamp_ns = 0;    // as the message says
+  int64_t receipt_ns = 0;  // as the recorder says
+};
+
+// What one beam angle returned over a whole recording.
+struct BeamCounts {
+  int num_lines = 0;
+  int num_returns = 0;
+  int num_near = 0;              // returns nearer than half a metre
+  float farthest_near_m = 0.0F;  // of these
+  int num_largest = 0;           // the topic's largest finite range
+};
+
+// What one second of a topic holds.
+struct SurveyedSecond {
+  int num_lines = 0;
+  int num_repeated = 0;  // lines that hold the very ranges of the one before
+  int64_t num_beams = 0;
+  int64_t num_returns = 0;
+  // Neighbouring beams in threes, all with returns, and those that lie on a straight line.
+  int64_t num_triples = 0;
+  int64_t num_straight = 0;
+};
+
+// TopicSurvey is what one topic with scan lines holds, in figures.
+struct TopicSurvey {
+  std::string name;
+  std::string type;
+  int num_undecodable = 0;
+  int num_unusable = 0;           // no beams, or angles or times that make no sense
+  std::vector<LineStamp> stamps;  // of the usable lines, in the order of the recording
+
+  // Layout of the first usable line, and how many lines differ from it.
+  int num_beams = 0;
+  double angle_min = 0.0;         // rad
+  double angle_increment = 0.0;   // rad
+  double time_increment_s = 0.0;  // between neighbouring beams
+  int num_other_layouts = 0;
+  double stated_min_range_m = 0.0;  // 0: not stated
+  double stated_max_range_m = 0.0;
+
+  // By which the ranges have to be multiplied to be metres: 1, 0.01 or 0.001.
+  double metres_per_unit = 1.0;
+  RangeLimits limits;      // that decide what a return is
+  int64_t num_ranges = 0;  // of all beams; the sum of the next seven
+  int64_t num_returns = 0;
+  int64_t num_nan = 0;
+  int64_t num_infinite = 0;
+  int64_t num_zero = 0;  // or negative
+  int64_t num_too_near = 0;
+  int64_t num_too_far = 0;
+  int64_t num_at_limit = 0;  // the largest finite range, where many beams have the very same
+  double largest_range_m = 0.0;    // finite
+  int64_t num_largest = 0;         // beams with the very same
+  std::vector<int64_t> histogram;  // of the finite positive ranges, by HistogramBin()
+
+  std::vector<BeamCounts> beams;        // of the lines with the first layout
+  std::vector<SurveyedSecond> seconds;  // since the recording's start
+  double period_s = 0.0;                // median time between lines; 0: fewer than two lines
+  double noise_m = 0.0;  // of one range, from neighbouring beams; 0: could not be told
+
+  double duration_s() const;  // from the first to the last stamp
+  double field_of_view_rad() const;
+  // The range below which `share` of the finite positive ranges lie, m; 0 without any.
+  double RangeQuantile(double share) const;
+};
+
+// TopicSurveyor makes the survey of one topic, line by line.
+class TopicSurveyor {
+ public:
+  // limits: those of the rig file, or null where there is none. start_receipt_ns: of the
+  // recording, from which its seconds count.
+  TopicSurveyor(const RangeLimits* limits, int64_t start_receipt_ns);
+
+  void Add(const ScanMessage& message);
+  TopicSurvey Finish(const RecordedTopic& topic);
+
+ private:
+  void DecideUnit();
+  void Take(const ScanMessage& message);
+  void TakeRanges(const ScanLine& line, SurveyedSecond* second);
+  SurveyedSecond* SecondOf(const ScanMessage& message);
+
+  TopicSurvey survey_;
+  bool has_limits_;
+  int64_t start_receipt_ns_;
+  bool is_started_ = false;
+  std::vector<ScanMessage> first_;  // kept until the unit is known
+  uint64_t last_fingerprint_ = 0;
+  std::vector<double> deviations_m_;  // of beams from the line through their neighbours
+  uint64_t num_triples_ = 0;
+};
+
+}  // namespace plumbline

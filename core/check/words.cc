@@ -1,0 +1,49 @@
+#include "core/check/words.h"
+
+#include <array>
+#include <cstdio>
+
+namespace plumbline {
+
+std::string Decimal(double value, int digits) {
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  const std::string written = text.data();
+  const bool is_zero = written.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && written[0] == '-' ? written.substr(1) : written;
+}
+
+std::string PercentOf(double share) {
+  const double percent = 100.0 * share;
+  return Decimal(percent, percent > 0.0 && percent < 1.0 ? 1 : 0) + " %";
+}
+
+std::string SpansInWords(const std::vector<bool>& marked, size_t min_length) {
+  constexpr int kMaxSpans = 6;
+  std::string words;
+  int num_spans = 0;
+  for (size_t first = 0; first < marked.size(); ++first) {
+    if (!marked[first]) continue;
+    size_t last = first;
+    while (last < marked.size() && marked[last]) ++last;
+    if (last - first >= min_length && ++num_spans <= kMaxSpans) {
+      words += (words.empty() ? "from " : ", from ") + std::to_string(first) + " to " +
+               std::to_string(last) + " s";
+    }
+    first = last;
+  }
+  if (num_spans > kMaxSpans)
+    words += " and " + std::to_string(num_spans - kMaxSpans) + " more";
+  return words;
+}
+
+std::string Enumerate(const std::vector<std::string>& names) {
+  std::string words;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) words += i + 1 == names.size() ? " and " : ", ";
+    words += names[i];
+  }
+  return words;
+}
+
+}  // namespace plumbline

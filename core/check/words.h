@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace plumbline {
+
+// A number with its digits after the point.
+std::string Decimal(double value, int digits);
+
+// "12 %"; "0.3 %" below one per cent.
+std::string PercentOf(double share);
+
+// "from 3 to 8 s, from 20 to 21 s": runs of marked seconds at least min_length long; empty
+// where there are none. Six at most, then how many more there are.
+std::string SpansInWords(const std::vector<bool>& marked, size_t min_length);
+
+// "left, right and rear".
+std::string Enumerate(const std::vector<std::string>& names);
+
+}  // namespace plumbline

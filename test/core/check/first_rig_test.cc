@@ -1,0 +1,45 @@
+#include "core/check/first_rig.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/sensor/rig.h"
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+class FirstRigTest : public TemporaryDirectoryTest {};
+
+// Whatever the topics are called, the file can be read.
+TEST_F(FirstRigTest, IsARigFile) {
+  CheckReport report;
+  report.survey.path = "a\nb.bag";
+  for (const char* name : {"/front/scan", "/", "scan: \"x\"", "front_scan"}) {
+    TopicSurvey topic;
+    topic.name = name;
+    topic.noise_m = 0.017;
+    topic.limits.max_m = 29.9995;
+    topic.beams.assign(10, {100, 100, 0, 0.0F, 0});
+    topic.beams[3] = {100, 100, 99, 0.31F, 0};
+    report.survey.topics.push_back(topic);
+    report.attitudes.push_back({});
+  }
+  report.attitudes[0].attitude = Attitude::kLevel;
+  const std::string text = FormatFirstRig(report);
+  EXPECT_THAT(text, testing::HasSubstr("FILL IN"));
+  EXPECT_THAT(text, testing::HasSubstr("it stands level"));
+  const std::string path = (directory_ / "rig.yaml").string();
+  WriteBytes(path, text);
+  const Rig rig = ReadRig(path);
+  ASSERT_EQ(rig.scanners.size(), 4u);
+  EXPECT_EQ(rig.scanners[0].name, "front_scan");
+  EXPECT_EQ(rig.scanners[0].topic, "/front/scan");
+  EXPECT_EQ(rig.scanners[2].topic, "scan: \"x\"");
+  EXPECT_NEAR(rig.scanners[0].range_noise_m, 0.017, 1e-9);
+  EXPECT_NEAR(rig.scanners[0].min_range_m, 0.33, 1e-9);
+  EXPECT_NEAR(rig.scanners[0].max_range_m, 29.99, 1e-9);
+}
+
+}  // namespace
+}  // namespace plumbline
