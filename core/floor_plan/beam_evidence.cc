@@ -189,4 +189,17 @@ FreeGrid CollectEvidence(const std::vector<PlanePatch>& planes,
   return collector.TakeGrid();
 }
 
+void NoteWay(const std::vector<Eigen::Vector2d>& way, std::vector<WallFace>* faces) {
+  constexpr double kMaxStepM = 0.5;  // farther poses are before and after another storey
+  for (size_t i = 1; i < way.size(); ++i) {
+    if ((way[i] - way[i - 1]).norm() > kMaxStepM) continue;
+    for (WallFace& face : *faces) {
+      face.curve.ForEachCrossing(way[i - 1], way[i], [&face](double, double s) {
+        const int column = face.ColumnOf(s);
+        if (column >= 0) face.columns[static_cast<size_t>(column)].rig_passed = true;
+      });
+    }
+  }
+}
+
 }  // namespace plumbline

@@ -44,4 +44,8 @@ FreeGrid CollectEvidence(const std::vector<PlanePatch>& planes,
                          double margin_m,
                          std::vector<WallFace>* faces);
 
+// Notes in the columns where the rig itself went through a face. way: its positions in the
+// storey, in the order of time.
+void NoteWay(const std::vector<Eigen::Vector2d>& way, std::vector<WallFace>* faces);
+
 }  // namespace plumbline

@@ -66,8 +66,9 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
   const double margin_m = std::max(kMinMarginM, kNoiseSigmas * MaxRangeNoise(input.rig));
   const FreeGrid free =
       CollectEvidence(planes, input.points, origins, level, margin_m, &faces);
-  const StoreyRegions regions = PlanStorey(std::move(faces), free);
   const std::vector<Eigen::Vector2d> poses = PosesIn(level, input.poses);
+  NoteWay(poses, &faces);
+  const StoreyRegions regions = PlanStorey(std::move(faces), free);
   std::vector<bool> kept;
   std::vector<std::pair<size_t, Room>> rooms;  // with the first visit
   for (int i = 0; i < regions.num_rooms; ++i) {
@@ -90,7 +91,7 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
     plan.rooms.push_back(std::move(room));
   }
   plan.doors = FindDoors(regions, planes, plan.rooms);
-  plan.windows = FindWindows(regions, plan.rooms);
+  plan.windows = FindWindows(regions, planes, plan.rooms);
   plan.walls = FindWalls(input.planes, level, plan.rooms);
   plan.solids = FindSolids(kept, regions, planes, level.section_m());
   return plan;

@@ -1,13 +1,10 @@
 #include "core/floor_plan/map_cloud.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <unordered_map>
 
-#include "core/cloud/point_buffer.h"
+#include "core/cloud/ply_reader.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 
@@ -16,71 +13,20 @@ namespace {
 
 constexpr double kMaxPoseGapS = 0.2;
 
-// Reads the header and returns the number of points; the stream is then at the first one.
-int64_t ReadHeader(const std::string& path, std::istream* stream) {
-  static const char* const kProperties[] = {"property float x",
-                                            "property float y",
-                                            "property float z",
-                                            "property double time",
-                                            "property uchar scanner",
-                                            "property int plane_id",
-                                            "property float residual"};
-  std::string line;
-  int64_t num_points = -1;
-  size_t num_properties = 0;
-  for (int number = 1; std::getline(*stream, line) && line != "end_header"; ++number) {
-    const std::string place = path + ":" + std::to_string(number) + ": ";
-    if (number == 1 && line != "ply") throw Error(place + "not a PLY file");
-    if (number == 2 && line != "format binary_little_endian 1.0") {
-      throw Error(place + "not binary little-endian");
-    }
-    if (line.rfind("element vertex ", 0) == 0) num_points = std::atoll(line.c_str() + 15);
-    if (line.rfind("property ", 0) != 0) continue;
-    if (num_properties >= std::size(kProperties) || line != kProperties[num_properties]) {
-      throw Error(place + "'" + line + "' is not what plumbline_map writes there");
-    }
-    ++num_properties;
-  }
-  if (line != "end_header" || num_points < 0 || num_properties != std::size(kProperties)) {
-    throw Error(path + ": has no complete header of a map.ply");
-  }
-  return num_points;
-}
-
-CloudPoint Parse(const char* bytes) {
-  CloudPoint point;
-  const auto take = [&bytes](void* to, size_t size) {
-    std::memcpy(to, bytes, size);
-    bytes += size;
-  };
-  take(point.p_world.data(), 3 * sizeof(float));
-  take(&point.time_s, sizeof(double));
-  take(&point.scanner, sizeof(uint8_t));
-  take(&point.plane_id, sizeof(int32_t));
-  take(&point.residual_m, sizeof(float));
-  return point;
-}
-
 }  // namespace
 
 std::vector<CloudPoint> ReadMapCloud(const std::string& path) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Error(path + ": can not be read: " + std::strerror(errno));
-  const int64_t num_points = ReadHeader(path, &stream);
+  PlyReader reader(path);
   std::vector<CloudPoint> points;
-  constexpr int64_t kBlock = 1 << 16;
-  std::vector<char> bytes(static_cast<size_t>(kBlock) * PointBuffer::kPointBytes);
-  for (int64_t done = 0; done < num_points;) {
-    const auto count = static_cast<size_t>(std::min(kBlock, num_points - done));
-    const size_t size = count * PointBuffer::kPointBytes;
-    if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) {
-      throw Error(path + ": ends before its " + std::to_string(num_points) + " points");
+  for (PointBuffer block; reader.Next(&block);) {
+    for (int64_t i = 0; i < block.num_points(); ++i) {
+      const MapPoint point = block.At(i);
+      points.push_back({point.p_world,
+                        point.residual_m,
+                        point.time_s,
+                        point.plane_id,
+                        static_cast<uint8_t>(point.scanner)});
     }
-    for (size_t i = 0; i < count; ++i) {
-      points.push_back(Parse(bytes.data() + i * PointBuffer::kPointBytes));
-    }
-    done += static_cast<int64_t>(count);
   }
   return points;
 }

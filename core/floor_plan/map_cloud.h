@@ -20,8 +20,8 @@ struct CloudPoint {
   uint8_t scanner = 0;
 };
 
-// Reads the points of a map.ply that plumbline_map wrote (docs/outputs.md). Throws Error where
-// the file can not be read, is cut short, or has other properties.
+// Reads the points of a map.ply (docs/outputs.md). Throws Error where the file can not be
+// read, is cut short, or is not that of a map.
 std::vector<CloudPoint> ReadMapCloud(const std::string& path);
 
 // BeamOrigins says where a scanner was when it took a point.

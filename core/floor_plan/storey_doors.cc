@@ -182,15 +182,18 @@ class SolidFinder {
 
 }  // namespace
 
-std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
-                                const std::vector<PlanePatch>& planes,
-                                const std::vector<Room>& rooms) {
+namespace {
+
+// All gaps of the storey, those of the two faces of a wall as one, between whatever rooms.
+std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
+                                 const std::vector<PlanePatch>& planes,
+                                 const std::vector<Room>& rooms) {
   std::vector<FaceGap> gaps = GapsOf(regions);
   std::vector<PlanDoor> doors;
   for (size_t i = 0; i < gaps.size(); ++i) {
     if (gaps[i].is_used) continue;
     const FaceGap& gap = gaps[i];
-    PlanDoor door;
+    PlanDoor& door = doors.emplace_back();
     door.from = gap.from;
     door.to = gap.to;
     door.normal = gap.normal;
@@ -212,16 +215,37 @@ std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
          behind += kProbeM) {
       door.rooms[1] = RoomAt(rooms, gap.Middle() - behind * gap.normal);
     }
+  }
+  return doors;
+}
+
+// A wide opening behind which no room was seen.
+bool IsWindow(const PlanDoor& door) {
+  constexpr double kMaxDoorM = 1.5;
+  return door.width_m > kMaxDoorM && (door.rooms[0] == 0) != (door.rooms[1] == 0);
+}
+
+}  // namespace
+
+std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
+                                const std::vector<PlanePatch>& planes,
+                                const std::vector<Room>& rooms) {
+  std::vector<PlanDoor> doors;
+  for (const PlanDoor& door : PairedGaps(regions, planes, rooms)) {
     // A gap within one room is none between rooms: beside a pillar, say.
-    if (door.rooms[0] != door.rooms[1]) doors.push_back(door);
+    if (door.rooms[0] != door.rooms[1] && !IsWindow(door)) doors.push_back(door);
   }
   return doors;
 }
 
 std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
+                                    const std::vector<PlanePatch>& planes,
                                     const std::vector<Room>& rooms) {
   constexpr size_t kMinColumns = 8;
   std::vector<PlanWindow> windows;
+  for (const PlanDoor& door : PairedGaps(regions, planes, rooms)) {
+    if (IsWindow(door)) windows.push_back({door.from, door.to});
+  }
   for (size_t i = 0; i < regions.faces.size(); ++i) {
     const WallFace& face = regions.faces[i];
     const std::vector<bool>& is_window = regions.stretches[i].windows;

@@ -7,14 +7,16 @@
 
 namespace plumbline {
 
-// The doors of a storey that lead into one of its rooms. The gaps of the two faces of a wall
-// are one door.
+// The doors of a storey that lead into one of its rooms, and wide openings between two of
+// them. The gaps of the two faces of a wall are one door.
 std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
                                 const std::vector<PlanePatch>& planes,
                                 const std::vector<Room>& rooms);
 
-// The windows in the edges of rooms, at least 0.4 m wide.
+// The windows in the edges of rooms, at least 0.4 m wide: beams pass above a parapet, or
+// through a wide opening below a lintel that leads into no room.
 std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
+                                    const std::vector<PlanePatch>& planes,
                                     const std::vector<Room>& rooms);
 
 // The outlines of what is solid: cells up to 0.6 m thick behind the walls of rooms, the

@@ -22,8 +22,9 @@ struct WallColumn {
   std::array<uint16_t, kNumLevels> passes = {};
   uint16_t hits_above = 0;  // above the band: lintels
   // Of the passes, those that came from or went more than kDeepM behind the face.
-  static constexpr double kDeepM = 0.45;
+  static constexpr double kDeepM = 0.6;
   uint16_t deep_passes = 0;
+  bool rig_passed = false;
 
   // Whether more than strays went so far: ranges are noisy.
   bool IsDeep() const {

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kMinDoorM = 0.6;
 constexpr double kMaxDoorM = 1.5;
+constexpr double kMaxLintelM = 8.0;  // wider ones are none
 constexpr double kMaxHiddenM = 5.0;  // what no beam passed is bridged up to here
 constexpr double kNearM = 0.25;      // of a crossing: a wall's columns there tell of its end
 constexpr double kMinCrossingSine = 0.34;  // 20 degrees
@@ -115,6 +116,7 @@ struct Gap {
   double open = 0.0;
   double deep = 0.0;
   double lintel = 0.0;
+  bool rig_passed = false;
   bool is_between = false;  // stretches of the face on both sides are no pillars
 
   double width_m() const { return to_m - from_m; }
@@ -194,6 +196,7 @@ class GapCloser {
     for (size_t i = gap.first; i < gap.last; ++i) {
       if (stretches_.states[i] == ColumnState::kOpen) gap.open += share;
       if (face_.columns[i].IsDeep()) gap.deep += share;
+      gap.rig_passed = gap.rig_passed || face_.columns[i].rig_passed;
       if (face_.columns[i].hits_above > 0) gap.lintel += share;
     }
     return gap;
@@ -211,6 +214,13 @@ class GapCloser {
       }
       return;
     }
+    // A wide opening below a lintel that nobody went through ends a room, too: a window.
+    constexpr double kMinWideLintel = 0.8;
+    if (gap.width_m() > kMaxDoorM && gap.lintel >= kMinWideLintel && !gap.rig_passed &&
+        gap.width_m() <= kMaxLintelM) {
+      CloseAs(gap, ColumnState::kDoor);
+      return;
+    }
     const bool is_hidden = gap.open <= kMaxHiddenOpen && gap.width_m() <= kMaxHiddenM;
     if (gap.width_m() <= kMaxDoorM || is_hidden || IsRecess(gap)) {
       CloseAs(gap, ColumnState::kBridged);
@@ -221,10 +231,9 @@ class GapCloser {
   // of a window.
   bool IsRecess(const Gap& gap) const {
     constexpr double kMaxDeep = 0.15;
-    constexpr double kMaxWidthM = 8.0;
     constexpr double kSameCosine = 0.99;
     constexpr double kMinWall = 0.3;
-    if (gap.deep > kMaxDeep || gap.width_m() > kMaxWidthM) return false;
+    if (gap.deep > kMaxDeep || gap.width_m() > kMaxLintelM) return false;
     const Eigen::Vector2d from = face_.curve.At(gap.from_m);
     const Eigen::Vector2d to = face_.curve.At(gap.to_m);
     const Eigen::Vector2d middle = 0.5 * (from + to);

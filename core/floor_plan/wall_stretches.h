@@ -13,10 +13,10 @@ enum class ColumnState {
   kOpen,     // beams pass through
   kSolid,    // beams hit the face
   kBridged,  // a gap in the face that the wall's line bridges: what is hidden, slits
-  kDoor,     // a gap that people go through, which separates rooms
+  kDoor,     // a gap that separates rooms: a door, or an opening below a lintel
 };
 
-// DoorGap is a door in one face: where along it the gap is, m.
+// DoorGap is a door, or a wide opening below a lintel, in one face: where along it, m.
 struct DoorGap {
   double from_m = 0.0;
   double to_m = 0.0;
@@ -39,10 +39,11 @@ struct Stretches {
 // Tells walls from openings on all faces of a storey. A gap of 0.6 to 1.5 m through which
 // beams pass is a door where the face was hit above it, or where the opposite face has a door.
 // Else the gap has to be one between two stretches of the face that are at least 0.3 m long,
-// and must not be as wide as a room: bounded on both sides by walls that go on. Shorter gaps
-// are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams passed
-// only to end within 0.45 m on what is no wall (up to 8 m: windows, with what stands in their
-// recess). Other gaps stay open.
+// and must not be as wide as a room: bounded on both sides by walls that go on. Wider gaps (up
+// to 8 m) are closed in the same way where the face was hit above nearly all of them. Shorter
+// gaps are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams
+// passed only to end within 0.6 m on what is no wall (up to 8 m: windows, with what stands in
+// their recess). Other gaps stay open.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 
 // Where two faces cross: the parameters on both, m. None where they are nearly parallel.

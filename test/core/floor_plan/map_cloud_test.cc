@@ -43,13 +43,9 @@ TEST_F(MapCloudTest, ErrorsNameTheFileAndWhatIsWrong) {
   Write(3);
   const std::string bytes = ReadBytes(Path());
   WriteBytes(Path(), bytes.substr(0, bytes.size() - 1));
-  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply: ends before"));
-  std::string other = bytes;
-  other.replace(other.find("float y"), 7, "float q");
-  WriteBytes(Path(), other);
-  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply:6: "));
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply: ends within"));
   WriteBytes(Path(), "solid\n");
-  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply:1: not a PLY file"));
+  EXPECT_THAT(ErrorOf([&] { ReadMapCloud(Path()); }), HasSubstr("map.ply: is not a map"));
 }
 
 TEST(BeamOrigins, LieBetweenPoses) {

@@ -108,6 +108,17 @@ TEST(WallStretches, ARecessIsBridged) {
   EXPECT_EQ(StateAt(face, FindStretches({face, behind})[0], 4.0), ColumnState::kOpen);
 }
 
+TEST(WallStretches, AWideGapBelowALintelIsClosedUnlessTheRigWentThrough) {
+  WallFace face = Face(1.0, 0.0, 0.0);
+  See(1.0, 3.0, Seen::kHit, &face);
+  See(3.0, 5.0, Seen::kPassed, &face);
+  See(5.0, 6.0, Seen::kHit, &face);
+  AddLintel(3.0, 5.0, &face);
+  EXPECT_EQ(StateAt(face, FindStretches({face})[0], 4.0), ColumnState::kDoor);
+  face.columns[static_cast<size_t>(face.ColumnOf(4.5))].rig_passed = true;
+  EXPECT_EQ(StateAt(face, FindStretches({face})[0], 4.0), ColumnState::kOpen);
+}
+
 TEST(WallStretches, AWindowIsWall) {
   WallFace face = Face(1.0, 0.0, 0.0);
   See(1.0, 3.0, Seen::kHit, &face);
