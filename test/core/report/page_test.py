@@ -21,7 +21,7 @@ from viewer_install import ROOT, find_program, install
 BUILD_DIRECTORY = pathlib.Path(sys.argv.pop(1)).resolve()
 SCRIPT = pathlib.Path(__file__).with_name("page_test.mjs")
 POINT = np.dtype([("p", "<f4", 3), ("time", "<f8"), ("scanner", "u1"), ("plane", "<i4"),
-                  ("residual", "<f4")])
+                  ("residual", "<f4"), ("colour", "u1", 4), ("normal", "<f4", 3)])
 # A floor plan whose script must not run.
 FLOOR_PLAN = ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 3" width="400" height="300">'
               '<script>window.top.floorPlanRan = true</script><rect width="4" height="3"/></svg>')
