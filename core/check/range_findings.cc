@@ -11,7 +11,7 @@ namespace {
 constexpr double kSilentShare = 0.05;    // of the usual returns of a second
 constexpr size_t kMinSilent = 2;         // s
 constexpr int kFrozenPercent = 50;       // of a second's lines
-constexpr double kStraightShare = 0.35;  // of the usual share of beams that continue a line
+constexpr double kStraightShare = 0.15;  // of the usual share of beams that continue a line
 constexpr double kFewReturns = 0.3;
 constexpr double kRigShare = 0.8;    // of the lines, near returns in the same beam
 constexpr double kBlindWidth = 5.0;  // deg

@@ -47,9 +47,10 @@ TEST_F(CheckTest, AGoodRecordingCanBeMapped) {
 }
 
 TEST_F(CheckTest, ARigFileThatIsWrongIsTold) {
-  SimulatedRecording recording = Walk();
-  std::swap(recording.rig.scanners[1].topic, recording.rig.scanners[2].topic);
-  const CheckReport report = Check(recording);
+  WriteRecording(Walk());
+  Rig rig = ReadRig(Path("rig.yaml"));
+  std::swap(rig.scanners[1].topic, rig.scanners[2].topic);
+  const CheckReport report = CheckRecording(Path("recording.bag"), rig);
   EXPECT_EQ(report.mappable, Mappable::kNot);
   EXPECT_THAT(Words(report), HasSubstr("are exchanged"));
 }
