@@ -105,7 +105,8 @@ inline Observation ObservePlane(const ScanLine& line,
 
 // The paper's rig, or one like it: one level scanner, two tilted ones.
 inline Rig MakePaperRig() {
-  Rig rig = {MotionModel::kAutomatic, std::vector<Scanner>(3)};
+  Rig rig;
+  rig.scanners.resize(3);
   const double degree = M_PI / 180.0;
   rig.scanners[0].body_from_scanner = {RotationFromRollPitchYaw(0.0, 0.0, -90.0 * degree),
                                        {0.0, 0.0, 0.12}};

@@ -33,7 +33,8 @@ class RangeFindingsTest : public testing::Test {
     report_.survey.topics.push_back(topic);
     Scanner scanner;
     scanner.name = "one";
-    report_.rig = Rig{MotionModel::kAutomatic, {scanner}};
+    report_.rig = Rig();
+    report_.rig->scanners = {scanner};
     report_.topics_of_scanners = {0};
   }
   TopicSurvey& topic() { return report_.survey.topics[0]; }
