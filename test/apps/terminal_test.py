@@ -74,7 +74,7 @@ class TerminalTest(unittest.TestCase):
         _, bound = run_on_terminal(
             [PROGRAMS / "plumbline_bound", f"--output={self.directory}/bound",
              f"--experiment={ROOT}/configs/experiments/room.yaml"])
-        for text, written in ((self.simulated, "room: recording.bag"), (mapped, "map: map.ply"),
+        for text, written in ((self.simulated, "room: recording.bag"), (mapped, "map: map.*"),
                               (evaluated, evaluation), (bound, "bound: planes.json")):
             self.assertRegex(shown(text), rf"Written to .*{re.escape(written)}")
         self.assertRegex(shown(self.simulated), r"recording +13\.\d s\n")
