@@ -26,10 +26,14 @@ class UsageError : public std::runtime_error {
 
 // Sets the flags from the command line. Returns "help", "helpxml" or "version" when it asks
 // for that instead of work, else nothing. gflags' own parser leaves with exit code 1 where
-// ours has to be 2, and its help lists the flags of every library.
-std::string ParseFlags(int argc, char** argv) {
+// ours has to be 2, and its help lists the flags of every library. bare_flag: see RunApp.
+std::string ParseFlags(int argc, char** argv, std::string bare_flag) {
   for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
+    std::string argument = argv[i];
+    if (!bare_flag.empty() && !argument.empty() && argument[0] != '-') {
+      argument = "--" + bare_flag + "=" + argument;
+      bare_flag.clear();
+    }
     const size_t name_start = argument.find_first_not_of('-');
     if (name_start == 0 || name_start > 2) {
       throw UsageError("unexpected argument '" + argument + "'");
@@ -80,11 +84,12 @@ int RunApp(int argc,
            const std::string& purpose,
            const std::string& source_file,
            const std::vector<std::string>& required_flags,
-           const std::function<void()>& run) {
+           const std::function<void()>& run,
+           const std::string& bare_flag) {
   LogToTerminal(argv[0]);
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   try {
-    const std::string wish = ParseFlags(argc, argv);
+    const std::string wish = ParseFlags(argc, argv, bare_flag);
     if (wish == "version") PrintVersion(program);
     const Help help = {program, purpose, source_file, required_flags};
     if (wish == "help") std::cout << HelpText(help, HelpWidth());

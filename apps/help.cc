@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "apps/version.h"
+#include "core/util/xml_text.h"
 
 namespace plumbline {
 namespace {
@@ -43,28 +44,8 @@ std::string Wrapped(const std::string& text, size_t indent, size_t width) {
   return wrapped;
 }
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string Element(const char* name, const std::string& text) {
-  return std::string("<") + name + ">" + Escaped(text) + "</" + name + ">";
+  return std::string("<") + name + ">" + XmlEscaped(text) + "</" + name + ">";
 }
 
 }  // namespace

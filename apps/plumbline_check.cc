@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "apps/app.h"
 #include "core/check/check_job.h"
@@ -28,16 +27,10 @@ constexpr int kNotMappable = 3;
 }  // namespace
 
 int main(int argc, char** argv) {
-  // The recording may stand alone, as the first argument.
-  std::vector<std::string> arguments(argv, argv + argc);
-  if (argc > 1 && arguments[1].rfind("-", 0) != 0)
-    arguments[1] = "--recording=" + arguments[1];
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
   bool is_mappable = true;
   const int exit_code = plumbline::RunApp(
       argc,
-      pointers.data(),
+      argv,
       "looks at a recording before it is mapped: topics, rates, gaps, clocks, ranges, and "
       "whether the scanners sit as the rig file says",
       __FILE__,
@@ -47,6 +40,7 @@ int main(int argc, char** argv) {
             plumbline::RunCheckJob({FLAGS_recording, FLAGS_rig, FLAGS_output});
         std::fputs(outcome.text.c_str(), stdout);
         is_mappable = outcome.is_mappable;
-      });
+      },
+      "recording");
   return exit_code == 0 && !is_mappable ? kNotMappable : exit_code;
 }

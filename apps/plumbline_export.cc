@@ -8,7 +8,10 @@
 #include "apps/progress.h"
 #include "core/cloud/cloud_export.h"
 
-DEFINE_string(result, "", "directory that plumbline_map wrote, with map.ply in it");
+DEFINE_string(result,
+              "",
+              "directory that plumbline_map wrote, with map.ply in it; may also stand alone, "
+              "without the flag");
 DEFINE_string(
     formats,
     "",
@@ -43,5 +46,6 @@ int main(int argc, char** argv) {
                            "writes the points of a map as PLY, PCD, LAS or E57",
                            __FILE__,
                            {"result", "formats"},
-                           Export);
+                           Export,
+                           "result");
 }

@@ -8,7 +8,9 @@
 #include "apps/app.h"
 #include "core/floor_plan/floor_plan_files.h"
 
-DEFINE_string(result, "", "directory that plumbline_map wrote");
+DEFINE_string(result,
+              "",
+              "directory that plumbline_map wrote; may also stand alone, without the flag");
 DEFINE_string(rig, "", "rig file (YAML) that the map was made with");
 DEFINE_string(output, "", "directory for the plan; without it, that of the result");
 
@@ -25,5 +27,6 @@ int main(int argc, char** argv) {
         const plumbline::FloorPlans plan =
             plumbline::RunPlanJob(FLAGS_result, FLAGS_rig, output);
         std::fputs(plumbline::RoomTable(plan).c_str(), stdout);
-      });
+      },
+      "result");
 }

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "apps/app.h"
 #include "core/report/report.h"
@@ -13,7 +12,7 @@
 
 DEFINE_string(result,
               "",
-              "directory that plumbline_map wrote; may also stand first, without the flag");
+              "directory that plumbline_map wrote; may also stand alone, without the flag");
 DEFINE_string(output, "", "HTML file; without it, report.html in the result's directory");
 DEFINE_string(evaluation,
               "",
@@ -55,17 +54,12 @@ void WriteAll() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<char*> arguments(argv, argv + argc);
-  std::string result;
-  if (argc > 1 && argv[1][0] != '-') {
-    result = std::string("--result=") + argv[1];
-    arguments[1] = result.data();
-  }
   return plumbline::RunApp(
       argc,
-      arguments.data(),
+      argv,
       "writes a finished map as one page that opens in any browser, without network",
       __FILE__,
       {"result"},
-      WriteAll);
+      WriteAll,
+      "result");
 }

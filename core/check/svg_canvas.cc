@@ -2,6 +2,7 @@
 
 #include "core/check/words.h"
 #include "core/util/one_line.h"
+#include "core/util/xml_text.h"
 
 namespace plumbline {
 namespace {
@@ -21,28 +22,7 @@ std::string Attribute(const std::string& name, double value) {
   return Attribute(name, Number(value));
 }
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : OnOneLine(text)) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
+std::string Escaped(const std::string& text) { return XmlEscaped(OnOneLine(text)); }
 
 std::string Pair(const Eigen::Vector2d& p) { return Number(p.x()) + " " + Number(p.y()); }
 

@@ -31,10 +31,9 @@ void VisitWholeMap(Options& o, Visitor& v) {
   v.Section("recording", [&](auto& s) { s.Number("max_gap_s", o.max_gap_s, 0.01, 1e6); });
 }
 
-// Visit() is the one place that ties every option to its YAML name and range. A visitor sees
-// sections and fields in a fixed order; one reads, one writes, one checks.
+// The settings of how the rig moves, see Visit.
 template <typename Options, typename Visitor>
-void Visit(Options& o, Visitor& v) {
+void VisitTrajectory(Options& o, Visitor& v) {
   v.Section("trajectory", [&](auto& s) {
     s.Number("knot_interval_s", o.trajectory.knot_interval_s, 0.01, 10.0);
     s.Number("min_scans_per_knot", o.trajectory.min_scans_per_knot, 0.5, 100.0);
@@ -57,6 +56,13 @@ void Visit(Options& o, Visitor& v) {
              1e-2,
              1e4);
   });
+}
+
+// Visit() is the one place that ties every option to its YAML name and range. A visitor sees
+// sections and fields in a fixed order; one reads, one writes, one checks.
+template <typename Options, typename Visitor>
+void Visit(Options& o, Visitor& v) {
+  VisitTrajectory(o, v);
   v.Section("segmentation", [&](auto& s) {
     s.Integer("min_points", o.segmentation.min_points, 3, 1000);
     s.Number("significance", o.segmentation.significance, 1e-12, 0.5);

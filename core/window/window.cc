@@ -338,6 +338,30 @@ void Window::KeepEstimate(const NormalEquations& equations, int newest, int64_t 
   estimates_.push_back(std::move(estimate));
 }
 
+namespace {
+
+// The observations, of those with these indices, that begin before a knot interval; staying
+// receives the indices of the others.
+std::vector<const Observation*> ObservationsBefore(int knot_interval,
+                                                   const MapState& state,
+                                                   const std::vector<int>& indices,
+                                                   std::vector<int>* staying) {
+  std::vector<const Observation*> before;
+  for (const int index : indices) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    const int first =
+        state.trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
+    if (first >= knot_interval) {
+      staying->push_back(index);
+    } else {
+      before.push_back(&observation);
+    }
+  }
+  return before;
+}
+
+}  // namespace
+
 void Window::Marginalise(int new_start) {
   if (new_start <= start_) return;
   EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
@@ -345,17 +369,8 @@ void Window::Marginalise(int new_start) {
   AddMotionPriors(&leaving, start_, new_start - 1);
   AddOdometry(*state_, start_, new_start, &leaving);
   std::vector<int> staying;
-  std::vector<const Observation*> gone;
-  for (const int index : window_) {
-    const Observation& observation = state_->observations[static_cast<size_t>(index)];
-    const int first =
-        state_->trajectory.Locate(observation.measurement.node_times_ns()[0]).first;
-    if (first >= new_start) {
-      staying.push_back(index);
-    } else {
-      gone.push_back(&observation);
-    }
-  }
+  const std::vector<const Observation*> gone =
+      ObservationsBefore(new_start, *state_, window_, &staying);
   leaving.AddSegments(gone, options_.association.huber_width, &groups_);
   AddPoseConstraints(new_start, &leaving);
   NormalEquations added = LineariseDense(leaving, leaving.Layout());

@@ -91,6 +91,8 @@ TEST_F(ProgramsTest, ReportNamesAMissingResult) {
   ExpectFailure("plumbline_report --result=" + Path("no"), Path("no/summary.json"));
   // Without the flag.
   ExpectFailure("plumbline_report " + Path("no"), Path("no/summary.json"));
+  // One argument may stand alone, a second one is a mistake.
+  EXPECT_EQ(Run("plumbline_report " + Path("no") + " " + Path("more")).exit_code, 2);
 }
 
 TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
