@@ -133,9 +133,10 @@ class Batch {
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
     openings_ = counted.OpeningsOf(state_->landmarks);
     const int num_dropped = DropObliqueFalsePlanes(state_) +
+                            DropWeakPlanes(options_.planes, state_) +
                             DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << "ends of " << num_resegmented << " segments moved, " << num_dropped
-            << " segments taken from oblique false planes";
+            << " segments taken from planes that this leaves too little";
     share_done_ = is_last ? kLastResegmentationShare : kFirstResegmentationShare;
     progress_(share_done_);
   }

@@ -255,6 +255,8 @@ int DropWeakPlanes(const PlaneOptions& options, MapState* state) {
   std::vector<int> last_scan(state->landmarks.size(), -1);
   for (const Observation& observation : state->observations) {
     if (observation.landmark_id < 0) continue;
+    // Resegmentation may leave a segment a single beam, which says nothing of a direction.
+    if (observation.num_points < 2) continue;
     const auto id = static_cast<size_t>(observation.landmark_id);
     if (observation.scan_index != last_scan[id]) ++num_scans[id];
     last_scan[id] = observation.scan_index;
