@@ -52,8 +52,8 @@ int BendRowsOfChords(const Rig& rig, const AssociationOptions& options, MapState
 // have; those that their segments show to be upright or level become vertical or horizontal.
 int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapState* state);
 
-// Drops landmarks that fewer scans support than a new plane needs. The observations are in the
-// order of time.
+// Drops landmarks that fewer scans support, by segments of two beams or more, than a new plane
+// needs. The observations are in the order of time.
 int DropWeakPlanes(const PlaneOptions& options, MapState* state);
 
 // Drops landmarks that hold many points in sub-minimum segments and few in segments, as

@@ -368,7 +368,10 @@ void Tracker::Track(int first_observation,
   }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
-  needs_points_ = is_open_ || IsHeightOpen(first_observation, last_observation) ||
+  // Without wheels, a level rig has nothing but a slice of the room, and where planes alone hold
+  // it, one scan that meets furniture takes the next ones along.
+  needs_points_ = (planar_ && state_->odometry == nullptr) || is_open_ ||
+                  IsHeightOpen(first_observation, last_observation) ||
                   std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(
       state_->pose_constraints.end(), constraints.begin(), constraints.end());

@@ -172,7 +172,7 @@ class Tracker {
   bool is_open_ = false;      // walls leave the newest scan's position open
   int64_t last_held_ns_ = 0;  // when they last did not
   ThinEvidence thin_evidence_;
-  bool needs_points_ = false;  // too few of the last scan's points are on planes
+  bool needs_points_ = false;  // whether points, too, hold the next scan
   double usual_share_on_no_plane_ = 0.0;
   double usual_share_ = 1.0;  // of a scan's segments, by length, that find their planes
 };

@@ -248,6 +248,18 @@ TEST_F(BatchPoliciesTest, APlaneOfTooFewScansIsWeak) {
   EXPECT_EQ(Ids(), (Ints{0, 0, -1, -1, 0, -1, -1, 0, -1, -1}));
 }
 
+TEST_F(BatchPoliciesTest, SingleBeamsDoNotKeepAPlane) {
+  AddWall(2.0, -1.0, 1.0);
+  AddWall(3.0, -1.0, 1.0);
+  for (int scan = 0; scan < 4; ++scan) {
+    AddSegment(0, scan, 2);
+    AddSegment(1, scan, scan == 0 ? 2 : 1);
+  }
+  options_.planes.min_scans = 4;
+  EXPECT_EQ(DropWeakPlanes(options_.planes, &state_), 4);
+  EXPECT_EQ(Ids(), (Ints{0, -1, 0, -1, 0, -1, 0, -1}));
+}
+
 TEST_F(BatchPoliciesTest, AnObliqueFalsePlaneLosesItsSubMinimumSegmentsToo) {
   AddWall(2.0, -1.0, 1.0);
   AddWall(3.0, -1.0, 1.0);
