@@ -34,7 +34,6 @@ if $real; then
   "$bin/plumbline_map" \
     --recording="$root/test/data/robot_three_scanners.bag" \
     --rig="$root/configs/rigs/robot_three_scanners.yaml" \
-    --config="$root/configs/mapper/robot_three_scanners.yaml" \
     --output="$out" \
     --report
   "$root/scripts/figures/floor_plan.py" "$out" --output "$out/floor_plan.png"

@@ -77,8 +77,7 @@ def simulate(name, binaries, directory):
 def map_recording(name, binaries, configs, recording, directory, threads):
     """recording: directory of the simulated one."""
     if name == "robot":
-        files = (ROOT / "test" / "data" / f"{ROBOT}.bag", configs / "rigs" / f"{ROBOT}.yaml",
-                 configs / "mapper" / f"{ROBOT}.yaml")
+        files = (ROOT / "test" / "data" / f"{ROBOT}.bag", configs / "rigs" / f"{ROBOT}.yaml")
     else:
         files = (recording / "recording.bag", recording / "rig.yaml",
                  configs / "experiments" / f"{name}.yaml")

@@ -29,7 +29,6 @@ class Mapper:
         self.process = subprocess.Popen(
             [PROGRAM, f"--recording={recording}",
              f"--rig={rig}",
-             f"--config={ROOT}/configs/mapper/robot_three_scanners.yaml",
              "--threads=1", "--checkpoint_after_s=0", f"--output={output}", *more],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
@@ -170,8 +169,7 @@ class StopTest(unittest.TestCase):
     def test_a_checkpoint_of_other_inputs_or_damaged_is_refused_and_kept(self):
         self.kill_in_the_batch()
         config = self.directory / "config.yaml"
-        config.write_text((ROOT / "configs/mapper/robot_three_scanners.yaml").read_text() +
-                          "\n# the same settings\n")
+        config.write_text("recording: {max_gap_s: 1.0}  # the default\n")
         rig = self.directory / "rig.yaml"
         rig.write_text((ROOT / "configs/rigs/robot_three_scanners.yaml").read_text() + "\n")
         self.assert_refused(self.start(rig=rig, more=["--resume"]), "had another rig file")

@@ -26,7 +26,8 @@ if "simulate" in sys.argv[0]:
         (output / file).write_text(flags["experiment"] + flags["seed"])
     sys.exit(0)
 for flag in ("recording", "rig", "config"):
-    pathlib.Path(flags[flag]).read_bytes()
+    if flag in flags:
+        pathlib.Path(flags[flag]).read_bytes()
 (output / "map.ply").write_text(name + setup.get("points", {}).get(name, ""))
 (output / "config_used.yaml").write_text(str(here))
 (output / "summary.json").write_text(json.dumps(dict(
