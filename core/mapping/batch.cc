@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/mapping/batch_policies.h"
+#include "core/mapping/drift_correction.h"
 #include "core/mapping/loop_closures.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/resegmentation.h"
@@ -34,6 +35,7 @@ class Batch {
         RecordingReader* recording,
         MapState* state)
       : rig_(rig),
+        planar_(planar),
         options_(options),
         progress_(progress),
         recording_(recording),
@@ -47,6 +49,7 @@ class Batch {
                                  DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << num_contradicted << " segments taken from planes that contradict them";
     estimator_.EstimateRobustly();  // associations made on the way may be wrong
+    RecogniseRevisits();
     share_done_ = kFirstEstimateShare;
     int round = 0;
     int num_changed = 0;
@@ -65,6 +68,15 @@ class Batch {
   }
 
  private:
+  void RecogniseRevisits() {
+    if (!planar_ || !options_.loop_closure.enabled) return;
+    if (!CorrectDrift(rig_, recording_, state_)) return;
+    DropWeakPlanes(options_.planes, state_);
+    KeepHeadingHeld(state_);
+    openings_.resize(state_->landmarks.size());
+    estimator_.EstimateRobustly();
+  }
+
   // Applies the rules to the landmarks and segments as they are estimated now; returns how
   // many associations changed.
   int ImproveAssociations(int round) {
@@ -142,6 +154,7 @@ class Batch {
   }
 
   const Rig& rig_;
+  bool planar_;
   const MapperOptions& options_;
   const ProgressCallback& progress_;
   RecordingReader* recording_;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/planar_pose.h"
+#include "core/revisits/pose_graph.h"
+#include "core/revisits/visit.h"
+
+namespace plumbline {
+
+// Where visits lie once the places that the rig came back to are known again.
+struct PlacedVisits {
+  std::vector<PlanarPose> world_from_visit;
+  std::vector<PoseGraphEdge> closures;  // between visits of one place, earlier to later
+  int num_contradicted = 0;             // closures left out: the others contradict them
+};
+
+// Finds where the rig was before, visit by visit in the order of time, and spreads what that
+// says of the drift over the way between: a pose graph of the visits, with the motion from one
+// to the next as the trajectory has it. Works on the threads of the caller's tbb::task_arena;
+// the result does not depend on their number.
+PlacedVisits PlaceVisits(const std::vector<Visit>& visits);
+
+// Whether the visits lie where their own trajectory has them, as far as the closures can tell.
+bool Hold(const std::vector<PoseGraphEdge>& closures, const std::vector<Visit>& visits);
+
+}  // namespace plumbline

@@ -1,0 +1,84 @@
+#include "core/revisits/visit_grid.h"
+
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+// Of points about the surface that they lie on: noise, uneven walls, and half a cell.
+constexpr double kStddev = 0.12;  // m
+constexpr double kReach = 0.35;   // m, beyond which a surface says nothing
+constexpr int8_t kPassed = -30;   // hundredths
+constexpr double kMargin = 1.0;   // m, around everything seen
+
+}  // namespace
+
+VisitGrid::VisitGrid(const Visit& visit) {
+  if (visit.points.empty()) return;
+  Eigen::Vector2d low = visit.points.front();
+  Eigen::Vector2d high = low;
+  for (const auto* points : {&visit.points, &visit.scanners}) {
+    for (const Eigen::Vector2d& point : *points) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+  }
+  origin_ = low - Eigen::Vector2d::Constant(kMargin);
+  width_ = static_cast<int>((high.x() - low.x() + 2.0 * kMargin) / kCell) + 1;
+  height_ = static_cast<int>((high.y() - low.y() + 2.0 * kMargin) / kCell) + 1;
+  values_.assign(IndexOf(0, height_), 0);
+  for (size_t i = 0; i < visit.points.size(); ++i) {
+    AddPassing(visit.scanners[i], visit.points[i]);
+  }
+  for (const Eigen::Vector2d& point : visit.points) AddSurface(point);
+  FindBounds();
+}
+
+void VisitGrid::AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const double length_m = (to - from).norm();
+  for (double along_m = 0.0; along_m < length_m - kReach; along_m += 0.7 * kCell) {
+    const Eigen::Vector2d p = (from + (to - from) * (along_m / length_m) - origin_) / kCell;
+    values_[IndexOf(static_cast<int>(p.x()), static_cast<int>(p.y()))] = kPassed;
+  }
+}
+
+void VisitGrid::AddSurface(const Eigen::Vector2d& point) {
+  constexpr int kCells = static_cast<int>(kReach / kCell) + 1;
+  const Eigen::Vector2d p = (point - origin_) / kCell;
+  const int at_x = static_cast<int>(p.x());
+  const int at_y = static_cast<int>(p.y());
+  for (int y = at_y - kCells; y <= at_y + kCells; ++y) {
+    for (int x = at_x - kCells; x <= at_x + kCells; ++x) {
+      const double distance_m = kCell * (Eigen::Vector2d(x + 0.5, y + 0.5) - p).norm();
+      if (distance_m > kReach) continue;
+      const double deviation = distance_m / kStddev;
+      const auto value =
+          static_cast<int8_t>(std::lround(100.0 * std::exp(-0.5 * deviation * deviation)));
+      int8_t& cell = values_[IndexOf(x, y)];
+      cell = std::max(cell, value);
+    }
+  }
+}
+
+void VisitGrid::FindBounds() {
+  std::vector<int8_t> in_rows = values_;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      int8_t& bound = in_rows[IndexOf(x, y)];
+      for (int next = x + 1; next <= std::min(x + kCoarse, width_ - 1); ++next) {
+        bound = std::max(bound, values_[IndexOf(next, y)]);
+      }
+    }
+  }
+  bounds_ = in_rows;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      int8_t& bound = bounds_[IndexOf(x, y)];
+      for (int next = y + 1; next <= std::min(y + kCoarse, height_ - 1); ++next) {
+        bound = std::max(bound, in_rows[IndexOf(x, next)]);
+      }
+    }
+  }
+}
+
+}  // namespace plumbline
