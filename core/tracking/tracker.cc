@@ -1,5 +1,6 @@
 #include "core/tracking/tracker.h"
 
+#include <glog/logging.h>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -268,7 +269,10 @@ PoseGaussian Tracker::EstimateInRounds(int first_observation,
     if (scan_matcher != nullptr) {
       const BeamMask on_no_plane =
           BeamsOnNoPlane(*state_, first_observation, last_observation, *scan_matcher);
-      *constraints = scan_matcher->Match(state_->trajectory, 0, &on_no_plane).constraints;
+      *constraints =
+          scan_matcher
+              ->Match(state_->trajectory, 0, PointsAlwaysHold() ? nullptr : &on_no_plane)
+              .constraints;
     }
     estimate = Estimate(first_observation, last_observation, *constraints);
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
@@ -287,6 +291,8 @@ PoseGaussian Tracker::EstimateWithout(const std::vector<int>& left_out,
   pose_uncertainty_ = PoseUncertainty(first(), Covariance(estimate.information));
   return estimate;
 }
+
+bool Tracker::PointsAlwaysHold() const { return planar_ && state_->odometry == nullptr; }
 
 bool Tracker::IsOpen(int first_observation, int last_observation) const {
   return WallsLeaveOpen(*state_,
@@ -366,11 +372,16 @@ void Tracker::Track(int first_observation,
     constraints.clear();
     estimate = BridgeByMotion(first_observation, last_observation);
   }
+  {
+    const Matrix6d after = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
+    LOG(INFO) << "DBG t " << SecondsBetween(state_->origin_time_ns, scan_end_ns) << " pred yaw sd " << std::sqrt(covariance(2,2))*57.3 << " pos " << std::sqrt(covariance(3,3)+covariance(4,4))
+      << " after yaw sd " << std::sqrt(after(2,2))*57.3
+      << " pts " << (by_points ? by_points->NearShare() : -1.0) << " known " << (by_points ? by_points->KnownShare() : -1.0) << " share_no " << share_on_no_plane << " unsteady " << unsteady << " loose " << (scan_end_ns < loose_until_ns_) << " open " << is_open_ << " bridge " << bridges_by_motion_ << " withheld " << withheld.size()
+      << " moved " << (state_->trajectory.WorldFromBody(scan_end_ns).translation - predicted).norm() << " us " << usual_share_ << " yaw " << std::atan2(2*state_->trajectory.WorldFromBody(scan_end_ns).rotation.z()*state_->trajectory.WorldFromBody(scan_end_ns).rotation.w(), 1-2*std::pow(state_->trajectory.WorldFromBody(scan_end_ns).rotation.z(),2))*57.3;
+  }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
-  // Without wheels, a level rig has nothing but a slice of the room, and where planes alone hold
-  // it, one scan that meets furniture takes the next ones along.
-  needs_points_ = (planar_ && state_->odometry == nullptr) || is_open_ ||
+  needs_points_ = PointsAlwaysHold() || is_open_ ||
                   IsHeightOpen(first_observation, last_observation) ||
                   std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(

@@ -114,6 +114,11 @@ class Tracker {
                                 const ScanMatcher* scan_matcher,
                                 std::vector<PoseConstraint>* constraints,
                                 bool* unsteady);
+  // Whether all points of every scan hold the pose, those on planes as well. A level rig
+  // without wheels has nothing but a slice of the room: where planes alone held it, one scan
+  // that met furniture took the next ones along; and where only the points beside the planes
+  // spoke against wrong ones, the pose crept away with these.
+  bool PointsAlwaysHold() const;
   // Whether walls leave the position open in the scan, by which this tracker goes.
   bool IsOpen(int first_observation, int last_observation) const;
   // Whether the scan's floors, ceilings and slopes leave its height open.

@@ -58,9 +58,7 @@ TEST_F(RobotMapTest, HoldsTogether) {
 }
 
 // With planes alone to hold it, the rig turned away 42 s into the recording.
-TEST_F(RobotMapTest, HoldsTogetherFromALaterStart) {
-  ExpectWhole(Map(RecordingFrom(4.5)));
-}
+TEST_F(RobotMapTest, HoldsTogetherFromALaterStart) { ExpectWhole(Map(RecordingFrom(4.5))); }
 
 }  // namespace
 }  // namespace plumbline
