@@ -3,8 +3,11 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
+#include "core/geometry/planar_pose.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 
@@ -17,6 +20,27 @@ constexpr double kHeldTime = 0.5;  // s
 constexpr double kMaxTime = 4.0;  // s
 // The predicted motion goes on where so much more of the known place agrees with it.
 constexpr double kMinGain = 0.01;
+// What contradicts the wheels: a motion that is so many of their standard deviations off,
+// besides what poses are known to while no wall holds them, and at least twice as far off as
+// that of the other hypothesis.
+constexpr double kMaxWheelDeviation = 4.0;
+constexpr double kPositionStddev = 0.05;  // m
+constexpr double kHeadingStddev = 0.05;   // rad
+
+// How far the motion between two instants is from what the wheels say, in standard deviations;
+// 0 where they say nothing.
+double DeviationFromWheels(const MapState& state, int64_t begin_ns, int64_t end_ns) {
+  if (state.odometry == nullptr) return 0.0;
+  const std::optional<PlanarMotion> stated = state.odometry->Between(begin_ns, end_ns);
+  if (!stated) return 0.0;
+  const OdometryMeasurement wheels = state.odometry_calibration.Measure(*stated);
+  const PlanarPose moved = FromAbove(state.trajectory.WorldFromBody(begin_ns)).Inverse() *
+                           FromAbove(state.trajectory.WorldFromBody(end_ns));
+  return std::hypot((moved.position - wheels.translation).norm() /
+                        std::hypot(kPositionStddev, wheels.translation_stddev),
+                    std::remainder(moved.heading - wheels.turn, 2.0 * M_PI) /
+                        std::hypot(kHeadingStddev, wheels.turn_stddev));
+}
 
 }  // namespace
 
@@ -98,12 +122,18 @@ bool HypothesisFollower::IsDue(int64_t now_ns) const {
 
 void HypothesisFollower::Decide() {
   const double gain = for_by_motion_.NearShare() - for_follower_.NearShare();
-  const bool by_motion = gain > kMinGain;
+  const double by_view_off =
+      DeviationFromWheels(follower_->state(), forked_ns_, last_scan_ns_);
+  const double by_motion_off =
+      DeviationFromWheels(by_motion_->state(), forked_ns_, last_scan_ns_);
+  const bool by_wheels = by_view_off > kMaxWheelDeviation && by_view_off > 2.0 * by_motion_off;
+  const bool by_motion = by_wheels || gain > kMinGain;
   VLOG(1) << "two hypotheses from "
           << SecondsBetween(follower_->state().origin_time_ns, forked_ns_) << " s on; goes on "
           << (by_motion ? "by the motion" : "by what is in view") << ": of the known place "
           << for_by_motion_.NearShare() << " against " << for_follower_.NearShare()
-          << " agree";
+          << " agree; " << by_motion_off << " against " << by_view_off
+          << " standard deviations off the wheels";
   GoOnWith(std::move(by_motion ? by_motion_ : follower_));
 }
 

@@ -17,6 +17,8 @@ namespace plumbline {
 // may be somebody who walks along: one hypothesis believes it, the other leaves the direction
 // to the predicted motion, each with its own covariance. When walls hold one of them again, it
 // goes on by which of them more of the points lie where the place was known before the fork.
+// What contradicts the wheels does not count as known: among furniture, points that belong to
+// something else may agree better than those that are right.
 class HypothesisFollower {
  public:
   HypothesisFollower(const Rig& rig,
