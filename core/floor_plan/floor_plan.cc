@@ -103,6 +103,7 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file) {
   FloorPlanInput input;
   input.rig = ReadRig(rig_file);
+  input.start_ns = ReadStartTime(result_directory + "/summary.json");
   input.planes = ReadPlaneCovariance(result_directory);
   input.poses = ReadTrajectory(result_directory + "/trajectory.tum");
   input.points = ReadMapCloud(result_directory + "/map.ply");
@@ -110,8 +111,7 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
 }
 
 FloorPlans MakeFloorPlan(const FloorPlanInput& input) {
-  const BeamOrigins origins(
-      input.rig, input.poses, RecordingStart(input.planes.planes(), input.points));
+  const BeamOrigins origins(input.rig, input.poses, input.start_ns);
   FloorPlans plan;
   for (const StoreyLevel& level : FindStoreys(input.planes.planes(), input.poses)) {
     StoreyPlan storey = PlanOf(input, origins, level);

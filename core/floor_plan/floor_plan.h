@@ -98,10 +98,11 @@ struct FloorPlanInput {
   PlaneCovariance planes;
   std::vector<StampedPose> poses;
   std::vector<CloudPoint> points;
+  int64_t start_ns = 0;  // the instant from which the points' times count
   Rig rig;
 };
 
-// Reads planes.json, plane_covariance.csv, trajectory.tum and map.ply of a result, and its rig
+// Reads summary.json, planes.json, plane_covariance.csv, trajectory.tum and map.ply of a result, and its rig
 // file. Throws Error.
 FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file);

@@ -1,11 +1,8 @@
 #include "core/floor_plan/map_cloud.h"
 
 #include <algorithm>
-#include <limits>
-#include <unordered_map>
 
 #include "core/cloud/ply_reader.h"
-#include "core/util/error.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -58,26 +55,6 @@ std::optional<Eigen::Vector3d> BeamOrigins::At(size_t scanner, double time_s) co
       previous.world_from_body * body_from_scanner_[scanner].translation;
   const Eigen::Vector3d to = next.world_from_body * body_from_scanner_[scanner].translation;
   return from + share * (to - from);
-}
-
-int64_t RecordingStart(const std::vector<PlanePatch>& planes,
-                       const std::vector<CloudPoint>& points) {
-  std::unordered_map<int, double> first_s;
-  for (const CloudPoint& point : points) {
-    if (point.plane_id < 0) continue;
-    const auto [at, is_new] = first_s.try_emplace(point.plane_id, point.time_s);
-    if (!is_new) at->second = std::min(at->second, point.time_s);
-  }
-  int64_t start_ns = std::numeric_limits<int64_t>::max();
-  for (const PlanePatch& plane : planes) {
-    const auto at = first_s.find(plane.id);
-    if (at == first_s.end()) continue;
-    start_ns = std::min(start_ns, plane.first_time_ns - NanosecondsFromSeconds(at->second));
-  }
-  if (start_ns == std::numeric_limits<int64_t>::max()) {
-    throw Error("no point of the map lies on any of its planes: there is nothing to plan");
-  }
-  return start_ns;
 }
 
 }  // namespace plumbline

@@ -41,10 +41,4 @@ class BeamOrigins {
   int64_t start_ns_;
 };
 
-// The instant of the recording's first scan line: a plane's first observation has the time of
-// one of its points, so that the earliest of these differences is that instant. Throws Error
-// where no point lies on any of the planes.
-int64_t RecordingStart(const std::vector<PlanePatch>& planes,
-                       const std::vector<CloudPoint>& points);
-
 }  // namespace plumbline

@@ -120,6 +120,7 @@ Summary Summarise(const RecordingReader& recording,
                   const PointReport& points,
                   const PlaneCovariance& covariance) {
   Summary summary;
+  summary.start_time_ns = recording.start_ns();
   summary.scans = static_cast<int>(result.scan_times_ns.size());
   summary.points = points.num_points;
   summary.points_used = points.num_used;

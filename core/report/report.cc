@@ -6,26 +6,10 @@
 #include "core/report/viewer_bundle.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
+#include "core/util/xml_text.h"
 
 namespace plumbline {
 namespace {
-
-// In the text of an element or an attribute.
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
 
 // The page draws itself: its program stands before the points, so that the verdict shows while
 // they are still read.
@@ -33,7 +17,7 @@ std::string BeforePoints(const std::string& title, const ReportContent& content)
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"generator\" content=\"plumbline\">\n<title>" +
-         Escaped(title) +
+         XmlEscaped(title) +
          "</title>\n</head>\n<body>\n<noscript>This report of a map is drawn by a script, "
          "which "
          "the browser does not run.</noscript>\n"

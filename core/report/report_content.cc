@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
 #include <system_error>
 #include <unordered_map>
@@ -209,12 +208,10 @@ struct Points {
   QuantisedPoints packed;
   PointStatistics statistics;
   int64_t num_points = 0;
-  int64_t start_ns = 0;  // of the recording, on its clock
 };
 
 Points ReadPoints(const std::string& path,
                   const std::vector<PlanePatch>& planes,
-                  int64_t first_pose_ns,
                   int64_t max_points) {
   std::unordered_map<int, size_t> index_of;
   for (size_t i = 0; i < planes.size(); ++i) index_of[planes[i].id] = i;
@@ -224,7 +221,6 @@ Points ReadPoints(const std::string& path,
   const int64_t num_kept = std::min(max_points, points.num_points);
   std::vector<MapPoint> kept;
   std::vector<uint16_t> plane_fields;
-  std::vector<double> last_times_s(planes.size(), -1.0);
   kept.reserve(static_cast<size_t>(num_kept));
   plane_fields.reserve(static_cast<size_t>(num_kept));
   PointBuffer block;
@@ -241,7 +237,6 @@ Points ReadPoints(const std::string& path,
                       std::to_string(point.plane_id) + ", which planes.json lacks");
         }
         field = static_cast<uint16_t>(QuantisedPoints::kFirstPlane + at->second);
-        last_times_s[at->second] = std::max(last_times_s[at->second], point.time_s);
       }
       points.statistics.Add(point);
       const auto next = static_cast<int64_t>(kept.size());
@@ -253,15 +248,6 @@ Points ReadPoints(const std::string& path,
     }
   }
   points.packed = QuantisedPoints(kept, plane_fields);
-  // Points count their time from the recording's begin, planes have it on the recording's
-  // clock: where a plane's last point is on a segment of it, both are of one instant.
-  std::optional<int64_t> start_ns;
-  for (size_t k = 0; k < planes.size(); ++k) {
-    if (last_times_s[k] < 0.0) continue;
-    const int64_t start = planes[k].last_time_ns - std::llround(last_times_s[k] * 1e9);
-    start_ns = std::max(start_ns.value_or(start), start);
-  }
-  points.start_ns = start_ns.value_or(first_pose_ns);
   return points;
 }
 
@@ -336,9 +322,9 @@ ReportContent ReadReportContent(const ReportJob& job) {
   json["planes"] = ReadJson(path("planes.json"));
   json["loop_closures"] = ReadJson(path("loop_closures.json"));
   const std::vector<StampedPose> poses = ReadTrajectory(path("trajectory.tum"));
-  const Points points =
-      ReadPoints(path("map.ply"), planes, poses.front().time_ns, job.max_points);
-  json["start_s"] = static_cast<double>(points.start_ns) * 1e-9;
+  const int64_t start_ns = ReadStartTime(path("summary.json"));
+  json["start_s"] = static_cast<double>(start_ns) * 1e-9;
+  const Points points = ReadPoints(path("map.ply"), planes, job.max_points);
   json["statistics"] = StatisticsJson(points.statistics, points.num_points);
 
   ReportContent content;
@@ -349,7 +335,7 @@ ReportContent ReadReportContent(const ReportJob& job) {
       poses,
       shown_poses,
       ReadPoseStddevs(path("trajectory_covariance.csv"), poses.size(), shown_poses),
-      points.start_ns));
+      start_ns));
   const std::vector<size_t> largest = LargestPlanes(planes);
   json["covariance_plane_ids"] = Json::array();
   for (const size_t i : largest) json["covariance_plane_ids"].push_back(planes[i].id);

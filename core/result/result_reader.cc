@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -36,8 +37,26 @@ std::string ReadText(const std::string& path) {
   return text.str();
 }
 
+Json ParseJson(const std::string& path) {
+  try {
+    return Json::parse(ReadText(path));
+  } catch (const Json::parse_error& error) {
+    throw Error(path + ": byte " + std::to_string(error.byte) + ": is not valid JSON");
+  } catch (const Json::exception& error) {
+    throw Error(path + ": is not valid JSON: " + error.what());
+  }
+}
+
 int64_t NanosecondsFromLongSeconds(long double seconds) {
   return std::llroundl(seconds * 1e9L);
+}
+
+// None where it is no number of seconds, or too large a one.
+std::optional<int64_t> ParseTime(const Json& json) {
+  if (!json.is_number()) return std::nullopt;
+  const long double seconds = json.get<long double>();
+  if (!(std::abs(seconds) <= kMaxTimeS)) return std::nullopt;
+  return NanosecondsFromLongSeconds(seconds);
 }
 
 // Reads the numbers of one line; false where it holds anything else or another number of them.
@@ -136,11 +155,9 @@ class PlaneReader {
   }
 
   int64_t Time(const std::string& key) const {
-    const Json& json = Field(key);
-    if (!json.is_number()) Fail(key, "a time in seconds");
-    const long double seconds = json.get<long double>();
-    if (!(std::abs(seconds) <= kMaxTimeS)) Fail(key, "a time in seconds");
-    return NanosecondsFromLongSeconds(seconds);
+    const std::optional<int64_t> time_ns = ParseTime(Field(key));
+    if (!time_ns) Fail(key, "a time in seconds");
+    return *time_ns;
   }
 
   Eigen::Vector3d Vector(const std::string& key, const Json& json) const {
@@ -205,21 +222,26 @@ std::vector<StampedPose> ReadTrajectory(const std::string& path) {
 }
 
 std::vector<PlanePatch> ReadPlanes(const std::string& path) {
-  const std::string text = ReadText(path);
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    throw Error(path + ": byte " + std::to_string(error.byte) + ": is not valid JSON");
-  } catch (const Json::exception& error) {
-    throw Error(path + ": is not valid JSON: " + error.what());
-  }
+  const Json json = ParseJson(path);
   if (!json.is_array()) throw Error(path + ": is not an array of planes");
   std::vector<PlanePatch> planes;
   for (size_t i = 0; i < json.size(); ++i) {
     planes.push_back(PlaneReader(path, i, json[i]).Read());
   }
   return planes;
+}
+
+int64_t ReadStartTime(const std::string& path) {
+  const Json json = ParseJson(path);
+  if (!json.is_object()) throw Error(path + ": is not an object");
+  const auto field = json.find("start_time");
+  if (field == json.end()) {
+    throw Error(path + ": has no 'start_time': the map was made by an earlier version, map the "
+                "recording again");
+  }
+  const std::optional<int64_t> time_ns = ParseTime(*field);
+  if (!time_ns) throw Error(path + ": 'start_time' must be a time in seconds");
+  return *time_ns;
 }
 
 PlaneCovariance ReadPlaneCovariance(const std::string& result_directory) {

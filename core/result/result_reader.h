@@ -14,6 +14,10 @@ namespace plumbline {
 std::vector<StampedPose> ReadTrajectory(const std::string& path);  // trajectory.tum
 std::vector<PlanePatch> ReadPlanes(const std::string& path);       // planes.json
 
+// Reads the instant from which the points' times count, the first scan line's of the recording,
+// ns on the recording's clock, from summary.json. Results of earlier versions lack it.
+int64_t ReadStartTime(const std::string& path);
+
 // Reads planes.json and plane_covariance.csv.
 PlaneCovariance ReadPlaneCovariance(const std::string& result_directory);
 

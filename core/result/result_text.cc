@@ -292,7 +292,10 @@ std::string FormatSummary(const Summary& summary) {
   }
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string text =
+      json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  // Written here, as the library knows doubles only.
+  return "{\n  \"start_time\": " + SecondsText(summary.start_time_ns) + "," + text.substr(1);
 }
 
 std::string FormatPlaneCovariance(const PlaneCovariance& covariance) {

@@ -64,20 +64,5 @@ TEST(BeamOrigins, LieBetweenPoses) {
   EXPECT_FALSE(origins.At(1, 0.1).has_value());  // no such scanner
 }
 
-TEST(RecordingStart, IsWhatPlanesAndPointsAgreeOn) {
-  std::vector<PlanePatch> planes(2);
-  planes[0].id = 3;
-  planes[0].first_time_ns = 1'000'000'000;
-  planes[1].id = 4;
-  planes[1].first_time_ns = 8'000'000'000;  // points of before were added later
-  std::vector<CloudPoint> points(3);
-  points[0].plane_id = 3;
-  points[0].time_s = 0.5;
-  points[1].plane_id = 4;
-  points[1].time_s = 2.0;
-  EXPECT_EQ(RecordingStart(planes, points), 500'000'000);
-  EXPECT_THAT(ErrorOf([&] { RecordingStart(planes, {points[2]}); }), HasSubstr("no point"));
-}
-
 }  // namespace
 }  // namespace plumbline

@@ -59,6 +59,7 @@ class ReportTest : public TemporaryDirectoryTest {
     for (int i = 0; i < num_points; ++i) points.Add(MakePoint(i, num_points));
     writer.AddMapPoints(points);
     Summary summary;
+    summary.start_time_ns = kStartNs;
     summary.warnings = {"</script> is no end"};
     writer.WriteSummary(summary);
     writer.WriteConfig("a: 1\n");
@@ -99,7 +100,7 @@ TEST_F(ReportTest, HoldsTheResultAndThePage) {
   EXPECT_EQ(size.points, 2000);
   EXPECT_EQ(size.bytes, static_cast<int64_t>(html.size()));
   EXPECT_THAT(html, StartsWith("<!DOCTYPE html>"));
-  EXPECT_THAT(html, HasSubstr("<title>a &lt;b> &amp; &quot;c&quot;</title>"));
+  EXPECT_THAT(html, HasSubstr("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>"));
   EXPECT_THAT(html, HasSubstr("three.js authors"));
   EXPECT_THAT(html, Not(HasSubstr("</script> is no end")));
   const auto report = nlohmann::json::parse(Element(html, "report"));
@@ -176,6 +177,8 @@ TEST_F(ReportTest, NamesWhatIsMissingOrBroken) {
   EXPECT_THAT(Fault(), HasSubstr("summary.json: byte 11: is not valid JSON"));
   WriteBytes(Result("summary.json"), "[]");
   EXPECT_THAT(Fault(), HasSubstr("summary.json: is not an object"));
+  WriteBytes(Result("summary.json"), "{}");
+  EXPECT_THAT(Fault(), HasSubstr("summary.json: has no 'start_time'"));
   EXPECT_FALSE(std::filesystem::exists(job_.output));
 }
 

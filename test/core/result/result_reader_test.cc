@@ -52,6 +52,26 @@ PlanePatch MakePlane() {
   return plane;
 }
 
+TEST_F(ResultReaderTest, ReadsTheStartToTheNanosecond) {
+  Summary summary;
+  for (const int64_t time_ns : {int64_t{1'600'000'000'123'456'789}, int64_t{-5}}) {
+    summary.start_time_ns = time_ns;
+    WriteBytes(path_, FormatSummary(summary));
+    EXPECT_EQ(ReadStartTime(path_), time_ns);
+  }
+  const auto error = [this](const std::string& text) {
+    WriteBytes(path_, text);
+    return ErrorOf([this] { ReadStartTime(path_); });
+  };
+  EXPECT_THAT(error("{}"), StartsWith(path_ + ": has no 'start_time'"));
+  EXPECT_THAT(error("[]"), StartsWith(path_ + ": is not an object"));
+  for (const char* value : {"\"1\"", "1e30", "null"}) {
+    EXPECT_THAT(error(std::string("{\"start_time\": ") + value + "}"),
+                HasSubstr("must be a time in seconds"))
+        << value;
+  }
+}
+
 TEST_F(ResultReaderTest, ReadsTheTrajectoryThatWasWritten) {
   std::vector<StampedPose> written;
   for (int i = 0; i < 20; ++i) {

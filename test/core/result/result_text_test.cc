@@ -35,6 +35,7 @@ TEST(FormatPlanesTest, HasTheAgreedKeys) {
   const std::string text = FormatPlanes({plane});
   EXPECT_THAT(text, HasSubstr("\"first_time\": 1600000000.123456789,"));
   EXPECT_EQ(text.back(), '\n');
+  EXPECT_THAT(text, HasSubstr("\"start_time\": 1700000000.123456789,\n"));
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
   ASSERT_EQ(json.size(), 1u);
   std::vector<std::string> keys;
@@ -111,6 +112,7 @@ TEST(FormatSummaryTest, StatesTheVerdict) {
 
 TEST(FormatSummaryTest, HasTheAgreedKeys) {
   Summary summary;
+  summary.start_time_ns = 1'700'000'000'123'456'789;
   summary.scans = 3;
   summary.points = int64_t{1} << 40;
   summary.residual_rms_m = 0.0217;
@@ -127,7 +129,8 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
   EXPECT_THAT(keys,
-              ElementsAre("scans",
+              ElementsAre("start_time",
+                          "scans",
                           "points",
                           "points_used",
                           "points_moving",
