@@ -40,6 +40,11 @@ class EvidenceCollector {
       box.extend(face.curve.At(face.end_m()));
     }
     grid_ = FreeGrid(box);
+    for (const WallFace& face : faces_) {
+      above_ends_.emplace_back(face.columns.size());
+      above_hits_.emplace_back(face.planes.size(),
+                               std::vector<uint32_t>(face.columns.size(), 0));
+    }
   }
 
   void Add(const Eigen::Vector3d& origin, const CloudPoint& point) {
@@ -51,6 +56,20 @@ class EvidenceCollector {
       AddHit(origin, end, of_plane->second);
     }
     AddPasses(origin, end, own);
+  }
+
+  // Where only what is above the band was seen of a face, that counts.
+  void Finish() {
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      WallFace& face = faces_[i];
+      for (size_t column = 0; column < face.columns.size(); ++column) {
+        if (!face.columns[column].IsSeenAboveOnly()) continue;
+        face.hit_ends[column] = above_ends_[i][column];
+        for (size_t k = 0; k < face.planes.size(); ++k) {
+          face.plane_hits[k][column] = above_hits_[i][k][column];
+        }
+      }
+    }
   }
 
   FreeGrid TakeGrid() { return std::move(grid_); }
@@ -82,11 +101,37 @@ class EvidenceCollector {
     const auto column = static_cast<size_t>(at);
     if (level >= static_cast<int>(WallColumn::kNumLevels)) {
       Increase(&face.columns[column].hits_above);
+      above_ends_[of_plane.face][column].Extend(s);
+      ++above_hits_[of_plane.face][of_plane.member][column];
+      AddPassesAbove(origin, hit, of_plane.face);
       return;
     }
     Increase(&face.columns[column].hits[static_cast<size_t>(level)]);
     ++face.plane_hits[of_plane.member][column];
     face.hit_ends[column].Extend(s);
+  }
+
+  // What a beam that hit a face above the band passed over before it.
+  void AddPassesAbove(const Eigen::Vector3d& origin,
+                      const Eigen::Vector3d& hit,
+                      size_t of_face) {
+    constexpr double kMinDepthM = 0.1;
+    constexpr double kSameCosine = 0.98;
+    const Eigen::Vector2d normal = faces_[of_face].curve.NormalAt(hit.head<2>());
+    for (size_t i = 0; i < faces_.size(); ++i) {
+      WallFace& face = faces_[i];
+      const double away_m = std::abs(face.curve.SignedDistance(hit.head<2>()));
+      if (away_m < kMinDepthM || away_m > WallColumn::kMaxFurnitureM || i == of_face ||
+          std::abs(face.curve.NormalAt(hit.head<2>()).dot(normal)) < kSameCosine) {
+        continue;
+      }
+      face.curve.ForEachCrossing(origin.head<2>(), hit.head<2>(), [&](double share, double s) {
+        const int column = face.ColumnOf(s);
+        if (column < 0) return;
+        if (origin.z() + share * (hit.z() - origin.z()) < storey_.band_high_m()) return;
+        Increase(&face.columns[static_cast<size_t>(column)].passes_above);
+      });
+    }
   }
 
   void AddPasses(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, size_t own) {
@@ -139,6 +184,9 @@ class EvidenceCollector {
   std::vector<WallFace>& faces_;
   std::unordered_map<int, FaceOfPlane> by_id_;
   FreeGrid grid_;
+  // Of each face, what was hit above the band, as hit_ends and plane_hits.
+  std::vector<std::vector<Stretch>> above_ends_;
+  std::vector<std::vector<std::vector<uint32_t>>> above_hits_;
 };
 
 }  // namespace
@@ -186,6 +234,7 @@ FreeGrid CollectEvidence(const std::vector<PlanePatch>& planes,
     const auto origin = origins.At(point.scanner, point.time_s);
     if (origin) collector.Add(*origin, point);
   }
+  collector.Finish();
   return collector.TakeGrid();
 }
 

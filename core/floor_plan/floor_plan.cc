@@ -68,7 +68,7 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
       CollectEvidence(planes, input.points, origins, level, margin_m, &faces);
   const std::vector<Eigen::Vector2d> poses = PosesIn(level, input.poses);
   NoteWay(poses, &faces);
-  const StoreyRegions regions = PlanStorey(std::move(faces), free);
+  const StoreyRegions regions = PlanStorey(std::move(faces), free, poses);
   std::vector<bool> kept;
   std::vector<std::pair<size_t, Room>> rooms;  // with the first visit
   for (int i = 0; i < regions.num_rooms; ++i) {

@@ -109,6 +109,15 @@ class SquareMap {
     }
   }
 
+  // The cell of the square that a point lies in; -1 outside.
+  int CellAt(const Eigen::Vector2d& p) const {
+    const double column = std::floor((p.x() - box_.min().x()) / FreeGrid::kCellM);
+    const double row = std::floor((p.y() - box_.min().y()) / FreeGrid::kCellM);
+    if (!(column >= 0.0 && row >= 0.0 && column < num_columns_ && row < num_rows_)) return -1;
+    return cells_[static_cast<size_t>(static_cast<int>(row) * num_columns_ +
+                                      static_cast<int>(column))];
+  }
+
   // Calls visit(cell, middle) for each square that lies in a cell.
   template <typename Visit>
   void ForEach(Visit visit) const {
@@ -135,7 +144,26 @@ class SquareMap {
   std::vector<int> cells_;
 };
 
-void LabelCells(const FreeGrid& free, const SquareMap& squares, StoreyRegions* regions) {
+// Of each cell, whether it lies outdoors: beyond all walls, at the frame, and the rig was never
+// in it. Beams go there through windows and open doors, and see the ground.
+std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
+                               const SquareMap& squares,
+                               const std::vector<Eigen::Vector2d>& way) {
+  std::vector<bool> outdoors(plan.cells.size(), false);
+  for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
+    if (edge.label == kFrameLabel) outdoors[static_cast<size_t>(edge.cell)] = true;
+  }
+  for (const Eigen::Vector2d& p : way) {
+    const int cell = squares.CellAt(p);
+    if (cell >= 0) outdoors[static_cast<size_t>(cell)] = false;
+  }
+  return outdoors;
+}
+
+void LabelCells(const FreeGrid& free,
+                const SquareMap& squares,
+                const std::vector<Eigen::Vector2d>& way,
+                StoreyRegions* regions) {
   constexpr double kFreePerM2 = 4.0;
   constexpr double kUnseenPerM2 = 0.1;
   constexpr double kOpenBorder = 0.5;
@@ -144,8 +172,9 @@ void LabelCells(const FreeGrid& free, const SquareMap& squares, StoreyRegions* r
   constexpr double kNever = 1e6;
   const PlanSubdivision& plan = regions->plan;
   std::vector<CellCost> cells(plan.cells.size());
+  const std::vector<bool> outdoors = OutdoorCells(plan, squares, way);
   for (size_t i = 0; i < cells.size(); ++i) {
-    if (plan.cells[i].is_unbounded) cells[i].free = kNever;
+    if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
   }
   squares.ForEach([&](size_t cell, const Eigen::Vector2d& middle) {
     if (free.IsFree(middle)) {
@@ -245,7 +274,9 @@ double StoreyRegions::Length(const PlanSubdivision::HalfEdge& edge) const {
       .norm();
 }
 
-StoreyRegions PlanStorey(std::vector<WallFace> faces, const FreeGrid& free) {
+StoreyRegions PlanStorey(std::vector<WallFace> faces,
+                         const FreeGrid& free,
+                         const std::vector<Eigen::Vector2d>& way) {
   StoreyRegions regions;
   regions.stretches = FindStretches(faces);
   regions.faces = std::move(faces);
@@ -263,7 +294,7 @@ StoreyRegions PlanStorey(std::vector<WallFace> faces, const FreeGrid& free) {
   }
   regions.plan = Subdivide(segments);
   const SquareMap squares(regions.plan, free.box());
-  LabelCells(free, squares, &regions);
+  LabelCells(free, squares, way, &regions);
   JoinRooms(&regions);
   return regions;
 }

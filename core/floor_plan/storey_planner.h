@@ -40,6 +40,11 @@ struct StoreyRegions {
 // passed counts against being solid, 4 m for each square metre, and unseen space a little
 // against being free. A border between free and solid costs its length where beams passed it,
 // a third of that where nothing is known, and nothing where there is a wall.
-StoreyRegions PlanStorey(std::vector<WallFace> faces, const FreeGrid& free);
+//
+// Cells at the frame, 1 m beyond all walls, are outdoors and never free, unless the rig was in
+// them. way: its positions in the storey.
+StoreyRegions PlanStorey(std::vector<WallFace> faces,
+                         const FreeGrid& free,
+                         const std::vector<Eigen::Vector2d>& way);
 
 }  // namespace plumbline

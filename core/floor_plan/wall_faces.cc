@@ -15,12 +15,27 @@ constexpr double kMarginM = 1.0;     // of columns beyond the box of all walls
 constexpr double kSameFaceM = 0.05;  // surfaces so close are one face
 constexpr double kSameFaceCosine = 0.9994;  // 2 degrees
 
+// A stretch along a surface, m.
+struct Extent {
+  double first_s = std::numeric_limits<double>::max();
+  double last_s = std::numeric_limits<double>::lowest();
+
+  void Add(double s) {
+    first_s = std::min(first_s, s);
+    last_s = std::max(last_s, s);
+  }
+  double length_m() const { return last_s - first_s; }
+};
+
 // What the points of one surface say of it as a wall.
 struct SurfaceHits {
   size_t in_band = 0;
   std::vector<float> heights_m;  // of all its points in the storey
-  double first_s = std::numeric_limits<double>::max();
-  double last_s = std::numeric_limits<double>::lowest();
+  Extent in_band_extent;
+  Extent extent;  // of all of them
+
+  // Where it is as a wall.
+  const Extent& Wall() const { return in_band >= kMinHits ? in_band_extent : extent; }
 };
 
 double Quantile(std::vector<float>* values, double share) {
@@ -30,8 +45,17 @@ double Quantile(std::vector<float>* values, double share) {
   return static_cast<double>(*at);
 }
 
+// Whether it reaches from somewhere above people's heads to the ceiling.
+bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
+  constexpr double kBelowCeilingM = 0.15;
+  constexpr double kMinLengthM = 0.4;
+  return storey.has_ceiling && hits.heights_m.size() >= kMinHits &&
+         top_m > storey.top_m - storey.floor_m - kBelowCeilingM &&
+         hits.extent.length_m() >= kMinLengthM;
+}
+
 // Whether it reaches from where people walk to the ceiling, or above where they could look
-// over.
+// over, or is a high one.
 bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
   constexpr double kMaxBottomM = 1.3;  // above the floor: what is behind a kitchen is a wall
   constexpr double kMinTopM = 1.9;
@@ -39,22 +63,24 @@ bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
   constexpr double kBelowCeilingM = 0.5;
   constexpr double kNarrowM = 0.7;  // pillars and jambs, of which less may have been seen
   constexpr double kNarrowTopM = 1.7;
-  if (hits->in_band < kMinHits) return false;
-  if (!storey.has_floor) return true;
+  if (hits->heights_m.empty()) return false;
+  if (!storey.has_floor) return hits->in_band >= kMinHits;
   const double bottom_m = Quantile(&hits->heights_m, 0.02) - storey.floor_m;
   const double top_m = Quantile(&hits->heights_m, 0.98) - storey.floor_m;
+  if (IsHigh(storey, top_m, *hits)) return true;
+  if (hits->in_band < kMinHits) return false;
   double needed_m = kMinTopM;
   if (storey.has_ceiling) {
     needed_m = std::min(storey.top_m - storey.floor_m - kBelowCeilingM, kMaxNeededM);
   }
-  if (hits->last_s - hits->first_s < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
+  if (hits->in_band_extent.length_m() < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
   return bottom_m < kMaxBottomM && top_m > needed_m;
 }
 
 // Whether all that was seen of the surface lies on the face.
 bool Continues(const WallFace& face, const WallCurve& curve, const SurfaceHits& hits) {
   if (face.curve.IsArc() != curve.IsArc()) return false;
-  for (const double s : {hits.first_s, hits.last_s}) {
+  for (const double s : {hits.Wall().first_s, hits.Wall().last_s}) {
     const Eigen::Vector2d p = curve.At(s);
     if (std::abs(face.curve.SignedDistance(p)) > kSameFaceM) return false;
     if (face.curve.NormalAt(p).dot(curve.NormalAt(p)) < kSameFaceCosine) return false;
@@ -108,18 +134,19 @@ std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
     if (z < storey.band_low_m() || z > std::max(storey.top_m, storey.band_high_m())) continue;
     SurfaceHits& of_plane = hits[at->second];
     of_plane.heights_m.push_back(point.p_world.z());
+    const double s = curves[at->second].Parameter(point.p_world.head<2>().cast<double>());
+    of_plane.extent.Add(s);
     if (z > storey.band_high_m()) continue;
     ++of_plane.in_band;
-    const double s = curves[at->second].Parameter(point.p_world.head<2>().cast<double>());
-    of_plane.first_s = std::min(of_plane.first_s, s);
-    of_plane.last_s = std::max(of_plane.last_s, s);
+    of_plane.in_band_extent.Add(s);
   }
   std::vector<size_t> order;
   Eigen::AlignedBox2d box;
   for (size_t i = 0; i < planes.size(); ++i) {
     if (!IsWall(storey, &hits[i])) continue;
     order.push_back(i);
-    box.extend(curves[i].At(hits[i].first_s)).extend(curves[i].At(hits[i].last_s));
+    const Extent& extent = hits[i].Wall();
+    box.extend(curves[i].At(extent.first_s)).extend(curves[i].At(extent.last_s));
   }
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return hits[a].in_band != hits[b].in_band ? hits[a].in_band > hits[b].in_band : a < b;

@@ -21,10 +21,28 @@ struct WallColumn {
   std::array<uint16_t, kNumLevels> hits = {};
   std::array<uint16_t, kNumLevels> passes = {};
   uint16_t hits_above = 0;  // above the band: lintels
+  // Of the beams that hit a wall above the band, those that passed this face up to
+  // kMaxFurnitureM before it: what they passed over stands before that wall.
+  static constexpr double kMaxFurnitureM = 0.8;
+  uint16_t passes_above = 0;
   // Of the passes, those that came from or went more than kDeepM behind the face.
   static constexpr double kDeepM = 0.6;
   uint16_t deep_passes = 0;
   bool rig_passed = false;
+
+  // Whether it ends below the ceiling, before a wall: a cupboard, say.
+  bool EndsBelowCeiling() const {
+    constexpr int kMinBeams = 2;  // one may be a stray
+    return passes_above >= kMinBeams && passes_above > hits_above;
+  }
+
+  // Whether beams say only what is above the band: something stands before it.
+  bool IsSeenAboveOnly() const {
+    constexpr int kMinBeams = 2;
+    bool in_band = false;
+    for (size_t i = 0; i < kNumLevels; ++i) in_band |= hits[i] + passes[i] > 0;
+    return !in_band && hits_above >= kMinBeams && !EndsBelowCeiling();
+  }
 
   // Whether more than strays went so far: ranges are noisy.
   bool IsDeep() const {
@@ -72,8 +90,9 @@ struct WallFace {
 };
 
 // The faces of a storey's walls: upright and leaning surfaces that are hit within the storey's
-// band and reach above it, or up to its ceiling. What ends lower is furniture or a parapet,
-// and what begins higher a lintel. Columns are empty, and reach over the box of all walls.
+// band and reach above it, or up to its ceiling, and those that begin higher and reach the
+// ceiling: lintels, and walls behind furniture. What ends lower is furniture or a parapet.
+// Columns are empty, and reach over the box of all walls.
 std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
                                     const std::vector<CloudPoint>& points,
                                     const StoreyLevel& storey);

@@ -45,6 +45,8 @@ ColumnState Judge(const WallColumn& column, bool* is_window) {
     if (passes >= kMinBeams && passes > hits) ++open[half];
   }
   *is_window = false;
+  if (column.EndsBelowCeiling()) return ColumnState::kOpen;
+  if (column.IsSeenAboveOnly()) return ColumnState::kSolid;
   if (solid[0] + solid[1] + open[0] + open[1] == 0) return ColumnState::kUnseen;
   if (solid[0] > 0 && solid[0] >= open[0]) {
     *is_window = open[1] > solid[1];
@@ -116,6 +118,7 @@ struct Gap {
   double open = 0.0;
   double deep = 0.0;
   double lintel = 0.0;
+  double furniture = 0.0;  // it ends below the ceiling, before another wall
   bool rig_passed = false;
   bool is_between = false;  // stretches of the face on both sides are no pillars
 
@@ -198,12 +201,15 @@ class GapCloser {
       if (face_.columns[i].IsDeep()) gap.deep += share;
       gap.rig_passed = gap.rig_passed || face_.columns[i].rig_passed;
       if (face_.columns[i].hits_above > 0) gap.lintel += share;
+      if (face_.columns[i].EndsBelowCeiling()) gap.furniture += share;
     }
     return gap;
   }
 
   void CloseGap(const Gap& gap) {
     constexpr double kMaxHiddenOpen = 0.15;
+    constexpr double kMinFurniture = 0.5;
+    if (gap.furniture >= kMinFurniture) return;
     if (gap.MayBeDoor()) {
       const bool is_door =
           gap.HasLintel() || (gap.is_between && !IsRoomWide(walls_, gap.from_m, gap.to_m));

@@ -43,6 +43,11 @@ class MadeUpRooms {
     }
     faces_.push_back(face);
   }
+  // The front of a cupboard from a to b, open above its top.
+  void AddFront(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double top_m) {
+    AddFace(a, b);
+    faces_.back().top_m = top_m;
+  }
   // The faces of a room between two corners, seen from inside.
   void AddBox(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
     AddFace(low, {high.x(), low.y()});
@@ -71,15 +76,6 @@ class MadeUpRooms {
       const int count = std::max(1, static_cast<int>(step.norm() / kStepM));
       for (int k = 0; k < count; ++k) Scan(way_[i] + step * k / count, &input);
     }
-    for (PlanePatch& plane : planes) {
-      const auto first = std::find_if(
-          input.points.begin(), input.points.end(), [&plane](const CloudPoint& point) {
-            return point.plane_id == plane.id;
-          });
-      if (first != input.points.end()) {
-        plane.first_time_ns = static_cast<int64_t>(std::llround(first->time_s * 1e9));
-      }
-    }
     input.planes = PlaneCovariance(planes, covariance);
     return input;
   }
@@ -91,6 +87,7 @@ class MadeUpRooms {
     double length_m = 0.0;
     double door_from_m = 0.0;
     double door_to_m = 0.0;
+    double top_m = kCeilingM;
     PlanePatch patch;
   };
 
@@ -140,6 +137,7 @@ class MadeUpRooms {
       const double s = face.along.dot(p.head<2>() - face.a);
       const bool in_door = s > face.door_from_m && s < face.door_to_m && p.z() < kLintelM;
       if (at <= 0.0 || at >= range || s < 0.0 || s > face.length_m || in_door) continue;
+      if (p.z() > face.top_m) continue;
       range = at;
       plane_id = approach < 0.0 ? face.patch.id : -1;  // from behind it is something else
     }

@@ -111,6 +111,44 @@ TEST(FloorPlan, AHiddenPieceOfAWallIsBridged) {
   EXPECT_THAT(plan.storeys[0].doors, SizeIs(0));
 }
 
+TEST(FloorPlan, WhatIsSeenThroughAnOpeningToTheOutsideIsNoRoom) {
+  MadeUpRooms rooms;
+  // 3 m of the wall are glass without a lintel, and the ground goes on outside. The wall's other
+  // pieces go on beyond the corners.
+  rooms.AddFace({0, 0}, {1, 0});
+  rooms.AddFace({4, 0}, {5, 0});
+  rooms.AddFace({5, 0}, {5, 4});
+  rooms.AddFace({5, 4}, {0, 4});
+  rooms.AddFace({0, 4}, {0, 0});
+  rooms.AddWay({{1, 2}, {4, 2}, {2.5, 0.5}});
+  const FloorPlans plan = MakeFloorPlan(rooms.Input());
+  ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1));
+  EXPECT_NEAR(plan.storeys[0].rooms[0].area_m2, 20.0, 1e-3);
+}
+
+TEST(FloorPlan, ACupboardThatEndsBelowTheCeilingIsNoWall) {
+  for (const bool in_niche : {true, false}) {
+    MadeUpRooms rooms;
+    const double west = in_niche ? 1.0 : 0.0;
+    rooms.AddFace({0, 0}, {5, 0});
+    rooms.AddFace({5, 0}, {5, 3.5});
+    rooms.AddFace({5, 3.5}, {3, 3.5});
+    rooms.AddFace({3, 3.5}, {3, 4});
+    rooms.AddFace({3, 4}, {west, 4});
+    if (in_niche) {
+      rooms.AddFace({1, 4}, {1, 3.5});
+      rooms.AddFace({1, 3.5}, {0, 3.5});
+    }
+    rooms.AddFace({0, in_niche ? 3.5 : 4.0}, {0, 0});
+    rooms.AddFront({3, 3.48}, {1, 3.48}, 2.0);
+    if (!in_niche) rooms.AddFront({1, 3.48}, {1, 4}, 2.0);
+    rooms.AddWay({{1, 1}, {4, 1}, {4, 2.5}, {1, 2.5}});
+    const FloorPlans plan = MakeFloorPlan(rooms.Input());
+    ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1)) << in_niche;
+    EXPECT_NEAR(plan.storeys[0].rooms[0].area_m2, 17.5 + 0.5 * (3.0 - west), 0.01) << in_niche;
+  }
+}
+
 TEST(FloorPlan, AMapWithoutWallsHasNone) {
   MadeUpRooms rooms;
   rooms.AddWay({{1, 2}, {4, 2}});
