@@ -259,7 +259,8 @@ std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
         };
         const PlanWindow window = {at(from), at(to)};
         const Eigen::Vector2d middle = 0.5 * (window.from + window.to);
-        if (RoomAt(rooms, middle + kProbeM * face.curve.NormalAt(middle)) != 0) {
+        const Eigen::Vector2d before = kProbeM * face.curve.NormalAt(middle);
+        if (RoomAt(rooms, middle + before) != 0 && RoomAt(rooms, middle - before) == 0) {
           windows.push_back(window);
         }
       }
