@@ -16,6 +16,7 @@ std::string Text(const char* format, double value) {
 std::string AreaText(const Room& room) { return Text("%.2f", room.area_m2); }
 std::string AreaStddevText(const Room& room) { return Text("%.3f", room.area_stddev_m2); }
 std::string LengthText(double length_m) { return Text("%.3f", length_m); }
+std::string DoorWidthText(double width_m) { return Text("%.2f", width_m); }
 std::string StddevText(double stddev_m) { return Text("%.1f", 1e3 * stddev_m); }
 
 std::vector<Eigen::Vector2d> GapCorners(const PlanDoor& door) {

@@ -16,6 +16,7 @@ std::string AreaText(const Room& room);
 // The area's standard deviation with two digits, in square metres.
 std::string AreaStddevText(const Room& room);
 // "4.150 m", and its standard deviation in millimetres.
+std::string DoorWidthText(double width_m);  // "0.92"
 std::string LengthText(double length_m);
 std::string StddevText(double stddev_m);
 

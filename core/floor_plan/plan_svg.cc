@@ -5,20 +5,13 @@
 #include <cstdio>
 
 #include "core/floor_plan/plan_drawing.h"
+#include "core/floor_plan/plan_paper.h"
+#include "core/floor_plan/plan_texts.h"
 
 namespace plumbline {
 namespace {
 
-// Sizes on paper, mm.
-constexpr double kMargin = 14.0;
-constexpr double kFoot = 22.0;  // below the drawing: title and scale bar
-constexpr double kMaxWidth = 380.0;
-constexpr double kMaxHeight = 250.0;
-constexpr double kRoomText = 3.0;
-constexpr double kSmallText = 2.0;
-constexpr double kDoorText = 1.7;
-constexpr double kTick = 0.9;
-constexpr int kScales[] = {20, 50, 100, 200, 500, 1000, 2000, 5000};
+constexpr double kTickMm = 0.9;
 
 constexpr char kWallColour[] = "#2b2b2b";
 constexpr char kThinWallColour[] = "#9a9a9a";
@@ -31,67 +24,11 @@ std::string Number(double value) {
   return std::string(text) == "-0.00" ? "0.00" : text;
 }
 
-// Paper is where the model frame's points lie on paper: the same for all storeys, turned by 90
-// degrees where the building is longer that way.
-class Paper {
- public:
-  explicit Paper(const FloorPlans& plan) {
-    Eigen::AlignedBox2d box;
-    for (const StoreyPlan& storey : plan.storeys) {
-      for (const Room& room : storey.rooms) {
-        for (const RoomEdge& edge : room.loops.front()) box.extend(edge.from);
-      }
-    }
-    turned_ = box.sizes().y() > box.sizes().x();
-    origin_ = turned_ ? Eigen::Vector2d(box.min().y(), box.max().x())
-                      : Eigen::Vector2d(box.min().x(), box.max().y());
-    if (turned_) origin_ = {box.min().y(), -box.min().x()};
-    const Eigen::Vector2d size =
-        turned_ ? Eigen::Vector2d(box.sizes().y(), box.sizes().x()) : box.sizes();
-    for (const int scale : kScales) {
-      scale_ = scale;
-      mm_per_m_ = 1000.0 / scale;
-      if (size.x() * mm_per_m_ <= kMaxWidth && size.y() * mm_per_m_ <= kMaxHeight) break;
-    }
-    width_ = std::max(120.0, size.x() * mm_per_m_ + 2.0 * kMargin);
-    height_ = size.y() * mm_per_m_ + 2.0 * kMargin + kFoot;
-  }
-
-  Eigen::Vector2d At(const Eigen::Vector2d& p) const {
-    const Eigen::Vector2d turned = Turn(p);
-    return {kMargin + (turned.x() - origin_.x()) * mm_per_m_,
-            kMargin + (origin_.y() - turned.y()) * mm_per_m_};
-  }
-  // Of a vector, y downwards as on paper.
-  Eigen::Vector2d Direction(const Eigen::Vector2d& v) const {
-    const Eigen::Vector2d turned = Turn(v);
-    return {turned.x(), -turned.y()};
-  }
-
-  int scale() const { return scale_; }
-  double mm_per_m() const { return mm_per_m_; }
-  double width() const { return width_; }
-  double height() const { return height_; }
-
- private:
-  // Clockwise, so that the model frame's y axis points to the right.
-  Eigen::Vector2d Turn(const Eigen::Vector2d& p) const {
-    return turned_ ? Eigen::Vector2d(p.y(), -p.x()) : p;
-  }
-
-  bool turned_ = false;
-  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  int scale_ = 100;
-  double mm_per_m_ = 10.0;
-  double width_ = 0.0;
-  double height_ = 0.0;
-};
-
 class SvgText {
  public:
   explicit SvgText(const Paper& paper) : paper_(paper) {
-    const std::string width = Number(paper.width());
-    const std::string height = Number(paper.height());
+    const std::string width = Number(paper.width_mm());
+    const std::string height = Number(paper.height_mm());
     text_ =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
@@ -115,6 +52,12 @@ class SvgText {
     text_ += "<path d=\"" + d + "\"" + (attributes.empty() ? "" : " " + attributes) + "/>\n";
   }
 
+  // A line between two points on paper.
+  void AddLine(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    AddPath("M" + Number(a.x()) + " " + Number(a.y()) + "L" + Number(b.x()) + " " +
+            Number(b.y()));
+  }
+
   // Text on paper, with its middle at a point and turned clockwise.
   void AddText(const Eigen::Vector2d& at,
                double size,
@@ -128,6 +71,28 @@ class SvgText {
                Number(at.y()) + ")\"";
     }
     text_ += (attributes.empty() ? "" : " " + attributes) + ">" + text + "</text>\n";
+  }
+  // Text that stands in a box.
+  void AddText(const TextBox& box,
+               double size,
+               const std::string& text,
+               const std::string& attributes) {
+    constexpr double kBaseline = 0.36;  // below the middle of digits
+    AddText(box.centre - kBaseline * size * box.Up(), size, box.angle_deg, text, attributes);
+  }
+  // A white box.
+  void AddPaperBox(const TextBox& box) {
+    const Eigen::Vector2d x = 0.5 * box.width * box.Along();
+    const Eigen::Vector2d y = 0.5 * box.height * box.Up();
+    std::string d;
+    for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-x - y),
+                                          Eigen::Vector2d(x - y),
+                                          Eigen::Vector2d(x + y),
+                                          Eigen::Vector2d(y - x)}) {
+      const Eigen::Vector2d p = box.centre + corner;
+      d += (d.empty() ? "M" : "L") + Number(p.x()) + " " + Number(p.y());
+    }
+    AddPath(d + "Z", "fill=\"#ffffff\" stroke=\"none\"");
   }
   void Add(const std::string& element) { text_ += element + "\n"; }
 
@@ -174,20 +139,7 @@ void DrawWalls(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   svg->Close();
 }
 
-double ReadableAngle(const Eigen::Vector2d& along) {
-  double angle = std::atan2(along.y(), along.x()) * 180.0 / M_PI;
-  constexpr double kUpright = 89.99;  // what is upright reads from the right
-  if (angle > kUpright) angle -= 180.0;
-  if (angle <= kUpright - 180.0) angle += 180.0;
-  return angle;
-}
-
-Eigen::Vector2d UpFrom(double angle_deg) {
-  const double angle = angle_deg * M_PI / 180.0;
-  return {std::sin(angle), -std::cos(angle)};
-}
-
-void DrawDoorsAndWindows(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
+void DrawDoorsAndWindows(const StoreyPlan& storey, SvgText* svg) {
   svg->Open("id=\"windows\" fill=\"#ffffff\" stroke=\"" + std::string(kWallColour) +
             "\" stroke-width=\"0.15\"");
   for (const PlanWindow& window : storey.windows) {
@@ -208,13 +160,6 @@ void DrawDoorsAndWindows(const StoreyPlan& storey, const Paper& paper, SvgText* 
     svg->AddPath(svg->Path({corners[0], corners[1]}, false) +
                      svg->Path({corners[3], corners[2]}, false),
                  "fill=\"none\" stroke-dasharray=\"0.6 0.5\" stroke-width=\"0.12\"");
-    const double angle = ReadableAngle(paper.Direction(door.to - door.from));
-    const Eigen::Vector2d middle = 0.5 * (paper.At(corners[0]) + paper.At(corners[2]));
-    svg->AddText(middle - 0.35 * kDoorText * UpFrom(angle),
-                 kDoorText,
-                 angle,
-                 Number(door.width_m),
-                 "fill=\"" + std::string(kDoorColour) + "\" stroke=\"none\"");
   }
   svg->Close();
 }
@@ -224,64 +169,159 @@ void DrawDimension(const Dimension& dimension, const Paper& paper, SvgText* svg)
   const Eigen::Vector2d to = paper.At(dimension.to);
   const Eigen::Vector2d along = (to - from).normalized();
   const Eigen::Vector2d tick =
-      kTick * Eigen::Vector2d(along.x() + along.y(), along.y() - along.x());
-  svg->AddPath(svg->Path({dimension.from, dimension.to}, false));
-  for (const Eigen::Vector2d& end : {from, to}) {
-    svg->AddPath("M" + Number(end.x() - tick.x()) + " " + Number(end.y() - tick.y()) + "L" +
-                 Number(end.x() + tick.x()) + " " + Number(end.y() + tick.y()));
+      kTickMm * Eigen::Vector2d(along.x() + along.y(), along.y() - along.x());
+  svg->AddLine(from, to);
+  for (const Eigen::Vector2d& end : {from, to}) svg->AddLine(end - tick, end + tick);
+}
+
+void DrawDimensionText(const DimensionText& text, SvgText* svg) {
+  if (text.leader_to) {
+    // From the nearer end of the text.
+    const Eigen::Vector2d half = 0.5 * text.box.width * text.box.Along();
+    const bool from_begin = (*text.leader_to - text.box.centre).dot(half) < 0.0;
+    svg->AddLine(text.box.centre + (from_begin ? -1.0 : 1.0) * half, *text.leader_to);
   }
-  const double angle = ReadableAngle(along);
-  svg->AddText(0.5 * (from + to) + 0.5 * UpFrom(angle),
-               kSmallText,
-               angle,
-               LengthText(dimension.length_m) + " <tspan font-size=\"" +
-                   Number(0.8 * kSmallText) + "\">\u00b1" + StddevText(dimension.stddev_m) +
-                   " mm</tspan>",
+  std::string content = text.length;
+  if (!text.stddev.empty()) {
+    content +=
+        " <tspan font-size=\"" + Number(kStddevTextMm) + "\">" + text.stddev + "</tspan>";
+  }
+  svg->AddText(text.box,
+               kSmallTextMm,
+               content,
                "fill=\"" + std::string(kDimensionColour) + "\" stroke=\"none\"");
 }
 
+void DrawLabel(const Room& room, const RoomLabel& label, SvgText* svg) {
+  // Below the upper end of the label.
+  constexpr double kCircleMm = 2.7;
+  constexpr double kNumberMm = 3.75;
+  constexpr double kAreaMm = 8.7;
+  constexpr double kStddevMm = 11.3;
+  const double height = label.area.empty() ? 5.4 : label.stddev.empty() ? 9.4 : 12.0;
+  const auto below = [&label, height](double y) -> Eigen::Vector2d {
+    return label.at + Eigen::Vector2d(0.0, y - 0.5 * height);
+  };
+  svg->Add("<circle cx=\"" + Number(label.at.x()) + "\" cy=\"" + Number(below(kCircleMm).y()) +
+           "\" r=\"2.5\" fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.2\"/>");
+  svg->AddText(
+      below(kNumberMm), kRoomTextMm, 0.0, std::to_string(room.number), "font-weight=\"bold\"");
+  if (!label.area.empty()) svg->AddText(below(kAreaMm), kRoomTextMm, 0.0, label.area);
+  if (!label.stddev.empty()) svg->AddText(below(kStddevMm), kSmallTextMm, 0.0, label.stddev);
+}
+
 void DrawTexts(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
+  const PlanTexts texts = PlaceTexts(storey, paper);
   svg->Open("id=\"dimensions\" fill=\"none\" stroke=\"" + std::string(kDimensionColour) +
             "\" stroke-width=\"0.13\"");
-  for (const Room& room : storey.rooms) {
-    for (const Dimension& dimension : room.dimensions) DrawDimension(dimension, paper, svg);
+  for (size_t i = 0; i < storey.rooms.size(); ++i) {
+    for (size_t k = 0; k < storey.rooms[i].dimensions.size(); ++k) {
+      DrawDimension(storey.rooms[i].dimensions[k], paper, svg);
+      if (texts.dimensions[i][k]) DrawDimensionText(*texts.dimensions[i][k], svg);
+    }
+  }
+  svg->Close();
+  svg->Open("id=\"door-widths\" fill=\"" + std::string(kDoorColour) + "\"");
+  for (const DoorText& text : texts.doors) {
+    // In a thin wall it stands on the door's lines.
+    svg->AddPaperBox(text.box);
+    svg->AddText(text.box, kDoorTextMm, text.width, "");
   }
   svg->Close();
   svg->Open("id=\"labels\" fill=\"#000000\"");
-  for (const Room& room : storey.rooms) {
-    const Eigen::Vector2d at = paper.At(room.label);
-    svg->Add("<circle cx=\"" + Number(at.x()) + "\" cy=\"" + Number(at.y() - 2.6) +
-             "\" r=\"2.5\" fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.2\"/>");
-    svg->AddText(at + Eigen::Vector2d(0.0, -1.55),
-                 kRoomText,
-                 0.0,
-                 std::to_string(room.number),
-                 "font-weight=\"bold\"");
-    svg->AddText(at + Eigen::Vector2d(0.0, 3.4), kRoomText, 0.0, AreaText(room) + " m\u00b2");
-    svg->AddText(
-        at + Eigen::Vector2d(0.0, 6.0),
-        kSmallText,
-        0.0,
-        "\u00b1" + AreaStddevText(room) + " m\u00b2" + (room.entered ? "" : ", not entered"));
+  for (size_t i = 0; i < storey.rooms.size(); ++i) {
+    if (texts.labels[i]) DrawLabel(storey.rooms[i], *texts.labels[i], svg);
   }
   svg->Close();
 }
 
-// Title, scale bar and the directions of the model frame.
+// What the signs mean, in a row below the drawing.
+void DrawLegend(double top, SvgText* svg) {
+  constexpr double kSignMm = 8.0;
+  constexpr double kHighMm = 2.4;
+  struct Entry {
+    std::string sign;  // its elements but for "x", which is where it begins
+    const char* text;
+  };
+  const std::string wall = std::string("fill=\"") + kWallColour + "\"";
+  const std::string thin = std::string("fill=\"") + kThinWallColour + "\"";
+  const std::string line =
+      std::string(" fill=\"none\" stroke=\"") + kDoorColour + "\" stroke-width=\"0.2\"/>";
+  const std::string box = "width=\"8\" height=\"2.4\" ";
+  const std::vector<Entry> entries = {
+      {"<rect " + box + wall + "/>", "wall, both faces seen"},
+      {"<rect " + box + thin + "/>", "one face seen, thickness not known"},
+      {"<path d=\"M0 0v2.4M8 0v2.4\"" + line +
+           "<path d=\"M0 0h8M0 2.4h8\" stroke-dasharray=\"0.6 0.5\"" + line,
+       "door or opening, width"},
+      {"<path d=\"M0 0h8v2.4h-8zM0 1.2h8\" fill=\"none\" stroke=\"" +
+           std::string(kWallColour) + "\" stroke-width=\"0.15\"/>",
+       "window"},
+      {"<rect " + box + "fill=\"#ececec\" stroke=\"" + kWallColour +
+           "\" stroke-width=\"0.25\"/>",
+       "room not entered"}};
+  svg->Open("id=\"legend\"");
+  double x = Paper::kMarginMm;
+  for (const Entry& entry : entries) {
+    svg->Add("<g transform=\"translate(" + Number(x) + " " + Number(top) + ")\">" +
+             entry.sign + "</g>");
+    x += kSignMm + 1.0;
+    svg->AddText({x, top + 0.5 * kHighMm + 0.36 * kSmallTextMm},
+                 kSmallTextMm,
+                 0.0,
+                 entry.text,
+                 "style=\"text-anchor:start\"");
+    x += TextWidth(entry.text, kSmallTextMm) + 3.0;
+  }
+  svg->Close();
+}
+
+// The directions of the model frame; where north is, no map knows.
+void DrawAxes(const Paper& paper, double top, SvgText* svg) {
+  constexpr double kLengthMm = 7.0;
+  constexpr double kHeadMm = 1.4;
+  // The axis that points up needs place above.
+  const bool points_up = std::min(paper.Direction(Eigen::Vector2d::UnitX()).y(),
+                                  paper.Direction(Eigen::Vector2d::UnitY()).y()) < -0.5;
+  const Eigen::Vector2d origin(paper.width_mm() - Paper::kMarginMm - 10.0,
+                               top + (points_up ? 15.0 : 8.0));
+  svg->Open("id=\"axes\" fill=\"none\" stroke=\"#000000\" stroke-width=\"0.2\"");
+  const char* const names[] = {"x", "y"};
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector2d along = paper.Direction(Eigen::Vector2d::Unit(i));
+    const Eigen::Vector2d across(0.35 * along.y(), -0.35 * along.x());
+    const Eigen::Vector2d tip = origin + kLengthMm * along;
+    svg->AddLine(origin, tip);
+    svg->AddLine(tip, tip - kHeadMm * (along + across));
+    svg->AddLine(tip, tip - kHeadMm * (along - across));
+    const Eigen::Vector2d text =
+        origin + (kLengthMm + 1.6) * along + Eigen::Vector2d(0.0, 0.7);
+    svg->AddText(text, kSmallTextMm, 0.0, names[i], "fill=\"#000000\" stroke=\"none\"");
+  }
+  svg->Close();
+}
+
+// Legend, scale bar, title and axes.
 void DrawFoot(const FloorPlans& plan, size_t storey, const Paper& paper, SvgText* svg) {
-  const double top = paper.height() - kFoot;
-  const double step_m = paper.scale() <= 100 ? 1.0 : paper.scale() / 100.0;
+  const double top = paper.height_mm() - Paper::kFootMm;
+  DrawLegend(top, svg);
+  DrawAxes(paper, top, svg);
+  const double step_m = paper.scale() / 100.0;
   svg->Open("id=\"scale\" stroke=\"#000000\" stroke-width=\"0.2\"");
   for (int i = 0; i < 5; ++i) {
-    svg->Add("<rect x=\"" + Number(kMargin + i * step_m * paper.mm_per_m()) + "\" y=\"" +
-             Number(top + 6.0) + "\" width=\"" + Number(step_m * paper.mm_per_m()) +
-             "\" height=\"1.4\" fill=\"" + (i % 2 == 0 ? "#000000" : "#ffffff") + "\"/>");
+    svg->Add("<rect x=\"" + Number(Paper::kMarginMm + i * step_m * paper.mm_per_m()) +
+             "\" y=\"" + Number(top + 9.0) + "\" width=\"" +
+             Number(step_m * paper.mm_per_m()) + "\" height=\"1.4\" fill=\"" +
+             (i % 2 == 0 ? "#000000" : "#ffffff") + "\"/>");
   }
   svg->Close();
   for (int i = 0; i <= 5; ++i) {
     char text[32];
     std::snprintf(text, sizeof(text), i == 5 ? "%g m" : "%g", i * step_m);
-    svg->AddText({kMargin + i * step_m * paper.mm_per_m(), top + 10.4}, kSmallText, 0.0, text);
+    svg->AddText({Paper::kMarginMm + i * step_m * paper.mm_per_m(), top + 13.4},
+                 kSmallTextMm,
+                 0.0,
+                 text);
   }
   const StoreyLevel& level = plan.storeys[storey].level;
   std::string title = "Floor plan";
@@ -293,39 +333,27 @@ void DrawFoot(const FloorPlans& plan, size_t storey, const Paper& paper, SvgText
   std::snprintf(
       notes,
       sizeof(notes),
-      "Scale 1:%d. Clear areas and distances in m, \u00b1: stated standard deviation. "
-      "Grey walls: one face seen, thickness not known.",
+      "Scale 1:%d. Clear areas and distances in m, \u00b1: stated standard deviation.",
       paper.scale());
-  svg->AddText({kMargin, top + 15.0},
-               kRoomText,
+  svg->AddText({Paper::kMarginMm, top + 19.0},
+               kRoomTextMm,
                0.0,
                title,
                "font-weight=\"bold\" style=\"text-anchor:start\"");
-  svg->AddText({kMargin, top + 18.6}, kSmallText, 0.0, notes, "style=\"text-anchor:start\"");
+  svg->AddText(
+      {Paper::kMarginMm, top + 23.0}, kSmallTextMm, 0.0, notes, "style=\"text-anchor:start\"");
   if (level.has_floor) {
     std::snprintf(notes,
                   sizeof(notes),
                   "Floor at %.2f m of the model frame, cut %.2f m above it.",
                   level.floor_m,
                   level.section_m() - level.floor_m);
-    svg->AddText({paper.width() - kMargin, top + 18.6},
-                 kSmallText,
+    svg->AddText({paper.width_mm() - Paper::kMarginMm, top + 23.0},
+                 kSmallTextMm,
                  0.0,
                  notes,
                  "style=\"text-anchor:end\"");
   }
-  const Eigen::Vector2d origin(paper.width() - kMargin - 10.0, top + 6.0);
-  svg->Open("id=\"axes\" stroke=\"#000000\" stroke-width=\"0.2\"");
-  const char* const names[] = {"x", "y"};
-  for (int i = 0; i < 2; ++i) {
-    const Eigen::Vector2d along = paper.Direction(Eigen::Vector2d::Unit(i));
-    const Eigen::Vector2d tip = origin + 6.0 * along;
-    svg->AddPath("M" + Number(origin.x()) + " " + Number(origin.y()) + "L" + Number(tip.x()) +
-                 " " + Number(tip.y()));
-    const Eigen::Vector2d text = origin + 7.6 * along + Eigen::Vector2d(0.0, 0.7);
-    svg->AddText(text, kSmallText, 0.0, names[i], "stroke=\"none\"");
-  }
-  svg->Close();
 }
 
 }  // namespace
@@ -334,7 +362,7 @@ std::string FormatSvg(const FloorPlans& plan, size_t storey) {
   const Paper paper(plan);
   SvgText svg(paper);
   DrawWalls(plan.storeys[storey], paper, &svg);
-  DrawDoorsAndWindows(plan.storeys[storey], paper, &svg);
+  DrawDoorsAndWindows(plan.storeys[storey], &svg);
   DrawTexts(plan.storeys[storey], paper, &svg);
   DrawFoot(plan, storey, paper, &svg);
   return svg.Finish();

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/floor_plan/floor_plan.h"
+#include "core/floor_plan/plan_paper.h"
+
+namespace plumbline {
+
+// Heights of texts on paper, mm.
+inline constexpr double kRoomTextMm = 3.0;
+inline constexpr double kSmallTextMm = 2.0;
+inline constexpr double kStddevTextMm = 1.6;
+inline constexpr double kDoorTextMm = 1.7;
+
+// RoomLabel is a room's number, area and standard deviation, below each other.
+struct RoomLabel {
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();  // its middle
+  std::string area;                              // empty where it has no place
+  std::string stddev;                            // so is this
+};
+
+// DimensionText is the length of a dimension, with its standard deviation where that has
+// place.
+struct DimensionText {
+  TextBox box;
+  std::string length;
+  std::string stddev;
+  std::optional<Eigen::Vector2d> leader_to;  // the line's middle, where the text stands apart
+};
+
+struct DoorText {
+  TextBox box;
+  std::string width;
+};
+
+// PlanTexts is where the texts of a storey's drawing stand. None lies on another one.
+struct PlanTexts {
+  std::vector<DoorText> doors;                   // as the storey's doors
+  std::vector<std::optional<RoomLabel>> labels;  // as its rooms
+  std::vector<std::vector<std::optional<DimensionText>>>
+      dimensions;  // as the rooms' dimensions
+};
+
+// Finds places for all texts: widths of doors stand in the doors, labels where the room is
+// wide and no dimension line runs, lengths along their lines, else beside them within the
+// room, first with and then without standard deviations. Where even that finds no place, a
+// label is the number only, or left out, and so is a length.
+PlanTexts PlaceTexts(const StoreyPlan& storey, const Paper& paper);
+
+// The angle at which a text along a direction is read from below or from the right, degrees
+// clockwise.
+double ReadableAngle(const Eigen::Vector2d& along);
+
+}  // namespace plumbline
