@@ -60,18 +60,11 @@ def parse_arguments():
     return parser.parse_args()
 
 
-def experiment_of(case):
-    for folder in (experiment_files.FOLDER / "robustness", experiment_files.FOLDER):
-        if (folder / f"{case}.yaml").exists():
-            return folder / f"{case}.yaml"
-    raise job_runner.InputError(f"no case {case} in {experiment_files.FOLDER}")
-
-
 def make_jobs(arguments):
     seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)
     jobs = []
     for case in arguments.cases or (*FAULTS, *GOOD):
-        experiment = experiment_of(case)
+        experiment = experiment_files.of_case(case)
         for seed in seeds:
             name = f"{case}_{seed:04d}"
             jobs.append(job_runner.Job(

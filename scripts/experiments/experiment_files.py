@@ -9,6 +9,14 @@ import job_runner
 FOLDER = job_runner.ROOT / "configs" / "experiments"
 
 
+def of_case(case):
+    """The experiment of that name, in the folder or in its folder robustness."""
+    for folder in (FOLDER / "robustness", FOLDER):
+        if (folder / f"{case}.yaml").exists():
+            return folder / f"{case}.yaml"
+    raise job_runner.InputError(f"no case {case} in {FOLDER}")
+
+
 def read(experiment):
     """Text of everything the simulation depends on, by the names that the experiment has for it:
     the experiment, its building, its rig and its path; of a mesh a checksum."""

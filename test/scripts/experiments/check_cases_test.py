@@ -12,6 +12,7 @@ from fake_programs import SCRIPTS, ScriptTest
 
 sys.path.insert(0, str(SCRIPTS / "experiments"))
 import check_cases  # noqa: E402
+import experiment_files  # noqa: E402
 
 CHECK = '''#!/usr/bin/python3
 import json, pathlib, sys
@@ -76,7 +77,7 @@ class OutcomeTest(unittest.TestCase):
 
     def test_all_cases_exist(self):
         for case in (*check_cases.FAULTS, *check_cases.GOOD):
-            self.assertTrue(check_cases.experiment_of(case).exists())
+            self.assertTrue(experiment_files.of_case(case).exists())
 
 
 if __name__ == "__main__":
