@@ -34,6 +34,7 @@ packages=(
   python3-distributed
   python3-matplotlib
   python3-numpy
+  python3-shapely
   python3-yaml
   sqlite3
 )
