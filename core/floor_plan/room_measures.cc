@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_map>
 
 #include "core/floor_plan/room_outlines.h"
@@ -164,66 +165,90 @@ void MeasureHeight(const PlaneCovariance& planes, const StoreyLevel& level, Room
   }
 }
 
+// Two walls of a room that face each other.
+struct OppositeSides {
+  Side a;
+  Side b;
+  Overlap overlap;
+};
+
+// The clear distance at a place along side a; none where something stands between.
+std::optional<Dimension> DimensionAt(const OppositeSides& sides,
+                                     double place,
+                                     const Room& room) {
+  constexpr double kStepM = 0.04;
+  const Side& a = sides.a;
+  const Eigen::Vector2d from = a.from + place * a.along;
+  const double length = DistanceTo(a, sides.b, from);
+  if (length <= 0.0) return std::nullopt;
+  const int count = static_cast<int>(length / kStepM) + 1;
+  for (int i = 0; i < count; ++i) {
+    if (!IsInside(room.loops, from + (i + 0.5) / count * length * a.inward)) {
+      return std::nullopt;
+    }
+  }
+  return Dimension{from, from + length * a.inward, a.plane_id, sides.b.plane_id, length, 0.0};
+}
+
+// The distance of two walls near one end of the walls, where lines and texts are out of the
+// label's way; else near the other end, else in the middle.
+std::optional<Dimension> MeasureBetween(const OppositeSides& sides, const Room& room) {
+  constexpr double kPlaceShare = 0.25;
+  constexpr double kMaxPlaceM = 0.45;
+  const Overlap& overlap = sides.overlap;
+  const double inset = std::min(kPlaceShare * overlap.length(), kMaxPlaceM);
+  double near = overlap.from + inset;
+  double far = overlap.to - inset;
+  if (sides.a.along.dot(room.label - sides.a.from) <= overlap.middle()) std::swap(near, far);
+  for (const double place : {near, far, overlap.middle()}) {
+    const std::optional<Dimension> dimension = DimensionAt(sides, place, room);
+    if (dimension) return dimension;
+  }
+  return std::nullopt;
+}
+
+// The pairs of opposite walls, those first that face each other on the greatest length.
+std::vector<OppositeSides> FindOppositeSides(const Room& room) {
+  constexpr double kMinSideM = 0.4;
+  constexpr double kMinOverlapM = 0.4;
+  std::vector<OppositeSides> pairs;
+  const std::vector<Side> sides = SidesOf(room, kMinSideM);
+  for (size_t i = 0; i < sides.size(); ++i) {
+    for (size_t k = i + 1; k < sides.size(); ++k) {
+      if (sides[i].inward.dot(sides[k].inward) > -kParallelCosine) continue;
+      const Overlap overlap = OverlapOf(sides[i], sides[k]);
+      if (overlap.length() >= kMinOverlapM) pairs.push_back({sides[i], sides[k], overlap});
+    }
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+    return a.overlap.length() > b.overlap.length();
+  });
+  return pairs;
+}
+
 // The clear distances of the room: of each direction the opposite walls that face each other
 // on the greatest length, and others that are clearly farther from each other or nearer.
 void MeasureDimensions(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
-  constexpr double kMinSideM = 0.4;
-  constexpr double kMinOverlapM = 0.4;
-  constexpr size_t kMaxPerDirection = 2;
+  constexpr int kMaxPerDirection = 2;
+  constexpr double kSameDirection = 0.9;
   constexpr double kOtherM = 0.3;
-  // Near one end of the walls, where lines and texts are out of the label's way.
-  constexpr double kPlaceShare = 0.25;
-  constexpr double kMaxPlaceM = 0.45;
-  struct Candidate {
-    Dimension dimension;
-    double overlap = 0.0;
-    Eigen::Vector2d direction;
-  };
-  std::vector<Candidate> candidates;
-  const std::vector<Side> sides = SidesOf(*room, kMinSideM);
-  for (size_t i = 0; i < sides.size(); ++i) {
-    for (size_t k = i + 1; k < sides.size(); ++k) {
-      const Side& a = sides[i];
-      const Side& b = sides[k];
-      if (a.inward.dot(b.inward) > -kParallelCosine) continue;
-      const Overlap overlap = OverlapOf(a, b);
-      if (overlap.length() < kMinOverlapM) continue;
-      const double inset = std::min(kPlaceShare * overlap.length(), kMaxPlaceM);
-      const double label = a.along.dot(room->label - a.from);
-      const double place =
-          label > overlap.middle() ? overlap.from + inset : overlap.to - inset;
-      const Eigen::Vector2d from = a.from + place * a.along;
-      const double length = DistanceTo(a, b, from);
-      if (length <= 0.0) continue;
-      const Eigen::Vector2d to = from + length * a.inward;
-      if (!IsInside(room->loops, 0.5 * (from + to)) ||
-          !IsInside(room->loops, from + 0.1 * (to - from)) ||
-          !IsInside(room->loops, from + 0.9 * (to - from))) {
+  for (const OppositeSides& sides : FindOppositeSides(*room)) {
+    std::optional<Dimension> dimension = MeasureBetween(sides, *room);
+    if (!dimension) continue;
+    const Eigen::Vector2d direction = (dimension->to - dimension->from).normalized();
+    int same = 0;
+    bool is_known = false;
+    for (const Dimension& other : room->dimensions) {
+      if (std::abs(direction.dot((other.to - other.from).normalized())) < kSameDirection) {
         continue;
       }
-      candidates.push_back(
-          {{from, to, a.plane_id, b.plane_id, length, 0.0}, overlap.length(), a.inward});
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.overlap > b.overlap;
-  });
-  std::vector<const Candidate*> taken;
-  for (const Candidate& candidate : candidates) {
-    size_t same = 0;
-    bool is_known = false;
-    for (const Candidate* other : taken) {
-      if (std::abs(other->direction.dot(candidate.direction)) < 0.9) continue;
       ++same;
-      is_known = is_known ||
-                 std::abs(other->dimension.length_m - candidate.dimension.length_m) < kOtherM;
+      is_known = is_known || std::abs(other.length_m - dimension->length_m) < kOtherM;
     }
     if (is_known || same >= kMaxPerDirection) continue;
-    taken.push_back(&candidate);
-    Dimension dimension = candidate.dimension;
-    dimension.stddev_m = planes.SeparationStddev(
-        AtHeight(dimension.from, level.section_m()), dimension.plane_a, dimension.plane_b);
-    room->dimensions.push_back(dimension);
+    dimension->stddev_m = planes.SeparationStddev(
+        AtHeight(dimension->from, level.section_m()), dimension->plane_a, dimension->plane_b);
+    room->dimensions.push_back(*dimension);
   }
 }
 

@@ -66,6 +66,32 @@ TEST(RoomMeasures, ATurnAboutItsMiddleMovesNoAreaButOneAboutItsEndDoes) {
   EXPECT_NEAR(room.area_stddev_m2, 3.0 * 0.01 * 2.0, 1e-9);
 }
 
+TEST(RoomMeasures, DimensionsGoRoundWhatStandsBetween) {
+  // A wall of 0.1 m reaches from the east wall to x = -0.2: the length from south to north is
+  // measured west of it.
+  Room room = SquareRoom();
+  room.loops[0] = {{{-1.0, -1.0}, 0, 2.0},
+                   {{1.0, -1.0}, 1, 1.3},
+                   {{1.0, 0.3}, 4, 1.2},
+                   {{-0.2, 0.3}, 5, 0.1},
+                   {{-0.2, 0.4}, 6, 1.2},
+                   {{1.0, 0.4}, 1, 0.6},
+                   {{1.0, 1.0}, 2, 2.0},
+                   {{-1.0, 1.0}, 3, 2.0}};
+  std::vector<PlanePatch> walls = SquareWalls();
+  walls.push_back(Upright(4, 0.0, -1.0, -0.3));
+  walls.push_back(Upright(5, -1.0, 0.0, 0.2));
+  walls.push_back(Upright(6, 0.0, 1.0, 0.4));
+  MeasureRoom(PlaneCovariance(walls, Eigen::MatrixXd::Identity(14, 14)), StoreyLevel(), &room);
+  const auto across = std::find_if(
+      room.dimensions.begin(), room.dimensions.end(), [](const Dimension& dimension) {
+        return dimension.plane_a == 0 && dimension.plane_b == 2;
+      });
+  ASSERT_NE(across, room.dimensions.end());
+  EXPECT_NEAR(across->length_m, 2.0, 1e-9);
+  EXPECT_LT(across->from.x(), -0.2);
+}
+
 TEST(RoomMeasures, ArcsCountAsArcs) {
   // A round room of radius 2 m as 60 chords.
   PlanePatch wall;
