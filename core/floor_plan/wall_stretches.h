@@ -43,7 +43,7 @@ struct Stretches {
 // to 8 m) are closed in the same way where the face was hit above nearly all of them. Shorter
 // gaps are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams
 // passed only to end within 0.6 m on what is no wall (up to 8 m: windows, with what stands in
-// their recess). Other gaps stay open.
+// their recess). Other gaps stay open, and so does where furniture ends below the ceiling.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 
 // Where two faces cross: the parameters on both, m. None where they are nearly parallel.

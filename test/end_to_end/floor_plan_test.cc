@@ -5,6 +5,7 @@
 
 #include "core/floor_plan/floor_plan_files.h"
 #include "test/testing/scenario.h"
+#include "test/testing/svg_texts.h"
 
 namespace plumbline {
 namespace {
@@ -62,6 +63,8 @@ TEST_F(FloorPlanEndToEndTest, TwoRoomsAreFoundWithTheirAreas) {
   ASSERT_EQ(storey.at("doors").size(), 1u);
   EXPECT_NEAR(storey["doors"][0].at("width_m").get<double>(), 0.9, 0.06);
   EXPECT_NEAR(storey["doors"][0].at("depth_m").get<double>(), 0.15, 0.01);
+
+  EXPECT_THAT(OverlapsIn(ReadBytes(Path("result/floor_plan.svg"))), ::testing::IsEmpty());
 
   // The program makes the same of the finished result.
   RunPlanJob(Path("result"), Path("rig.yaml"), Path("later"));

@@ -113,8 +113,7 @@ TEST(FloorPlan, AHiddenPieceOfAWallIsBridged) {
 
 TEST(FloorPlan, WhatIsSeenThroughAnOpeningToTheOutsideIsNoRoom) {
   MadeUpRooms rooms;
-  // 3 m of the wall are glass without a lintel, and the ground goes on outside. The wall's other
-  // pieces go on beyond the corners.
+  // 3 m of the wall are glass without a lintel, and the ground goes on outside.
   rooms.AddFace({0, 0}, {1, 0});
   rooms.AddFace({4, 0}, {5, 0});
   rooms.AddFace({5, 0}, {5, 4});
