@@ -59,13 +59,13 @@ FloorPlans RunPlanJob(const std::string& result_directory,
 }
 
 std::string RoomTable(const FloorPlans& plan) {
-  std::string table = "  storey room      area    +-      height    clear dimensions\n";
+  std::string table = "  storey room      area     +-        height    clear dimensions\n";
   char line[256];
   for (size_t i = 0; i < plan.storeys.size(); ++i) {
     for (const Room& room : plan.storeys[i].rooms) {
       std::snprintf(line,
                     sizeof(line),
-                    "  %6zu %4d %9.2f %5.2f m2",
+                    "  %6zu %4d %9.2f %7.3f m2",
                     i + 1,
                     room.number,
                     room.area_m2,
@@ -78,8 +78,11 @@ std::string RoomTable(const FloorPlans& plan) {
         table += "        -  ";
       }
       for (const Dimension& dimension : room.dimensions) {
-        std::snprintf(
-            line, sizeof(line), " %.3f +- %.3f m", dimension.length_m, dimension.stddev_m);
+        std::snprintf(line,
+                      sizeof(line),
+                      " %.3f m +- %.1f mm",
+                      dimension.length_m,
+                      1e3 * dimension.stddev_m);
         table += line;
       }
       if (!room.entered) table += " (only looked into)";

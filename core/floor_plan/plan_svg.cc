@@ -121,9 +121,7 @@ void DrawWalls(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   svg->Open("id=\"walls-one-face\" fill=\"none\" stroke=\"" + std::string(kThinWallColour) +
             "\" stroke-width=\"" + Number(2.0 * kDrawnThicknessM * paper.mm_per_m()) +
             "\" stroke-linejoin=\"miter\"");
-  for (const Room& room : storey.rooms) {
-    svg->AddPath(svg->Path(CornersOf(room.loops.front()), true));
-  }
+  for (const Room& room : storey.rooms) svg->AddPath(RoomPath(*svg, room));
   for (const auto& outline : storey.solids) svg->AddPath(svg->Path(outline, true));
   svg->Close();
   std::string solids;
