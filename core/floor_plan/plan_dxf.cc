@@ -1,15 +1,20 @@
 #include "core/floor_plan/plan_dxf.h"
 
-#include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <utility>
 
 #include "core/floor_plan/plan_drawing.h"
+#include "core/floor_plan/plan_paper.h"
+#include "core/floor_plan/plan_texts.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kTextM = 0.18;       // height of room texts
-constexpr double kSmallTextM = 0.12;  // of dimensions and doors
+// Texts have the sizes and places that they have on a sheet of this scale.
+constexpr int kScale = 75;
+constexpr double kMPerMm = 1e-3 * kScale;
+constexpr double kCapital = 0.72;  // of a text's size: its height in DXF is that of capitals
 constexpr double kTickM = 0.08;
 
 struct Layer {
@@ -94,17 +99,17 @@ class DxfText {
     Add(8, layer);
   }
 
-  // Centred on a point; turned by an angle that keeps it readable.
+  // Centred on a point of its baseline. size_mm: on paper. angle_deg: to the left.
   void Text(const char* layer,
             const Eigen::Vector2d& at,
-            double height,
+            double size_mm,
             double angle_deg,
             const std::string& text) {
     Add(0, "TEXT");
     Add(8, layer);
     AddPoint(10, at);
-    Add(40, height);
-    Add(1, text);
+    Add(40, kCapital * kMPerMm * size_mm);
+    Add(1, WithoutUnicode(text));
     Add(50, angle_deg);
     Add(72, 1);  // centred
     AddPoint(11, at);
@@ -117,16 +122,18 @@ class DxfText {
   }
 
  private:
+  // R12 knows the sign of plus and minus by a name of its own, and no superscripts.
+  static std::string WithoutUnicode(std::string text) {
+    for (const auto& [from, to] : {std::pair("\u00b1", "%%p"), {"\u00b2", "2"}}) {
+      for (size_t at = text.find(from); at != std::string::npos; at = text.find(from)) {
+        text.replace(at, std::strlen(from), to);
+      }
+    }
+    return text;
+  }
+
   std::string text_;
 };
-
-double ReadableAngle(const Eigen::Vector2d& along) {
-  double angle = std::atan2(along.y(), along.x()) * 180.0 / M_PI;
-  constexpr double kUpright = 90.01;  // what is upright reads from the right
-  if (angle > kUpright) angle -= 180.0;
-  if (angle <= kUpright - 180.0) angle += 180.0;
-  return angle;
-}
 
 void AddDimension(const Dimension& dimension, DxfText* dxf) {
   const Eigen::Vector2d along = (dimension.to - dimension.from).normalized();
@@ -136,13 +143,6 @@ void AddDimension(const Dimension& dimension, DxfText* dxf) {
   for (const Eigen::Vector2d& end : {dimension.from, dimension.to}) {
     dxf->Line("DIMENSIONS", end - tick, end + tick);
   }
-  const double angle = ReadableAngle(along);
-  const Eigen::Vector2d up(-std::sin(angle * M_PI / 180.0), std::cos(angle * M_PI / 180.0));
-  dxf->Text("DIMENSIONS",
-            0.5 * (dimension.from + dimension.to) + 0.5 * kSmallTextM * up,
-            kSmallTextM,
-            angle,
-            LengthText(dimension.length_m) + " %%p" + StddevText(dimension.stddev_m) + " mm");
 }
 
 void AddRoom(const Room& room, DxfText* dxf) {
@@ -151,13 +151,43 @@ void AddRoom(const Room& room, DxfText* dxf) {
     for (const RoomEdge& edge : loop) corners.push_back(edge.from);
     dxf->ClosedLine("ROOMS", corners);
   }
-  dxf->Text("TEXT", room.label, kTextM, 0.0, std::to_string(room.number));
-  dxf->Text("TEXT",
-            room.label - Eigen::Vector2d(0.0, 1.6 * kTextM),
-            kTextM,
-            0.0,
-            AreaText(room) + " %%p" + AreaStddevText(room) + " m2");
   for (const Dimension& dimension : room.dimensions) AddDimension(dimension, dxf);
+}
+
+void AddTexts(const StoreyPlan& storey, DxfText* dxf) {
+  const Paper paper(kScale);
+  const PlanTexts texts = PlaceTexts(storey, paper);
+  const auto add =
+      [&](const char* layer, const TextBox& box, double size_mm, const std::string& text) {
+        dxf->Text(layer, paper.ModelAt(BaselineOf(box)), size_mm, 0.0 - box.angle_deg, text);
+      };
+  for (const DoorText& text : texts.doors) add("DOORS", text.box, kDoorTextMm, text.width);
+  for (size_t i = 0; i < storey.rooms.size(); ++i) {
+    for (const std::optional<DimensionText>& text : texts.dimensions[i]) {
+      if (!text) continue;
+      add("DIMENSIONS",
+          text->box,
+          kSmallTextMm,
+          text->length + (text->stddev.empty() ? "" : " " + text->stddev));
+      if (text->leader_to) {
+        dxf->Line(
+            "DIMENSIONS", paper.ModelAt(text->LeaderFrom()), paper.ModelAt(*text->leader_to));
+      }
+    }
+    if (!texts.labels[i]) continue;
+    const RoomLabel& label = *texts.labels[i];
+    dxf->Text("TEXT",
+              paper.ModelAt(label.NumberAt()),
+              kRoomTextMm,
+              0.0,
+              std::to_string(storey.rooms[i].number));
+    if (!label.area.empty()) {
+      dxf->Text("TEXT", paper.ModelAt(label.AreaAt()), kRoomTextMm, 0.0, label.area);
+    }
+    if (!label.stddev.empty()) {
+      dxf->Text("TEXT", paper.ModelAt(label.StddevAt()), kSmallTextMm, 0.0, label.stddev);
+    }
+  }
 }
 
 }  // namespace
@@ -169,13 +199,9 @@ std::string FormatDxf(const StoreyPlan& storey) {
   for (const Room& room : storey.rooms) AddRoom(room, &dxf);
   for (const PlanDoor& door : storey.doors) {
     dxf.ClosedLine("DOORS", GapCorners(door));
-    dxf.Text("DOORS",
-             0.5 * (door.from + door.to),
-             kSmallTextM,
-             ReadableAngle(door.to - door.from),
-             LengthText(door.width_m));
   }
   for (const PlanWindow& window : storey.windows) dxf.Line("WINDOWS", window.from, window.to);
+  AddTexts(storey, &dxf);
   return dxf.Finish();
 }
 

@@ -47,6 +47,12 @@ Eigen::Vector2d Paper::At(const Eigen::Vector2d& p) const {
           kMarginMm + (origin_.y() - turned.y()) * mm_per_m_};
 }
 
+Eigen::Vector2d Paper::ModelAt(const Eigen::Vector2d& on_paper) const {
+  const Eigen::Vector2d turned(origin_.x() + (on_paper.x() - kMarginMm) / mm_per_m_,
+                               origin_.y() - (on_paper.y() - kMarginMm) / mm_per_m_);
+  return turned_ ? Eigen::Vector2d(-turned.y(), turned.x()) : turned;
+}
+
 Eigen::Vector2d Paper::Direction(const Eigen::Vector2d& v) const {
   const Eigen::Vector2d turned = Turn(v);
   return {turned.x(), -turned.y()};

@@ -16,8 +16,11 @@ class Paper {
   static constexpr double kFootMm = 28.0;  // below the drawing: legend, title and scale bar
 
   explicit Paper(const FloorPlans& plan);
+  // Not turned, and without end: x to the right, y upwards.
+  explicit Paper(int scale) : scale_(scale), mm_per_m_(1000.0 / scale) {}
 
   Eigen::Vector2d At(const Eigen::Vector2d& p) const;
+  Eigen::Vector2d ModelAt(const Eigen::Vector2d& on_paper) const;  // the inverse
   // Of a vector; its length stays.
   Eigen::Vector2d Direction(const Eigen::Vector2d& v) const;
 

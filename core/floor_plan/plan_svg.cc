@@ -77,8 +77,7 @@ class SvgText {
                double size,
                const std::string& text,
                const std::string& attributes) {
-    constexpr double kBaseline = 0.36;  // below the middle of digits
-    AddText(box.centre - kBaseline * size * box.Up(), size, box.angle_deg, text, attributes);
+    AddText(BaselineOf(box), size, box.angle_deg, text, attributes);
   }
   // A white box.
   void AddPaperBox(const TextBox& box) {
@@ -173,12 +172,7 @@ void DrawDimension(const Dimension& dimension, const Paper& paper, SvgText* svg)
 }
 
 void DrawDimensionText(const DimensionText& text, SvgText* svg) {
-  if (text.leader_to) {
-    // From the nearer end of the text.
-    const Eigen::Vector2d half = 0.5 * text.box.width * text.box.Along();
-    const bool from_begin = (*text.leader_to - text.box.centre).dot(half) < 0.0;
-    svg->AddLine(text.box.centre + (from_begin ? -1.0 : 1.0) * half, *text.leader_to);
-  }
+  if (text.leader_to) svg->AddLine(text.LeaderFrom(), *text.leader_to);
   std::string content = text.length;
   if (!text.stddev.empty()) {
     content +=
@@ -191,21 +185,14 @@ void DrawDimensionText(const DimensionText& text, SvgText* svg) {
 }
 
 void DrawLabel(const Room& room, const RoomLabel& label, SvgText* svg) {
-  // Below the upper end of the label.
-  constexpr double kCircleMm = 2.7;
-  constexpr double kNumberMm = 3.75;
-  constexpr double kAreaMm = 8.7;
-  constexpr double kStddevMm = 11.3;
-  const double height = label.area.empty() ? 5.4 : label.stddev.empty() ? 9.4 : 12.0;
-  const auto below = [&label, height](double y) -> Eigen::Vector2d {
-    return label.at + Eigen::Vector2d(0.0, y - 0.5 * height);
-  };
-  svg->Add("<circle cx=\"" + Number(label.at.x()) + "\" cy=\"" + Number(below(kCircleMm).y()) +
-           "\" r=\"2.5\" fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.2\"/>");
+  const Eigen::Vector2d circle = label.Circle();
+  svg->Add("<circle cx=\"" + Number(circle.x()) + "\" cy=\"" + Number(circle.y()) + "\" r=\"" +
+           Number(RoomLabel::kCircleRadiusMm) +
+           "\" fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.2\"/>");
   svg->AddText(
-      below(kNumberMm), kRoomTextMm, 0.0, std::to_string(room.number), "font-weight=\"bold\"");
-  if (!label.area.empty()) svg->AddText(below(kAreaMm), kRoomTextMm, 0.0, label.area);
-  if (!label.stddev.empty()) svg->AddText(below(kStddevMm), kSmallTextMm, 0.0, label.stddev);
+      label.NumberAt(), kRoomTextMm, 0.0, std::to_string(room.number), "font-weight=\"bold\"");
+  if (!label.area.empty()) svg->AddText(label.AreaAt(), kRoomTextMm, 0.0, label.area);
+  if (!label.stddev.empty()) svg->AddText(label.StddevAt(), kSmallTextMm, 0.0, label.stddev);
 }
 
 void DrawTexts(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {

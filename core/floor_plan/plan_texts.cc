@@ -84,15 +84,11 @@ class TextPlacer {
 
   // A label's box about its middle.
   static TextBox LabelBox(const RoomLabel& label) {
-    constexpr double kCircleMm = 5.4;
-    constexpr double kAreaMm = 4.0;
-    constexpr double kStddevMm = 2.6;
     return {label.at,
-            std::max({kCircleMm,
+            std::max({2.0 * RoomLabel::kCircleRadiusMm + kLineWidthMm,
                       TextWidth(label.area, kRoomTextMm),
                       TextWidth(label.stddev, kSmallTextMm)}),
-            kCircleMm + (label.area.empty() ? 0.0 : kAreaMm) +
-                (label.stddev.empty() ? 0.0 : kStddevMm),
+            label.height_mm(),
             0.0};
   }
 
@@ -215,7 +211,38 @@ class TextPlacer {
   PlanTexts texts_;
 };
 
+// Of a room's label, mm.
+constexpr double kCircleHeightMm = 5.4;
+constexpr double kAreaHeightMm = 4.0;
+constexpr double kStddevHeightMm = 2.6;
+
+// A point below the upper end of a label.
+Eigen::Vector2d Below(const RoomLabel& label, double y) {
+  return label.at + Eigen::Vector2d(0.0, y - 0.5 * label.height_mm());
+}
+
 }  // namespace
+
+double RoomLabel::height_mm() const {
+  return kCircleHeightMm + (area.empty() ? 0.0 : kAreaHeightMm) +
+         (stddev.empty() ? 0.0 : kStddevHeightMm);
+}
+Eigen::Vector2d RoomLabel::Circle() const { return Below(*this, 0.5 * kCircleHeightMm); }
+Eigen::Vector2d RoomLabel::NumberAt() const { return Below(*this, 3.75); }
+Eigen::Vector2d RoomLabel::AreaAt() const { return Below(*this, kCircleHeightMm + 3.3); }
+Eigen::Vector2d RoomLabel::StddevAt() const {
+  return Below(*this, kCircleHeightMm + kAreaHeightMm + 1.9);
+}
+
+Eigen::Vector2d DimensionText::LeaderFrom() const {
+  const Eigen::Vector2d half = 0.5 * box.width * box.Along();
+  return box.centre + ((*leader_to - box.centre).dot(half) < 0.0 ? -1.0 : 1.0) * half;
+}
+
+Eigen::Vector2d BaselineOf(const TextBox& box) {
+  constexpr double kBelowMiddle = 0.36;  // of digits, in heights of the text
+  return box.centre - kBelowMiddle * box.height * box.Up();
+}
 
 double ReadableAngle(const Eigen::Vector2d& along) {
   double angle = std::atan2(along.y(), along.x()) * 180.0 / M_PI;

@@ -18,9 +18,18 @@ inline constexpr double kDoorTextMm = 1.7;
 
 // RoomLabel is a room's number, area and standard deviation, below each other.
 struct RoomLabel {
+  static constexpr double kCircleRadiusMm = 2.5;
+
   Eigen::Vector2d at = Eigen::Vector2d::Zero();  // its middle
   std::string area;                              // empty where it has no place
   std::string stddev;                            // so is this
+
+  double height_mm() const;
+  // The middle of the number's circle, and the middles of the texts' baselines.
+  Eigen::Vector2d Circle() const;
+  Eigen::Vector2d NumberAt() const;
+  Eigen::Vector2d AreaAt() const;
+  Eigen::Vector2d StddevAt() const;
 };
 
 // DimensionText is the length of a dimension, with its standard deviation where that has
@@ -30,6 +39,9 @@ struct DimensionText {
   std::string length;
   std::string stddev;
   std::optional<Eigen::Vector2d> leader_to;  // the line's middle, where the text stands apart
+
+  // Where the leader begins: the nearer end of the text.
+  Eigen::Vector2d LeaderFrom() const;
 };
 
 struct DoorText {
@@ -50,6 +62,9 @@ struct PlanTexts {
 // room, first with and then without standard deviations. Where even that finds no place, a
 // label is the number only, or left out, and so is a length.
 PlanTexts PlaceTexts(const StoreyPlan& storey, const Paper& paper);
+
+// The middle of the baseline of a text in a box.
+Eigen::Vector2d BaselineOf(const TextBox& box);
 
 // The angle at which a text along a direction is read from below or from the right, degrees
 // clockwise.

@@ -83,7 +83,8 @@ class PlanFilesTest(unittest.TestCase):
     def test_the_drawing_is_xml_that_librsvg_draws(self):
         root = xml.etree.ElementTree.parse(self.plan / "floor_plan.svg").getroot()
         ids = {element.get("id") for element in root.iter()}
-        self.assertLessEqual({"walls", "rooms", "doors", "dimensions", "labels", "scale"}, ids)
+        self.assertLessEqual({"walls", "rooms", "doors", "dimensions", "labels", "legend", "scale"},
+                             ids)
         if shutil.which("rsvg-convert") is None:
             self.skipTest("rsvg-convert (librsvg2-bin) is not installed")
         drawn = subprocess.run(["rsvg-convert", "-w", "200", self.plan / "floor_plan.svg"],
@@ -126,7 +127,7 @@ class PlanFilesTest(unittest.TestCase):
                               f"--rig={self.scratch.name}/sim/rig.yaml"],
                              capture_output=True, text=True)
         self.assertEqual(out.returncode, 1)
-        self.assertIn("/no/such/planes.json", out.stderr)
+        self.assertIn("/no/such/summary.json", out.stderr)
         self.assertEqual(out.stderr.count("\n"), 1)
 
 

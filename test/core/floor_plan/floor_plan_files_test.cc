@@ -5,7 +5,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -103,69 +102,15 @@ TEST(FloorPlanFiles, CityJsonRoomsAreSolidsThatLookOutwards) {
               0.01);
 }
 
-std::set<std::string> KeysOf(const Json& object) {
-  std::set<std::string> keys;
-  for (const auto& [key, value] : object.items()) keys.insert(key);
-  return keys;
-}
-
-// Rings of at least three vertices that the file has; values of the semantics that they have.
-void ExpectValidGeometry(const Json& geometry, size_t num_vertices) {
-  EXPECT_EQ(KeysOf(geometry),
-            (std::set<std::string>{"boundaries", "lod", "semantics", "type"}));
-  EXPECT_TRUE(geometry.at("lod").is_string());
-  const bool is_solid = geometry.at("type") == "Solid";
-  EXPECT_TRUE(is_solid || geometry["type"] == "MultiSurface");
-  const Json& surfaces = is_solid ? geometry.at("boundaries").at(0) : geometry["boundaries"];
-  for (const Json& surface : surfaces) {
-    for (const Json& ring : surface) {
-      EXPECT_GE(ring.size(), 3u);
-      for (const Json& vertex : ring) EXPECT_LT(vertex.get<size_t>(), num_vertices);
-    }
-  }
-  const Json& semantics = geometry.at("semantics");
-  const Json& values = is_solid ? semantics.at("values").at(0) : semantics["values"];
-  EXPECT_EQ(values.size(), surfaces.size());
-  for (const Json& value : values)
-    EXPECT_LT(value.get<size_t>(), semantics["surfaces"].size());
-  const std::set<std::string> types = {
-      "FloorSurface", "CeilingSurface", "InteriorWallSurface"};
-  for (const Json& surface : semantics["surfaces"]) {
-    EXPECT_EQ(types.count(surface.at("type").get<std::string>()), 1u) << surface;
-  }
-}
-
-TEST(FloorPlanFiles, CityJsonKeepsTheRulesOfItsSchema) {
-  // With a room whose ceiling was not seen.
+TEST(FloorPlanFiles, ARoomWithoutACeilingIsAFloorInCityJson) {
   FloorPlans plan = MakeFloorPlan(TwoMadeUpRooms());
   plan.storeys[0].rooms[1].ceiling_m.reset();
   const Json json = Json::parse(ContentOf(FloorPlanFiles(plan), "building.city.json"));
-  EXPECT_EQ(json.at("type"), "CityJSON");
-  EXPECT_EQ(KeysOf(json.at("transform")), (std::set<std::string>{"scale", "translate"}));
-  EXPECT_EQ(json.at("metadata").at("geographicalExtent").size(), 6u);
-  for (const Json& vertex : json.at("vertices")) {
-    ASSERT_EQ(vertex.size(), 3u);
-    for (const Json& value : vertex) EXPECT_TRUE(value.is_number_integer());
-  }
-  const Json& objects = json.at("CityObjects");
-  const std::map<std::string, std::string> parent_type = {{"BuildingStorey", "Building"},
-                                                          {"BuildingRoom", "BuildingStorey"}};
-  for (const auto& [name, object] : objects.items()) {
-    if (object.at("type") != "Building") {
-      ASSERT_EQ(object.at("parents").size(), 1u) << name;
-      const Json& parent = objects.at(object["parents"][0].get<std::string>());
-      EXPECT_EQ(parent.at("type"), parent_type.at(object["type"].get<std::string>())) << name;
-      EXPECT_NE(std::find(parent.at("children").begin(), parent["children"].end(), name),
-                parent["children"].end());
-    }
-    for (const Json& child : object.value("children", Json::array())) {
-      EXPECT_TRUE(objects.contains(child.get<std::string>()));
-    }
-    for (const Json& geometry : object.value("geometry", Json::array())) {
-      ExpectValidGeometry(geometry, json["vertices"].size());
-    }
-  }
-  EXPECT_EQ(objects.at("storey_1_room_2").at("geometry").at(0).at("type"), "MultiSurface");
+  const Json& geometry = json.at("CityObjects").at("storey_1_room_2").at("geometry").at(0);
+  EXPECT_EQ(geometry.at("type"), "MultiSurface");
+  ASSERT_EQ(geometry.at("boundaries").size(), 1u);
+  EXPECT_EQ(geometry["boundaries"][0].at(0).size(), 4u);
+  EXPECT_EQ(geometry.at("semantics").at("surfaces").at(0).at("type"), "FloorSurface");
 }
 
 TEST(FloorPlanFiles, DrawingsShowRoomsAndDoors) {

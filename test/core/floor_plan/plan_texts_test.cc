@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "core/floor_plan/plan_dxf.h"
 #include "core/floor_plan/plan_svg.h"
 #include "core/floor_plan/room_outlines.h"
 #include "test/testing/svg_texts.h"
@@ -119,6 +122,28 @@ TEST(PlanTexts, WithoutPlaceALengthGoesBeforeItIsHidden) {
   for (size_t i = 0; i + 1 < texts.dimensions.size(); ++i) {
     for (const auto& text : texts.dimensions[i]) EXPECT_FALSE(text.has_value());
   }
+}
+
+TEST(Paper, ModelAtIsTheInverse) {
+  // Deeper than wide, so that it is turned.
+  const Paper turned(NarrowRooms(0.9, 5.0, 2));
+  EXPECT_EQ(turned.Direction(Eigen::Vector2d::UnitY()), Eigen::Vector2d(1.0, 0.0));
+  const Paper unturned(75);
+  EXPECT_EQ(unturned.Direction(Eigen::Vector2d::UnitY()), Eigen::Vector2d(0.0, -1.0));
+  const Eigen::Vector2d p(1.25, -3.5);
+  for (const Paper& paper : {turned, unturned}) {
+    EXPECT_LT((paper.ModelAt(paper.At(p)) - p).norm(), 1e-12);
+    const Eigen::Vector2d step = paper.At(p + Eigen::Vector2d(0.1, 0.2)) - paper.At(p);
+    EXPECT_LT((step - paper.mm_per_m() * paper.Direction({0.1, 0.2})).norm(), 1e-9);
+  }
+}
+
+TEST(PlanTexts, TheDxfFileHasThemInItsOwnAlphabet) {
+  const std::string dxf = FormatDxf(NarrowRooms(3.0, 5.0, 1).storeys[0]);
+  EXPECT_THAT(dxf, ::testing::HasSubstr("\n15.00 m2\n"));
+  EXPECT_THAT(dxf, ::testing::HasSubstr("\n%%p0.001 m2\n"));
+  EXPECT_THAT(dxf, ::testing::HasSubstr("\n5.000 %%p1.1 mm\n"));
+  EXPECT_TRUE(std::all_of(dxf.begin(), dxf.end(), [](char c) { return c > 0; }));
 }
 
 TEST(ReadableAngle, ReadsFromBelowOrFromTheRight) {
