@@ -111,7 +111,8 @@ class EvidenceCollector {
     face.hit_ends[column].Extend(s);
   }
 
-  // What a beam that hit a face above the band passed over before it.
+  // Notes what a beam that hit a face above the band passed over before it: faces that look the
+  // same way, such as the front of a cupboard, and the backs of walls whose line goes on there.
   void AddPassesAbove(const Eigen::Vector3d& origin,
                       const Eigen::Vector3d& hit,
                       size_t of_face) {

@@ -102,8 +102,8 @@ struct FloorPlanInput {
   Rig rig;
 };
 
-// Reads summary.json, planes.json, plane_covariance.csv, trajectory.tum and map.ply of a result, and its rig
-// file. Throws Error.
+// Reads summary.json, planes.json, plane_covariance.csv, trajectory.tum and map.ply of a
+// result, and its rig file. Throws Error.
 FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file);
 

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "core/floor_plan/plan_drawing.h"
@@ -161,7 +162,9 @@ void AddTexts(const StoreyPlan& storey, DxfText* dxf) {
       [&](const char* layer, const TextBox& box, double size_mm, const std::string& text) {
         dxf->Text(layer, paper.ModelAt(BaselineOf(box)), size_mm, 0.0 - box.angle_deg, text);
       };
-  for (const DoorText& text : texts.doors) add("DOORS", text.box, kDoorTextMm, text.width);
+  for (const std::optional<DoorText>& text : texts.doors) {
+    if (text) add("DOORS", text->box, kDoorTextMm, text->width);
+  }
   for (size_t i = 0; i < storey.rooms.size(); ++i) {
     for (const std::optional<DimensionText>& text : texts.dimensions[i]) {
       if (!text) continue;

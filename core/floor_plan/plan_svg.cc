@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "core/floor_plan/plan_drawing.h"
 #include "core/floor_plan/plan_paper.h"
@@ -207,10 +208,11 @@ void DrawTexts(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   }
   svg->Close();
   svg->Open("id=\"door-widths\" fill=\"" + std::string(kDoorColour) + "\"");
-  for (const DoorText& text : texts.doors) {
+  for (const std::optional<DoorText>& text : texts.doors) {
+    if (!text) continue;
     // In a thin wall it stands on the door's lines.
-    svg->AddPaperBox(text.box);
-    svg->AddText(text.box, kDoorTextMm, text.width, "");
+    svg->AddPaperBox(text->box);
+    svg->AddText(text->box, kDoorTextMm, text->width, "");
   }
   svg->Close();
   svg->Open("id=\"labels\" fill=\"#000000\"");
@@ -225,7 +227,7 @@ void DrawLegend(double top, SvgText* svg) {
   constexpr double kSignMm = 8.0;
   constexpr double kHighMm = 2.4;
   struct Entry {
-    std::string sign;  // its elements but for "x", which is where it begins
+    std::string sign;  // elements of 8 mm x 2.4 mm from the upper left corner
     const char* text;
   };
   const std::string wall = std::string("fill=\"") + kWallColour + "\"";

@@ -28,7 +28,7 @@ std::vector<RoomLoop> OnPaper(const Room& room, const Paper& paper) {
   return loops;
 }
 
-// Whether the whole box lies in the room, as points of its border and its middle show.
+// Whether the whole box lies in the room, as points of its upper and lower border show.
 bool IsIn(const std::vector<RoomLoop>& loops, const TextBox& box) {
   constexpr int kSteps = 8;
   for (int i = 0; i <= kSteps; ++i) {
@@ -78,8 +78,12 @@ class TextPlacer {
                 TextWidth(text.width, kDoorTextMm),
                 kDoorTextMm,
                 ReadableAngle(paper_.Direction(door.to - door.from))};
-    taken_.push_back(text.box);
-    texts_.doors.push_back(text);
+    if (IsFree(text.box, false)) {
+      taken_.push_back(text.box);
+      texts_.doors.emplace_back(text);
+    } else {
+      texts_.doors.emplace_back();  // on that of another door
+    }
   }
 
   // A label's box about its middle.

@@ -51,7 +51,7 @@ struct DoorText {
 
 // PlanTexts is where the texts of a storey's drawing stand. None lies on another one.
 struct PlanTexts {
-  std::vector<DoorText> doors;                   // as the storey's doors
+  std::vector<std::optional<DoorText>> doors;    // as the storey's doors
   std::vector<std::optional<RoomLabel>> labels;  // as its rooms
   std::vector<std::vector<std::optional<DimensionText>>>
       dimensions;  // as the rooms' dimensions
@@ -60,7 +60,7 @@ struct PlanTexts {
 // Finds places for all texts: widths of doors stand in the doors, labels where the room is
 // wide and no dimension line runs, lengths along their lines, else beside them within the
 // room, first with and then without standard deviations. Where even that finds no place, a
-// label is the number only, or left out, and so is a length.
+// label is the number only, or left out, and so is a length or a width.
 PlanTexts PlaceTexts(const StoreyPlan& storey, const Paper& paper);
 
 // The middle of the baseline of a text in a box.

@@ -45,7 +45,7 @@ double Quantile(std::vector<float>* values, double share) {
   return static_cast<double>(*at);
 }
 
-// Whether it reaches from somewhere above people's heads to the ceiling.
+// Whether it reaches the ceiling, wherever it begins.
 bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
   constexpr double kBelowCeilingM = 0.15;
   constexpr double kMinLengthM = 0.4;
@@ -54,8 +54,8 @@ bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
          hits.extent.length_m() >= kMinLengthM;
 }
 
-// Whether it reaches from where people walk to the ceiling, or above where they could look
-// over, or is a high one.
+// Whether it reaches the ceiling, or from where people walk to above where they could look
+// over.
 bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
   constexpr double kMaxBottomM = 1.3;  // above the floor: what is behind a kitchen is a wall
   constexpr double kMinTopM = 1.9;

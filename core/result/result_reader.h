@@ -15,7 +15,8 @@ std::vector<StampedPose> ReadTrajectory(const std::string& path);  // trajectory
 std::vector<PlanePatch> ReadPlanes(const std::string& path);       // planes.json
 
 // Reads the instant from which the points' times count, the first scan line's of the recording,
-// ns on the recording's clock, from summary.json. Results of earlier versions lack it.
+// ns on the recording's clock, from summary.json. Throws Error where it is missing, as in
+// results of earlier versions.
 int64_t ReadStartTime(const std::string& path);
 
 // Reads planes.json and plane_covariance.csv.

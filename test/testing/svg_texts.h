@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <regex>
@@ -9,8 +10,8 @@
 
 namespace plumbline {
 
-// SvgText is one text of a drawing as a reader of SVG places it: the corners of the box that
-// its digits and capitals take, in the drawing's unit.
+// SvgTextBox is one text of a drawing as a reader of SVG places it: the corners of the box
+// that its digits and capitals take, in the drawing's unit.
 struct SvgTextBox {
   std::string text;
   std::array<Eigen::Vector2d, 4> corners;

@@ -82,6 +82,15 @@ TEST(PlanTexts, TheTestSeesTextsThatOverlap) {
   EXPECT_THAT(OverlapsIn(texts), ::testing::ElementsAre("1.234 | 5.678"));
 }
 
+TEST(PlanTexts, OfTwoDoorsInOnePlaceOneShowsItsWidth) {
+  FloorPlans plan = NarrowRooms(3.0, 5.0, 1);
+  StoreyPlan& storey = plan.storeys[0];
+  storey.doors.push_back(storey.doors[0]);
+  const PlanTexts texts = PlaceTexts(storey, Paper(plan));
+  EXPECT_TRUE(texts.doors.at(0).has_value());
+  EXPECT_FALSE(texts.doors.at(1).has_value());
+}
+
 TEST(PlanTexts, StandInTheirRooms) {
   const FloorPlans plan = NarrowRooms(1.8, 3.0, 4);
   const StoreyPlan& storey = plan.storeys[0];
