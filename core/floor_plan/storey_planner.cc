@@ -10,8 +10,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kFrameLabel = -1;
-constexpr int kEndLabel = -2;  // of lines across the ends of free-standing walls
+constexpr int kFrameLabel = -1;  // of the box of all that is solid, and of one round it
+constexpr int kEndLabel = -2;    // of lines across the ends of free-standing walls
 constexpr double kMaxSagittaM = 0.001;
 constexpr double kArcExtensionM = 0.5;
 constexpr double kEndDepthM = 1.0;  // how far behind a face its end's line goes
@@ -23,6 +23,25 @@ void AddFrame(const Eigen::AlignedBox2d& box, std::vector<PlanSegment>* segments
   for (size_t i = 0; i < 4; ++i) {
     segments->push_back({corners[i], corners[(i + 1) % 4], kFrameLabel});
   }
+}
+
+// The box of all solid stretches, and a little more, so that walls which are not quite level
+// with it lie within.
+Eigen::AlignedBox2d BoxOfWalls(const std::vector<WallFace>& faces,
+                               const std::vector<Stretches>& stretches) {
+  constexpr double kMarginM = 0.05;
+  Eigen::AlignedBox2d box;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    for (const SolidRun& run : SolidRuns(faces[i], stretches[i])) {
+      for (double s = run.from_m; s < run.to_m; s += WallFace::kColumnM) {
+        box.extend(faces[i].curve.At(s));
+      }
+      box.extend(faces[i].curve.At(run.to_m));
+    }
+  }
+  const Eigen::Vector2d margin(kMarginM, kMarginM);
+  if (box.isEmpty()) return box;
+  return {Eigen::Vector2d(box.min() - margin), Eigen::Vector2d(box.max() + margin)};
 }
 
 // An arc as chords, where it was seen and a little beyond.
@@ -144,14 +163,18 @@ class SquareMap {
   std::vector<int> cells_;
 };
 
-// Of each cell, whether it lies outdoors: beyond all walls, at the frame, and the rig was never
-// in it. Beams go there through windows and open doors, and see the ground.
+// Of each cell, whether it lies outdoors: at the frame or beyond, where the rig never was and
+// into which no wall looks. Beams go there through windows and open doors, and see the ground.
+// inside_m: of each cell, how much of walls' faces looks into it.
 std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
                                const SquareMap& squares,
-                               const std::vector<Eigen::Vector2d>& way) {
+                               const std::vector<Eigen::Vector2d>& way,
+                               const std::vector<double>& inside_m) {
+  constexpr double kMinWallM = 1.0;  // less are the jambs of windows
   std::vector<bool> outdoors(plan.cells.size(), false);
   for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
-    if (edge.label == kFrameLabel) outdoors[static_cast<size_t>(edge.cell)] = true;
+    const auto cell = static_cast<size_t>(edge.cell);
+    if (edge.label == kFrameLabel) outdoors[cell] = inside_m[cell] < kMinWallM;
   }
   for (const Eigen::Vector2d& p : way) {
     const int cell = squares.CellAt(p);
@@ -160,19 +183,59 @@ std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
   return outdoors;
 }
 
+// What speaks for and against a cell being free, without the beams that passed it.
+struct WallEvidence {
+  std::vector<CellCost> cells;
+  std::vector<BorderCost> borders;
+};
+
+WallEvidence EvidenceOfWalls(const StoreyRegions& regions) {
+  constexpr double kOpenBorder = 0.5;
+  constexpr double kUnseenBorder = 0.2;
+  const PlanSubdivision& plan = regions.plan;
+  WallEvidence evidence;
+  evidence.cells.resize(plan.cells.size());
+  for (size_t i = 0; i < plan.half_edges.size(); ++i) {
+    const PlanSubdivision::HalfEdge& edge = plan.half_edges[i];
+    if (static_cast<int>(i) > edge.twin) continue;
+    const auto cell = static_cast<size_t>(edge.cell);
+    const auto twin_cell =
+        static_cast<size_t>(plan.half_edges[static_cast<size_t>(edge.twin)].cell);
+    const double length = regions.Length(edge);
+    if (edge.label < 0) {
+      evidence.borders.push_back({cell, twin_cell, kUnseenBorder * length});
+      continue;
+    }
+    const StoreyRegions::EdgeShares shares = regions.SharesOf(edge);
+    const Eigen::Vector2d& a = plan.points[static_cast<size_t>(edge.origin)];
+    const Eigen::Vector2d& b = plan.points[static_cast<size_t>(edge.target)];
+    const Eigen::Vector2d left(-(b - a).y(), (b - a).x());
+    const WallCurve& curve = regions.faces[static_cast<size_t>(edge.label)].curve;
+    const bool looks_left = curve.NormalAt(0.5 * (a + b)).dot(left) > 0.0;
+    evidence.cells[looks_left ? cell : twin_cell].solid += shares.solid * length;
+    evidence.cells[looks_left ? twin_cell : cell].free += shares.solid * length;
+    evidence.borders.push_back(
+        {cell,
+         twin_cell,
+         (kOpenBorder * shares.open + kUnseenBorder * shares.unseen) * length});
+  }
+  return evidence;
+}
+
 void LabelCells(const FreeGrid& free,
                 const SquareMap& squares,
                 const std::vector<Eigen::Vector2d>& way,
                 StoreyRegions* regions) {
   constexpr double kFreePerM2 = 4.0;
   constexpr double kUnseenPerM2 = 0.1;
-  constexpr double kOpenBorder = 0.5;
-  constexpr double kUnseenBorder = 0.2;
   constexpr double kSquareM2 = FreeGrid::kCellM * FreeGrid::kCellM;
   constexpr double kNever = 1e6;
   const PlanSubdivision& plan = regions->plan;
-  std::vector<CellCost> cells(plan.cells.size());
-  const std::vector<bool> outdoors = OutdoorCells(plan, squares, way);
+  WallEvidence evidence = EvidenceOfWalls(*regions);
+  std::vector<CellCost>& cells = evidence.cells;
+  std::vector<double> inside_m;
+  for (const CellCost& cell : cells) inside_m.push_back(cell.solid);
+  const std::vector<bool> outdoors = OutdoorCells(plan, squares, way, inside_m);
   for (size_t i = 0; i < cells.size(); ++i) {
     if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
   }
@@ -183,31 +246,7 @@ void LabelCells(const FreeGrid& free,
       cells[cell].free += kUnseenPerM2 * kSquareM2;
     }
   });
-  std::vector<BorderCost> borders;
-  for (size_t i = 0; i < plan.half_edges.size(); ++i) {
-    const PlanSubdivision::HalfEdge& edge = plan.half_edges[i];
-    if (static_cast<int>(i) > edge.twin) continue;
-    const auto cell = static_cast<size_t>(edge.cell);
-    const auto twin_cell =
-        static_cast<size_t>(plan.half_edges[static_cast<size_t>(edge.twin)].cell);
-    const double length = regions->Length(edge);
-    if (edge.label < 0) {
-      borders.push_back({cell, twin_cell, kUnseenBorder * length});
-      continue;
-    }
-    const StoreyRegions::EdgeShares shares = regions->SharesOf(edge);
-    const Eigen::Vector2d& a = plan.points[static_cast<size_t>(edge.origin)];
-    const Eigen::Vector2d& b = plan.points[static_cast<size_t>(edge.target)];
-    const Eigen::Vector2d left(-(b - a).y(), (b - a).x());
-    const WallCurve& curve = regions->faces[static_cast<size_t>(edge.label)].curve;
-    const bool looks_left = curve.NormalAt(0.5 * (a + b)).dot(left) > 0.0;
-    cells[looks_left ? cell : twin_cell].solid += shares.solid * length;
-    cells[looks_left ? twin_cell : cell].free += shares.solid * length;
-    borders.push_back({cell,
-                       twin_cell,
-                       (kOpenBorder * shares.open + kUnseenBorder * shares.unseen) * length});
-  }
-  regions->is_free = LabelRegions(cells, borders);
+  regions->is_free = LabelRegions(cells, evidence.borders);
 }
 
 // Joins free cells to rooms where no closed edge separates them.
@@ -282,6 +321,8 @@ StoreyRegions PlanStorey(std::vector<WallFace> faces,
   regions.faces = std::move(faces);
   std::vector<PlanSegment> segments;
   AddFrame(free.box(), &segments);
+  const Eigen::AlignedBox2d walls = BoxOfWalls(regions.faces, regions.stretches);
+  if (!walls.isEmpty()) AddFrame(walls, &segments);
   for (size_t i = 0; i < regions.faces.size(); ++i) {
     const WallFace& face = regions.faces[i];
     const int label = static_cast<int>(i);

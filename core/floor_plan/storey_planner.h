@@ -41,8 +41,9 @@ struct StoreyRegions {
 // against being free. A border between free and solid costs its length where beams passed it,
 // a third of that where nothing is known, and nothing where there is a wall.
 //
-// Cells at the frame, 1 m beyond all walls, are outdoors and never free, unless the rig was in
-// them. way: its positions in the storey.
+// Cells at the box of all solid stretches of walls and beyond are outdoors and never free,
+// unless the rig was in them or at least 1 m of walls looks into them: the end of a corridor
+// that was not seen. way: the rig's positions in the storey.
 StoreyRegions PlanStorey(std::vector<WallFace> faces,
                          const FreeGrid& free,
                          const std::vector<Eigen::Vector2d>& way);

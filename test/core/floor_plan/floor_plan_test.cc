@@ -125,6 +125,21 @@ TEST(FloorPlan, WhatIsSeenThroughAnOpeningToTheOutsideIsNoRoom) {
   EXPECT_NEAR(plan.storeys[0].rooms[0].area_m2, 20.0, 1e-3);
 }
 
+TEST(FloorPlan, ACorridorGoesOnAsFarAsItsWallsWereSeen) {
+  MadeUpRooms rooms;
+  // Its east end was not seen; a step in its north wall cuts it in two where the rig was in the
+  // west half only.
+  rooms.AddFace({0, 0}, {12, 0});
+  rooms.AddFace({12, 2.5}, {6, 2.5});
+  rooms.AddFace({6, 2.5}, {6, 2});
+  rooms.AddFace({6, 2}, {0, 2});
+  rooms.AddFace({0, 2}, {0, 0});
+  rooms.AddWay({{1, 1}, {5, 1}});
+  const FloorPlans plan = MakeFloorPlan(rooms.Input());
+  ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1));
+  EXPECT_NEAR(plan.storeys[0].rooms[0].area_m2, 6.0 * 2.0 + 6.0 * 2.5, 0.5);
+}
+
 TEST(FloorPlan, ACupboardThatEndsBelowTheCeilingIsNoWall) {
   for (const bool in_niche : {true, false}) {
     MadeUpRooms rooms;
