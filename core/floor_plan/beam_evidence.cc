@@ -82,6 +82,14 @@ class EvidenceCollector {
     return static_cast<int>(std::floor(height * static_cast<double>(WallColumn::kNumLevels)));
   }
 
+  // Of a height above the band, its level from there up to the ceiling.
+  size_t HighLevel(double z) const {
+    const double share =
+        (z - storey_.band_high_m()) / std::max(1e-3, storey_.top_m - storey_.band_high_m());
+    constexpr auto kNum = static_cast<double>(WallColumn::kNumHigh);
+    return static_cast<size_t>(std::clamp(std::floor(share * kNum), 0.0, kNum - 1.0));
+  }
+
   void AddHit(const Eigen::Vector3d& origin,
               const Eigen::Vector3d& end,
               const FaceOfPlane& of_plane) {
@@ -101,6 +109,7 @@ class EvidenceCollector {
     const auto column = static_cast<size_t>(at);
     if (level >= static_cast<int>(WallColumn::kNumLevels)) {
       Increase(&face.columns[column].hits_above);
+      Increase(&face.columns[column].high_hits[HighLevel(hit.z())]);
       above_ends_[of_plane.face][column].Extend(s);
       ++above_hits_[of_plane.face][of_plane.member][column];
       AddPassesAbove(origin, hit, of_plane.face);
@@ -111,8 +120,9 @@ class EvidenceCollector {
     face.hit_ends[column].Extend(s);
   }
 
-  // Notes what a beam that hit a face above the band passed over before it: faces that look the
-  // same way, such as the front of a cupboard, and the backs of walls whose line goes on there.
+  // Notes what a beam that hit a face above the band passed over before it: faces that look
+  // the same way, such as the front of a cupboard, and the backs of walls whose line goes on
+  // there.
   void AddPassesAbove(const Eigen::Vector3d& origin,
                       const Eigen::Vector3d& hit,
                       size_t of_face) {
@@ -128,9 +138,9 @@ class EvidenceCollector {
       }
       face.curve.ForEachCrossing(origin.head<2>(), hit.head<2>(), [&](double share, double s) {
         const int column = face.ColumnOf(s);
-        if (column < 0) return;
-        if (origin.z() + share * (hit.z() - origin.z()) < storey_.band_high_m()) return;
-        Increase(&face.columns[static_cast<size_t>(column)].passes_above);
+        const double z = origin.z() + share * (hit.z() - origin.z());
+        if (column < 0 || z < storey_.band_high_m()) return;
+        Increase(&face.columns[static_cast<size_t>(column)].high_passes[HighLevel(z)]);
       });
     }
   }

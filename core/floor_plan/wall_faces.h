@@ -21,19 +21,29 @@ struct WallColumn {
   std::array<uint16_t, kNumLevels> hits = {};
   std::array<uint16_t, kNumLevels> passes = {};
   uint16_t hits_above = 0;  // above the band: lintels
-  // Of the beams that hit a wall above the band, those that passed this face up to
-  // kMaxFurnitureM before it: what they passed over stands before that wall.
+  // At four heights from the band up to the ceiling: beams that hit the face, and beams that
+  // passed it and hit a wall up to kMaxFurnitureM behind.
+  static constexpr size_t kNumHigh = 4;
   static constexpr double kMaxFurnitureM = 0.8;
-  uint16_t passes_above = 0;
+  std::array<uint16_t, kNumHigh> high_hits = {};
+  std::array<uint16_t, kNumHigh> high_passes = {};
   // Of the passes, those that came from or went more than kDeepM behind the face.
   static constexpr double kDeepM = 0.6;
   uint16_t deep_passes = 0;
   bool rig_passed = false;
 
-  // Whether it ends below the ceiling, before a wall: a cupboard, say.
+  // Whether it ends below the ceiling, before a wall: a cupboard, say. From some height up to
+  // the ceiling, more beams pass it than hit it.
   bool EndsBelowCeiling() const {
     constexpr int kMinBeams = 2;  // one may be a stray
-    return passes_above >= kMinBeams && passes_above > hits_above;
+    int hit = 0;
+    int passed = 0;
+    for (size_t i = kNumHigh; i-- > 0;) {
+      hit += high_hits[i];
+      passed += high_passes[i];
+      if (passed >= kMinBeams && passed > hit) return true;
+    }
+    return false;
   }
 
   // Whether beams say only what is above the band: something stands before it.

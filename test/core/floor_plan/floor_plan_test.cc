@@ -154,8 +154,9 @@ TEST(FloorPlan, ACupboardThatEndsBelowTheCeilingIsNoWall) {
       rooms.AddFace({1, 3.5}, {0, 3.5});
     }
     rooms.AddFace({0, in_niche ? 3.5 : 4.0}, {0, 0});
-    rooms.AddFront({3, 3.48}, {1, 3.48}, 2.0);
-    if (!in_niche) rooms.AddFront({1, 3.48}, {1, 4}, 2.0);
+    constexpr double kTopM = 2.1;
+    rooms.AddFront({3, 3.48}, {1, 3.48}, kTopM);
+    if (!in_niche) rooms.AddFront({1, 3.48}, {1, 4}, kTopM);
     rooms.AddWay({{1, 1}, {4, 1}, {4, 2.5}, {1, 2.5}});
     const FloorPlans plan = MakeFloorPlan(rooms.Input());
     ASSERT_THAT(plan.storeys.at(0).rooms, SizeIs(1)) << in_niche;
