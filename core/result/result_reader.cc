@@ -236,7 +236,8 @@ int64_t ReadStartTime(const std::string& path) {
   if (!json.is_object()) throw Error(path + ": is not an object");
   const auto field = json.find("start_time");
   if (field == json.end()) {
-    throw Error(path + ": has no 'start_time': the map was made by an earlier version, map the "
+    throw Error(path +
+                ": has no 'start_time': the map was made by an earlier version, map the "
                 "recording again");
   }
   const std::optional<int64_t> time_ns = ParseTime(*field);

@@ -85,8 +85,8 @@ std::string ColourText(int id) {
          std::to_string(colour[2]);
 }
 
-// The triangles of an outline, by the positions of their corners, which run to the left as seen
-// from the side that was seen. Outlines of planes are convex.
+// The triangles of an outline, by the positions of their corners, which run to the left as
+// seen from the side that was seen. Outlines of planes are convex.
 std::vector<std::array<int, 3>> TrianglesOf(const PlanePatch& plane) {
   const int size = static_cast<int>(plane.outline.size());
   std::vector<std::array<int, 3>> triangles;
