@@ -96,6 +96,7 @@ TEST_F(MapJobTest, SummaryAgreesWithTheOtherFiles) {
   const nlohmann::json json =
       nlohmann::json::parse(std::ifstream(Path("result/summary.json")));
   EXPECT_EQ(json.at("points").get<int64_t>(), num_points);
+  EXPECT_EQ(ReadStartTime(Path("result/summary.json")), recording.scan_lines.front().stamp_ns);
   EXPECT_EQ(json.at("motion"), "spatial");
 }
 
