@@ -46,6 +46,7 @@ class Batch {
   // Rounds of better associations and a better estimate, then the last estimation.
   BatchReport Run() {
     const int num_contradicted = DropContradictedPlanes(state_) +
+                                 DropPlanesWithoutLines(state_) +
                                  DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << num_contradicted << " segments taken from planes that contradict them";
     estimator_.EstimateRobustly();  // associations made on the way may be wrong

@@ -266,6 +266,15 @@ int DropWeakPlanes(const PlaneOptions& options, MapState* state) {
   return ReleaseObservations(is_weak, state);
 }
 
+int DropPlanesWithoutLines(MapState* state) {
+  std::vector<bool> has_none(state->landmarks.size(), true);
+  for (const Observation& observation : state->observations) {
+    if (observation.landmark_id < 0 || observation.num_points < 2) continue;
+    has_none[static_cast<size_t>(observation.landmark_id)] = false;
+  }
+  return ReleaseObservations(has_none, state);
+}
+
 int DropObliqueFalsePlanes(MapState* state) {
   std::vector<int64_t> in_segments(state->landmarks.size(), 0);
   std::vector<int64_t> in_sub_minimum(state->landmarks.size(), 0);

@@ -56,6 +56,9 @@ int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapSt
 // needs. The observations are in the order of time.
 int DropWeakPlanes(const PlaneOptions& options, MapState* state);
 
+// Drops landmarks of whose segments only single beams are left, which determine no direction.
+int DropPlanesWithoutLines(MapState* state);
+
 // Drops landmarks that hold many points in sub-minimum segments and few in segments, as
 // oblique false planes across corners do; their sub-minimum segments are removed, too.
 int DropObliqueFalsePlanes(MapState* state);

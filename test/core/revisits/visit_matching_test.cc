@@ -68,11 +68,21 @@ TEST_F(VisitMatchingTest, APlaceIsKnownAgain) {
 }
 
 TEST_F(VisitMatchingTest, AnotherPlaceIsNot) {
-  // The upper side of the ring, which has other doors, taken for the lower one.
-  for (const Visit& visit : *visits_) {
-    if (visit.way_m < 30.0 || visit.way_m > 36.0) continue;
-    EXPECT_FALSE(Match(First(), visit, PlanarPose())) << visit.way_m;
+  Visit room;  // 7 m by 5 m, with a table's legs
+  for (double along = 0.0; along < 1.0; along += 0.015) {
+    for (const double side : {-1.0, 1.0}) {
+      room.points.emplace_back(7.0 * along - 3.5, 2.5 * side);
+      room.points.emplace_back(3.5 * side, 5.0 * along - 2.5);
+    }
   }
+  for (const Eigen::Vector2d& leg :
+       std::vector<Eigen::Vector2d>{{1.0, 0.5}, {2.0, 0.5}, {1.0, -0.5}, {2.0, -0.5}}) {
+    room.points.push_back(leg);
+  }
+  room.scanners.assign(room.points.size(), {-1.0, 0.0});
+  EXPECT_TRUE(Match(room, room, PlanarPose()));
+  EXPECT_FALSE(Match(First(), room, PlanarPose()));
+  EXPECT_FALSE(Match(room, First(), PlanarPose()));
 }
 
 TEST_F(VisitMatchingTest, ABareCorridorLooksTheSameEverywhere) {
