@@ -30,6 +30,7 @@ from benchmark_tables import make_tables
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments"))
 import job_runner  # pylint: disable=wrong-import-position
+import series  # pylint: disable=wrong-import-position
 
 ROOT = job_runner.ROOT
 CONFIGS = ROOT / "configs"
@@ -355,8 +356,8 @@ def run_all(cases, arguments, work):
 
 def main():
     arguments = parse_arguments()
-    versions = job_runner.check_binaries(arguments.binaries,
-                                         ("plumbline_simulate", "plumbline_map"))
+    versions = series.build_of(arguments.binaries,
+                               ("plumbline_simulate", "plumbline_map"))["version"]
     job_runner.read_text(arguments.document)  # an error now rather than after an hour
     cases = [case for case in make_cases(arguments.long, arguments.dense)
              if case.group in arguments.groups]

@@ -20,6 +20,7 @@ import sys
 
 import experiment_files
 import job_runner
+import series
 
 PROGRAMS = ("plumbline_simulate", "plumbline_check")
 REQUIRED = ("check/check.json", "exit_codes.json")
@@ -143,10 +144,10 @@ def table_of(rows):
 def main():
     arguments = parse_arguments()
     setup = {"program": "check_cases.py",
-             "version": job_runner.check_binaries(arguments.binaries, PROGRAMS)}
+             **series.build_of(arguments.binaries, PROGRAMS)}
     jobs = make_jobs(arguments)
     with job_runner.open_executor(arguments) as executor, \
-            job_runner.Output(arguments.output, setup) as output:
+            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         output.run(jobs, executor, arguments.retry_failed, "runs")
         rows = collect(output, jobs)
         output.write_json("check_cases.json", rows)

@@ -4,19 +4,14 @@ A job is a sequence of commands that work in a directory of its own. What it lea
 directory below the output directory, which appears complete or not at all. So a job whose
 directory exists is done, and after any interruption the same command goes on where it stopped.
 
-Below the output directory, besides the results:
-
-    setup.json          what is run here; results of something else are not put beside it
-    failed_<...>.json   a job that failed, with its error
-    .work.<session>/    what is not finished; a job whose work directory is taken away gives up
-    .lock               held while a script works here
+What is not finished is in .work.<session>/ below the output directory; a job whose work directory
+is taken away gives up. What else lies there: series.py.
 """
 
 import argparse
 import concurrent.futures
 import dataclasses
 import datetime
-import fcntl
 import json
 import os
 import pathlib
@@ -179,110 +174,6 @@ class WorkDirectory:
         discard(self.path)
 
 
-class Output:
-    """Context: the output directory, held by one script at a time. setup is what is run there, a
-    dictionary for JSON; its keys are words for messages."""
-
-    def __init__(self, path, setup):
-        self.path = path
-        self._setup = setup
-        self._lock = None
-        self._work = WorkDirectory(path)
-
-    def __enter__(self):
-        self.path.mkdir(parents=True, exist_ok=True)
-        self._take_lock()
-        try:
-            stored = self._check_setup()
-            for pattern in (".work.*", ".trash.*"):
-                for leftover in self.path.glob(pattern):
-                    discard(leftover)
-            self._work.__enter__()
-            if not stored:
-                self.write_json("setup.json", self._setup)
-        except BaseException:
-            os.close(self._lock)
-            raise
-        return self
-
-    def __exit__(self, *arguments):
-        self._work.__exit__(*arguments)
-        os.close(self._lock)
-
-    def _take_lock(self):
-        self._lock = os.open(self.path / ".lock", os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(self._lock)
-            raise InputError(f"{self.path}: another script is at work here") from None
-        except OSError:
-            pass  # some shared file systems have no locks; results are safe without
-
-    def _check_setup(self):
-        """Whether the setup is stored already; an error when it is another one."""
-        path = self.path / "setup.json"
-        if not path.exists():
-            if any(entry.is_dir() for entry in self.path.glob("[!.]*")):
-                raise InputError(f"{self.path} holds directories but no setup.json; "
-                                 "choose another --output")
-            return False
-        stored = read_object(path)
-        keys = [key for key in {**self._setup, **stored}
-                if stored.get(key) != self._setup.get(key)]
-        if keys:
-            raise InputError(f"{self.path} holds results of another {' and '.join(keys)}, see "
-                             "its setup.json; choose another --output")
-        return True
-
-    def write_json(self, name, data):
-        """Writes a file that appears complete or not at all."""
-        temporary = self._work.path / name
-        temporary.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-        write_through(temporary)
-        temporary.rename(self.path / name)
-
-    def run(self, jobs, executor, retry_failed, noun):
-        """Runs the jobs that are neither done nor, unless retry_failed, failed before."""
-        missing = [job for job in jobs if self._is_missing(job, retry_failed)]
-        progress = Progress(len(jobs), len(missing), noun)
-        for job, failure in executor.run(missing, self._work.path):
-            if failure is None:
-                (self.path / job.failure_file).unlink(missing_ok=True)
-            else:
-                self.write_json(job.failure_file, failure)
-            progress.count(failure is not None)
-        for job in jobs:  # one that an interruption left as failed and done
-            if job.destination.is_dir():
-                (self.path / job.failure_file).unlink(missing_ok=True)
-
-    def _is_missing(self, job, retry_failed):
-        if job.destination.is_dir() and not any(job.destination.iterdir()):
-            warn(f"{job.destination} is empty; done again")
-            job.destination.rmdir()
-        if job.destination.is_dir():
-            return False
-        return retry_failed or self.read_failure(job.failure_file) is None
-
-    def read_failure(self, name):
-        """What a failure file says; None where there is none or it is damaged."""
-        path = self.path / name
-        try:
-            failure = read_object(path) if path.exists() else None
-            if failure is None or "error" in failure:
-                return failure
-            warn(f"{path} has no error; left out")
-        except InputError as error:
-            warn(f"{error}; left out")
-        return None
-
-    def failures(self, key):
-        """The failures so far that have the key, such as seed."""
-        paths = sorted(self.path.glob("failed_*.json"))
-        return [failure for failure in map(self.read_failure, (path.name for path in paths))
-                if failure and key in failure]
-
-
 def warn(text):
     print(f"{os.path.basename(sys.argv[0])}: {text}", file=sys.stderr)
 
@@ -428,19 +319,6 @@ def read_text(path):
         raise InputError(f"can not read {path}: {error}") from error
 
 
-def check_binaries(directory, programs):
-    """The programs' versions, None for those that do not tell."""
-    versions = {}
-    for program in programs:
-        path = directory / program
-        if not os.access(path, os.X_OK) or not path.is_file():
-            raise InputError(f"no {program} in {directory}; build first, or see --binaries")
-        result = subprocess.run([path, "--version"], stdin=subprocess.DEVNULL,
-                                capture_output=True, text=True, check=False)
-        versions[program] = result.stdout.strip() if result.returncode == 0 else None
-    return versions
-
-
 def simulated_run(experiment, config, seed, binaries):
     """The commands that simulate, map and evaluate; results are in truth/ and result/."""
     return (
@@ -478,6 +356,13 @@ def add_arguments(parser):
                        "docs/cluster.md")
     parser.add_argument("--retry-failed", action="store_true",
                         help="also do what failed before once more")
+    add_build_argument(parser)
+
+
+def add_build_argument(parser):
+    parser.add_argument("--accept-other-build", action="store_true",
+                        help="go on with a series that another build of the programs began; "
+                        "setup.json names all builds")
 
 
 def open_executor(arguments):

@@ -12,6 +12,7 @@ import argparse
 import sys
 
 import job_runner
+import series
 
 SUFFIXES = (".bag", ".mcap", ".db3", ".clf")
 PACKED_SUFFIXES = ("", ".bz2", ".zstd")
@@ -146,11 +147,11 @@ def main():
         "folder": str(arguments.folder),
         "rig": arguments.rig and job_runner.read_text(arguments.rig),
         "config": arguments.config and job_runner.read_text(arguments.config),
-        "version": job_runner.check_binaries(arguments.binaries, ("plumbline_map",)),
+        **series.build_of(arguments.binaries, ("plumbline_map",)),
     }
     jobs = [make_job(name, path, arguments) for name, path in recordings.items()]
     with job_runner.open_executor(arguments) as executor, \
-            job_runner.Output(arguments.output, setup) as output:
+            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         output.run(jobs, executor, arguments.retry_failed, "recordings")
         summary = summarise(output, jobs)
         output.write_json("summary.json", summary)

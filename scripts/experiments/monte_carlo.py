@@ -15,6 +15,7 @@ import sys
 
 import experiment_files
 import job_runner
+import series
 
 EXPERIMENTS = experiment_files.FOLDER
 PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
@@ -145,11 +146,11 @@ def main():
         "program": "monte_carlo.py",
         "experiment": {"name": experiment.stem, "files": experiment_files.read(experiment)},
         "config": {"name": config.stem, "text": job_runner.read_text(config)},
-        "version": job_runner.check_binaries(arguments.binaries, PROGRAMS),
+        **series.build_of(arguments.binaries, PROGRAMS),
     }
     jobs = make_jobs(arguments, experiment, config)
     with job_runner.open_executor(arguments) as executor, \
-            job_runner.Output(arguments.output, setup) as output:
+            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         output.run(jobs, executor, arguments.retry_failed, "runs")
         summary = summarise(output, experiment)
         output.write_json("summary.json", summary)

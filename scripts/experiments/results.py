@@ -3,16 +3,19 @@
 of docs/results.md as a Markdown table.
 
 Every run keeps its evaluation.json and summary.json below --output; a run that is already there
-is not done again. A run that fails is listed with its error.
+is not done again, unless it is damaged or failed. A run that fails is listed with its error.
 """
 
 import argparse
 import sys
 
+import experiment_files
 import job_runner
+import series
 
 ROOT = job_runner.ROOT
-EXPERIMENTS = ROOT / "configs" / "experiments"
+EXPERIMENTS = experiment_files.FOLDER
+PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
 
 # Name of the case: experiment that is simulated, file with the mapper's settings.
 CASES = {
@@ -97,7 +100,7 @@ def row(case, good, num_runs):
     return "| " + " | ".join(cells) + " |"
 
 
-def main():
+def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("--seeds", type=int, default=10, help="runs of each case (default 10)")
     parser.add_argument("--jobs", type=int, default=1, help="runs at the same time (default 1)")
@@ -105,25 +108,41 @@ def main():
                         help="only this case; may be repeated")
     parser.add_argument("--binaries", type=job_runner.resolved, default=ROOT / "build" / "bin")
     parser.add_argument("--output", type=job_runner.resolved, default=ROOT / "out" / "results")
-    arguments = parser.parse_args()
-    if not (arguments.binaries / "plumbline_map").exists():
-        sys.exit(f"results.py: no plumbline_map in {arguments.binaries}; build first")
-    cases = arguments.case or list(CASES)
-    jobs = {(case, seed): make_job(case, seed, arguments)
-            for seed in range(1, arguments.seeds + 1) for case in cases}
-    errors = run_missing(list(jobs.values()), arguments)
+    job_runner.add_build_argument(parser)
+    return parser.parse_args()
+
+
+def setup_of(arguments):
+    """Of all cases, since those that are chosen may change from run to run."""
+    files = {name: experiment_files.checksum(EXPERIMENTS / f"{name}.yaml")
+             for names in CASES.values() for name in names}
+    return {"program": "results.py", "experiments": files,
+            **series.build_of(arguments.binaries, PROGRAMS)}
+
+
+def print_tables(cases, jobs, errors, num_seeds):
     print("| case | mapped | position RMSE / mm | the same, aligned / mm | "
           "rotation RMSE / deg | planes on true faces | "
           "wrong | doubled | missed | largest angle error / deg | largest distance error / mm | "
           "the same, aligned / mm | residual RMS / mm | times real time | memory / MB |")
     print("|" + "---|" * 15)
     for case in cases:
-        case_jobs = [jobs[case, seed] for seed in range(1, arguments.seeds + 1)]
+        case_jobs = [jobs[case, seed] for seed in range(1, num_seeds + 1)]
         results = [read_result(job) for job in case_jobs if job.destination.is_dir()]
         print(row(case, [result for result in results if result], len(case_jobs)))
     for (case, seed), job in jobs.items():
         if job.destination in errors:
             print(f"\nfailed: {case}, seed {seed}: {errors[job.destination]}")
+
+
+def main():
+    arguments = parse_arguments()
+    cases = arguments.case or list(CASES)
+    jobs = {(case, seed): make_job(case, seed, arguments)
+            for seed in range(1, arguments.seeds + 1) for case in cases}
+    with series.Output(arguments.output, setup_of(arguments), arguments.accept_other_build):
+        errors = run_missing(list(jobs.values()), arguments)
+    print_tables(cases, jobs, errors, arguments.seeds)
     return 1 if errors else 0
 
 

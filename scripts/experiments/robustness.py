@@ -17,6 +17,7 @@ import sys
 
 import experiment_files
 import job_runner
+import series
 
 FOLDER = experiment_files.FOLDER / "robustness"
 PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
@@ -209,11 +210,11 @@ def main():
     setup = {
         "program": "robustness.py",
         "config": arguments.config and job_runner.read_text(arguments.config),
-        "version": job_runner.check_binaries(arguments.binaries, PROGRAMS),
+        **series.build_of(arguments.binaries, PROGRAMS),
     }
     jobs = make_jobs(arguments, cases)
     with job_runner.open_executor(arguments) as executor, \
-            job_runner.Output(arguments.output, setup) as output:
+            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         check_experiments(output, cases)
         output.run(jobs, executor, arguments.retry_failed, "runs")
         rows, num_damaged = collect(output, jobs)

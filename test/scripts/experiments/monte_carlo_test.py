@@ -166,12 +166,39 @@ class MonteCarloTest(ScriptTest):
         config.write_text("window: {}\n")
         self.check_error("another config", self.experiment, "--config", config)
         self.check_error("another experiment and config", "room")
-        self.set_control("version", "plumbline 2.0")
-        self.check_error("another version", self.experiment)
-        self.unset_control("version")
         self.building.write_text("floor_height_m: 1\n")
         self.check_error("another experiment", self.experiment)
         self.assertEqual(self.seeds(), ["1"])
+
+    def check_mixture(self, result, num_builds):
+        self.check_done(result)
+        self.assertIn(f"mixes results of {num_builds} builds", result.stderr)
+
+    def test_another_build_is_accepted_only_on_demand(self):
+        self.set_control("version", "plumbline 1.0")
+        self.check_done(self.run_seeds(1, 1))
+        self.set_control("version", "plumbline 2.0")
+        self.check_error("another build (plumbline 1.0, now plumbline 2.0)", self.experiment)
+        self.check_mixture(self.run_seeds(1, 2, "--accept-other-build"), 2)
+        self.check_mixture(self.run_seeds(1, 3), 2)
+        stored = json.loads((self.output / "setup.json").read_text())
+        self.assertEqual(stored["version"]["plumbline_map"], "plumbline 2.0")
+        self.assertEqual([build["version"]["plumbline_map"] for build in stored["earlier_builds"]],
+                         ["plumbline 1.0"])
+        self.set_control("version", "plumbline 1.0")  # it is no longer the newest of the two
+        self.check_error("another build", self.experiment)
+        self.check_mixture(self.run_seeds(1, 4, "--accept-other-build"), 2)
+        self.assertEqual(self.seeds(), ["1", "2", "3", "4"])
+        config = self.directory / "config.yaml"
+        config.write_text("window: {}\n")
+        self.check_error("another config", self.experiment, "--config", config,
+                         "--accept-other-build")
+
+    def test_programs_of_one_version_are_told_apart(self):
+        self.check_done(self.run_seeds(1, 1))
+        with open(self.binaries / "plumbline_map", "a", encoding="utf-8") as program:
+            program.write("# built again\n")
+        self.check_error("another plumbline_map of the same version", self.experiment)
 
     def test_directories_of_others_are_left_alone(self):
         (self.output / "run_0001").mkdir(parents=True)

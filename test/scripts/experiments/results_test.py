@@ -31,11 +31,11 @@ class ResultsTest(ScriptTest):
         self.assertEqual(self.seeds(), ["1", "2", "2", "3"])
 
     def test_a_run_without_evaluation_is_done_again(self):
-        directory = self.output / "room" / "seed_1"
-        directory.mkdir(parents=True)
-        (directory / "summary.json").write_text("{}")
         self.check_done(self.run_room(1))
-        self.assertTrue((directory / "evaluation.json").exists())
+        evaluation = self.output / "room" / "seed_1" / "evaluation.json"
+        evaluation.unlink()
+        self.check_done(self.run_room(1))
+        self.assertTrue(evaluation.exists())
 
     def test_a_damaged_run_is_done_again(self):
         self.check_done(self.run_room(2))
@@ -46,6 +46,13 @@ class ResultsTest(ScriptTest):
         self.assertEqual(result.stderr.count("is damaged; done again"), 2)
         self.assertIn("| room | 2 of 2 |", result.stdout)
         self.assertEqual(self.seeds(), ["1", "1", "2", "2"])
+
+    def test_another_build_is_accepted_only_on_demand(self):
+        self.check_done(self.run_room(1))
+        self.set_control("version", "plumbline 2.0")
+        self.check_error("another build", "--case", "room", "--seeds", "2")
+        self.check_done(self.run_script("--case", "room", "--seeds", "2", "--accept-other-build"))
+        self.assertEqual(self.seeds(), ["1", "2"])
 
     def test_missing_programs(self):
         (self.binaries / "plumbline_map").unlink()
