@@ -185,6 +185,7 @@ Ramp ReadRamp(const YamlNode& node, double height, std::vector<PlanCircle>* circ
 
 Stairs ReadStairs(const YamlNode& node) {
   Stairs stairs;
+  stairs.location = node.Location();
   stairs.from = ReadPlace(node["from"]);
   stairs.to = ReadPlace(node["to"]);
   stairs.width_m = node["width_m"].AsDouble(0.01, kMaxCoordinate);
@@ -200,7 +201,9 @@ Stairs ReadStairs(const YamlNode& node) {
 }
 
 // A plane that rises to the left of its eave, or two that fall to both sides of their ridge.
-void ReadRoof(const YamlNode& node, std::vector<HeightPlane>* roof) {
+Roof ReadRoof(const YamlNode& node) {
+  Roof roof;
+  roof.location = node.Location();
   const bool is_ridge = node.Has("ridge");
   if (is_ridge == node.Has("eave")) node.Fail("a roof's plane has either an eave or a ridge");
   const std::vector<YamlNode> ends = node[is_ridge ? "ridge" : "eave"].Elements();
@@ -212,8 +215,77 @@ void ReadRoof(const YamlNode& node, std::vector<HeightPlane>* roof) {
   const double slope = std::tan(node["slope_deg"].AsDouble(0.0, 80.0) * kRadiansPerDegree);
   node.RejectUnreadKeys();
   const Eigen::Vector2d rise = slope * Eigen::Vector2d(-along.y(), along.x()).normalized();
-  if (is_ridge) roof->push_back({height + rise.dot(from), -rise});
-  roof->push_back({height - rise.dot(from), rise});
+  if (is_ridge) roof.planes.push_back({height + rise.dot(from), -rise});
+  roof.planes.push_back({height - rise.dot(from), rise});
+  return roof;
+}
+
+// Where a storey has rooms, seen from above, and errors for what lies elsewhere: it would be
+// left out without a word.
+class RoomsOfStorey {
+ public:
+  explicit RoomsOfStorey(const FloorPlan& plan) : rooms_(plan.outlines) {
+    for (const Hall& hall : plan.halls) rooms_.push_back(hall.corners);
+    num_outlines_ = rooms_.size();
+    for (const Ramp& ramp : plan.ramps) rooms_.push_back(ramp.corners);
+  }
+
+  void CheckStandsIn(const YamlNode& node,
+                     const std::string& what,
+                     const Polygon2& footprint) const {
+    const auto contains_any = [](const Polygon2& polygon, const Polygon2& points) {
+      return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
+        return Contains(polygon, point);
+      });
+    };
+    // Most have a corner in a room, and cost no exact arithmetic.
+    for (const Polygon2& room : rooms_) {
+      if (contains_any(room, footprint)) return;
+    }
+    for (const Polygon2& room : rooms_) {
+      PlanarRegion rest;
+      rest.Join(footprint);
+      rest.Subtract(room);
+      PlanarRegion shared;
+      shared.Join(footprint);
+      shared.Subtract(rest);
+      if (!shared.Polygons().empty()) return;
+    }
+    node.Fail(what + " stands in no room");
+  }
+
+  // A ramp is a room; it has to lead to another one.
+  void CheckTouchesRoom(const YamlNode& node, size_t ramp_index) const {
+    constexpr double kStep = 0.05;   // m, along the ramp's edges
+    constexpr double kReach = 0.01;  // m, to both sides of them
+    const size_t own = num_outlines_ + ramp_index;
+    const Polygon2& corners = rooms_[own];
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d edge = corners[(i + 1) % corners.size()] - corners[i];
+      const Eigen::Vector2d aside = kReach * Eigen::Vector2d(-edge.y(), edge.x()).normalized();
+      const int num_steps = static_cast<int>(std::ceil(edge.norm() / kStep));
+      for (int step = 0; step < num_steps; ++step) {
+        const Eigen::Vector2d place = corners[i] + (step + 0.5) / num_steps * edge;
+        for (size_t room = 0; room < rooms_.size(); ++room) {
+          if (room == own) continue;
+          if (Contains(rooms_[room], place + aside)) return;
+          if (Contains(rooms_[room], place - aside)) return;
+        }
+      }
+    }
+    node.Fail("the ramp touches no room");
+  }
+
+ private:
+  std::vector<Polygon2> rooms_;  // outlines, halls, then ramps
+  size_t num_outlines_ = 0;      // and halls
+};
+
+Polygon2 FootprintOf(const Furniture& piece) {
+  const Eigen::Vector2d half =
+      piece.size.x() / 2 * Eigen::Vector2d(std::cos(piece.yaw_rad), std::sin(piece.yaw_rad));
+  return RectangleAlong(
+      piece.position - half, piece.position + half, piece.size.y(), 0.0, piece.size.x());
 }
 
 FloorPlan ReadStorey(const YamlNode& node) {
@@ -234,15 +306,26 @@ FloorPlan ReadStorey(const YamlNode& node) {
     plan.ramps.push_back(ReadRamp(n, height, &plan.circles));
   });
   for_each("stairs", [&](const YamlNode& n) { plan.stairs.push_back(ReadStairs(n)); });
-  for_each("roof", [&](const YamlNode& n) { ReadRoof(n, &plan.roof); });
+  for_each("roof", [&](const YamlNode& n) { plan.roofs.push_back(ReadRoof(n)); });
   for_each("floor_openings", [&](const YamlNode& n) {
     plan.floor_openings.push_back({n.Location(), ReadPolygon(n, &plan.circles)});
   });
-  for_each("solids",
-           [&](const YamlNode& n) { plan.solids.push_back(ReadPolygon(n, &plan.circles)); });
-  for_each("walls", [&](const YamlNode& n) { plan.walls.push_back(ReadWall(n, height)); });
-  for_each("furniture",
-           [&](const YamlNode& n) { plan.furniture.push_back(ReadFurniture(n)); });
+  const RoomsOfStorey rooms(plan);
+  size_t ramp_index = 0;
+  for_each("ramps", [&](const YamlNode& n) { rooms.CheckTouchesRoom(n, ramp_index++); });
+  for_each("solids", [&](const YamlNode& n) {
+    plan.solids.push_back(ReadPolygon(n, &plan.circles));
+    rooms.CheckStandsIn(n, "the solid", plan.solids.back());
+  });
+  for_each("walls", [&](const YamlNode& n) {
+    const Wall wall = ReadWall(n, height);
+    rooms.CheckStandsIn(n, "the wall", wall.Footprint(0.0, (wall.to - wall.from).norm()));
+    plan.walls.push_back(wall);
+  });
+  for_each("furniture", [&](const YamlNode& n) {
+    plan.furniture.push_back(ReadFurniture(n));
+    rooms.CheckStandsIn(n, "the furniture", FootprintOf(plan.furniture.back()));
+  });
   node.RejectUnreadKeys();
   return plan;
 }
@@ -282,7 +365,7 @@ std::vector<Polygon2> Wall::FootprintsBeside(std::vector<Opening> open) const {
 }
 
 bool FloorPlan::IsLevel() const {
-  return halls.empty() && ramps.empty() && roof.empty() && stairs.empty() &&
+  return halls.empty() && ramps.empty() && roofs.empty() && stairs.empty() &&
          floor_openings.empty();
 }
 

@@ -60,12 +60,19 @@ struct Ramp {
 // A straight flight of stairs: its steps have equal treads and risers, the last tread is the
 // landing's height.
 struct Stairs {
+  std::string location;  // "file:line", for messages
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  // middle of the lowest riser's foot
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    // middle of the last tread's far edge
   double width_m = 0.0;
   int num_steps = 0;
   // Of the flight below the line of its edges, m; 0: the steps are solid down to the foot.
   double thickness_m = 0.0;
+};
+
+// A roof is a plane that rises from its eave, or two that fall from their ridge.
+struct Roof {
+  std::string location;  // "file:line", for messages
+  std::vector<HeightPlane> planes;
 };
 
 // An opening in a storey's floor, through the slab to the storey below.
@@ -83,7 +90,7 @@ struct FloorPlan {
   std::vector<Polygon2> outlines;  // seen from inside; together they are what is not outdoors
   std::vector<Hall> halls;         // outlines too
   std::vector<Ramp> ramps;
-  std::vector<HeightPlane> roof;  // the storey ends below each of these planes
+  std::vector<Roof> roofs;  // the storey ends below each of their planes
   std::vector<Stairs> stairs;
   std::vector<FloorOpening> floor_openings;
   std::vector<Polygon2> solids;     // blocks and pillars, seen from outside
@@ -97,8 +104,8 @@ struct FloorPlan {
 };
 
 // Reads the storeys of a building file (docs/inputs.md), from the lowest up. Throws Error with
-// file and line, also for outlines that cross themselves and for openings that do not fit
-// their wall.
+// file and line, also for outlines that cross themselves, for openings that do not fit
+// their wall, and for ramps, solids, walls and furniture that touch no room of their storey.
 std::vector<FloorPlan> ReadFloorPlans(const std::string& path);
 
 }  // namespace plumbline

@@ -121,6 +121,18 @@ void MarkNesting(Triangulation* triangulation) {
 
 }  // namespace
 
+bool Contains(const Polygon2& polygon, const Eigen::Vector2d& place) {
+  bool is_inside = false;
+  for (size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
+    const Eigen::Vector2d& a = polygon[before];
+    const Eigen::Vector2d& b = polygon[i];
+    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
+    const double x = a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    is_inside ^= place.x() < x;
+  }
+  return is_inside;
+}
+
 bool IsSimplePolygon(const Polygon2& polygon) {
   if (polygon.size() < 3) return false;
   CGAL::Polygon_2<Kernel> p;

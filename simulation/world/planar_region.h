@@ -19,6 +19,9 @@ struct PolygonWithHoles {
 // True when the polygon has three corners or more and does not touch or cross itself.
 bool IsSimplePolygon(const Polygon2& polygon);
 
+// Whether a place lies in a polygon; on its boundary it may be either.
+bool Contains(const Polygon2& polygon, const Eigen::Vector2d& place);
+
 // PlanarRegion is a part of the plane with exact Boolean operations (CGAL).
 class PlanarRegion {
  public:

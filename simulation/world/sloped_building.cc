@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <optional>
 
 #include "core/util/error.h"
@@ -14,24 +15,54 @@ namespace {
 
 constexpr double kFar = 1e5;  // m; beyond all buildings
 
+// A part of the plan that has to change what is free somewhere. One that does not is a mistake
+// of the plan: it would be left out without a word.
+struct Part {
+  std::string location;  // "file:line"
+  std::string mistake;   // in words, where it changes nothing
+  bool changes = false;
+};
+
 // A prism whose ends may slope. Without corners it has no sides.
 struct Block {
   Polygon2 corners;
   FreeInterval heights;
+  Part* part = nullptr;  // to which it belongs, or none that is looked at
 
   bool IsAbove(const Eigen::Vector2d& place) const {
-    if (corners.empty()) return true;
-    bool is_inside = false;
-    for (size_t i = 0, before = corners.size() - 1; i < corners.size(); before = i++) {
-      const Eigen::Vector2d& a = corners[before];
-      const Eigen::Vector2d& b = corners[i];
-      if ((a.y() > place.y()) == (b.y() > place.y())) continue;
-      const double x = a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-      is_inside ^= place.x() < x;
-    }
-    return is_inside;
+    return corners.empty() || Contains(corners, place);
   }
 };
+
+bool IsSame(const HeightPlane& a, const HeightPlane& b) {
+  return a.at_origin == b.at_origin && a.gradient == b.gradient;
+}
+
+bool IsSame(const FreeColumn& a, const FreeColumn& b) {
+  return std::equal(a.begin(),
+                    a.end(),
+                    b.begin(),
+                    b.end(),
+                    [](const FreeInterval& x, const FreeInterval& y) {
+                      return IsSame(x.bottom, y.bottom) && IsSame(x.top, y.top);
+                    });
+}
+
+// Frees or fills an interval for a part of the plan, which may be null.
+template <typename Change>
+void ChangeFor(Part* part,
+               const Change& free_or_fill,
+               const FreeInterval& interval,
+               const Eigen::Vector2d& place,
+               FreeColumn* column) {
+  if (part == nullptr || part->changes) {
+    free_or_fill(interval, place, column);
+    return;
+  }
+  const FreeColumn before = *column;
+  free_or_fill(interval, place, column);
+  part->changes = !IsSame(before, *column);
+}
 
 FreeInterval Between(double bottom, double top) {
   return {HeightPlane::Level(bottom), HeightPlane::Level(top)};
@@ -41,11 +72,11 @@ FreeInterval From(const HeightPlane& bottom) { return {bottom, HeightPlane::Leve
 
 // One storey as blocks that are freed and filled, in this order.
 struct Storey {
-  std::vector<Block> rooms;  // freed
-  std::vector<Block> ramps;  // free in place of rooms
-  std::vector<Block> roof;   // filled
-  std::vector<Block> walls;  // filled; solids too
-  std::vector<FloorOpening> openings;
+  std::vector<Block> rooms;     // freed
+  std::vector<Block> ramps;     // free in place of rooms
+  std::vector<Block> roof;      // filled
+  std::vector<Block> walls;     // filled; solids too
+  std::vector<Block> openings;  // freed between this storey's floor and the ceiling below
 
   // What is free before walls stand.
   FreeColumn RoomsAt(const Eigen::Vector2d& place) const {
@@ -56,7 +87,9 @@ struct Storey {
     for (const Block& ramp : ramps) {
       if (ramp.IsAbove(place)) column = {ramp.heights};
     }
-    for (const Block& roof_block : roof) Fill(roof_block.heights, place, &column);
+    for (const Block& block : roof) {
+      ChangeFor(block.part, Fill, block.heights, place, &column);
+    }
     return column;
   }
 
@@ -75,7 +108,9 @@ struct Storey {
   }
 };
 
-Storey MakeStorey(const FloorPlan& plan) {
+// add_part returns a part of the plan that changes nothing yet.
+template <typename AddPart>
+Storey MakeStorey(const FloorPlan& plan, const AddPart& add_part) {
   Storey storey;
   for (const Polygon2& outline : plan.outlines) {
     storey.rooms.push_back({outline, Between(plan.floor_height, plan.ceiling_height)});
@@ -86,7 +121,12 @@ Storey MakeStorey(const FloorPlan& plan) {
   for (const Ramp& ramp : plan.ramps) {
     storey.ramps.push_back({ramp.corners, {ramp.floor, ramp.ceiling}});
   }
-  for (const HeightPlane& plane : plan.roof) storey.roof.push_back({{}, From(plane)});
+  for (const Roof& roof : plan.roofs) {
+    Part* part = add_part(roof.location, "the roof lies above all rooms of its storey");
+    for (const HeightPlane& plane : roof.planes) {
+      storey.roof.push_back({{}, From(plane), part});
+    }
+  }
   for (const Polygon2& solid : plan.solids) {
     storey.walls.push_back({solid, Between(-kFar, kFar)});
   }
@@ -105,11 +145,17 @@ Storey MakeStorey(const FloorPlan& plan) {
            From(HeightPlane::Level(floor + opening.height_m))});
     }
   }
-  storey.openings = plan.floor_openings;
+  for (const FloorOpening& opening : plan.floor_openings) {
+    storey.openings.push_back(
+        {opening.corners,
+         {},
+         add_part(opening.location,
+                  "the floor opening lies nowhere above one room and below another")});
+  }
   return storey;
 }
 
-std::vector<Block> BlocksOf(const Stairs& stairs) {
+std::vector<Block> BlocksOf(const Stairs& stairs, Part* owner) {
   const Eigen::Vector2d from = stairs.from.head<2>();
   const Eigen::Vector2d to = stairs.to.head<2>();
   const double length = (to - from).norm();
@@ -131,10 +177,10 @@ std::vector<Block> BlocksOf(const Stairs& stairs) {
     const HeightPlane tread =
         HeightPlane::Level(stairs.from.z() + (i + 1) * rise / stairs.num_steps);
     if (begin < solid_m) {
-      blocks.push_back({part(begin, std::min(end, solid_m)), {foot, tread}});
+      blocks.push_back({part(begin, std::min(end, solid_m)), {foot, tread}, owner});
     }
     if (end > solid_m) {
-      blocks.push_back({part(std::max(begin, solid_m), end), {underside, tread}});
+      blocks.push_back({part(std::max(begin, solid_m), end), {underside, tread}, owner});
     }
   }
   return blocks;
@@ -219,36 +265,53 @@ class LineCollector {
 class StoreyStack {
  public:
   explicit StoreyStack(const std::vector<FloorPlan>& plans) {
+    const auto add_part = [this](const std::string& location, const std::string& mistake) {
+      parts_.push_back({location, mistake});
+      return &parts_.back();
+    };
     for (const FloorPlan& plan : plans) {
-      storeys_.push_back(MakeStorey(plan));
+      storeys_.push_back(MakeStorey(plan, add_part));
       for (const Stairs& stairs : plan.stairs) {
-        const std::vector<Block> blocks = BlocksOf(stairs);
+        Part* part = add_part(stairs.location, "the stairs stand in no room");
+        const std::vector<Block> blocks = BlocksOf(stairs, part);
         stairs_.insert(stairs_.end(), blocks.begin(), blocks.end());
       }
     }
   }
 
+  StoreyStack(const StoreyStack&) = delete;  // blocks point to parts
+  StoreyStack& operator=(const StoreyStack&) = delete;
+
   const Storey& storey(size_t index) const { return storeys_[index]; }
 
+  // Marks the parts that change something at the place.
   FreeColumn FreeAt(const Eigen::Vector2d& place) const {
     FreeColumn column;
     for (const Storey& storey : storeys_) {
       for (const FreeInterval& interval : storey.FreeAt(place)) Free(interval, place, &column);
     }
     for (size_t i = 1; i < storeys_.size(); ++i) {
-      for (const FloorOpening& opening : storeys_[i].openings) {
-        if (!Block{opening.corners, {}}.IsAbove(place)) continue;
+      for (const Block& opening : storeys_[i].openings) {
+        if (!opening.IsAbove(place)) continue;
         const FreeColumn below = storeys_[i - 1].RoomsAt(place);
         const FreeColumn above = storeys_[i].RoomsAt(place);
         if (below.empty() || above.empty()) continue;
-        Free({below.back().top, above.front().bottom}, place, &column);
+        ChangeFor(
+            opening.part, Free, {below.back().top, above.front().bottom}, place, &column);
       }
     }
     if (column.empty()) return column;
     for (const Block& step : stairs_) {
-      if (step.IsAbove(place)) Fill(step.heights, place, &column);
+      if (step.IsAbove(place)) ChangeFor(step.part, Fill, step.heights, place, &column);
     }
     return column;
+  }
+
+  // An error when a part has changed nothing anywhere, all places having been looked at.
+  void CheckParts() const {
+    for (const Part& part : parts_) {
+      if (!part.changes) throw Error(part.location + ": " + part.mistake);
+    }
   }
 
   std::vector<PlanSegment> Lines() const {
@@ -257,7 +320,7 @@ class StoreyStack {
       for (const auto* blocks : {&storey.rooms, &storey.ramps, &storey.roof, &storey.walls}) {
         for (const Block& block : *blocks) collector.Add(block);
       }
-      for (const FloorOpening& opening : storey.openings) {
+      for (const Block& opening : storey.openings) {
         collector.AddPolygon(opening.corners);
       }
     }
@@ -266,6 +329,7 @@ class StoreyStack {
   }
 
  private:
+  std::deque<Part> parts_;
   std::vector<Storey> storeys_;
   std::vector<Block> stairs_;
 };
@@ -288,6 +352,7 @@ Building MakeSlopedBuilding(const std::vector<FloorPlan>& storeys) {
   if (building.faces.empty()) {
     throw Error(plan.location + ": the building has no free space");
   }
+  stack.CheckParts();
   for (size_t i = 0; i < storeys.size(); ++i) {
     for (const Furniture& piece : storeys[i].furniture) {
       const double floor = stack.storey(i).FloorAt(piece.position, storeys[i].floor_height);

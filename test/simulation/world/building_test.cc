@@ -156,6 +156,17 @@ TEST(Building, NearMissesAreErrors) {
             "plan.yaml:1: the building has no free space");
 }
 
+// Corners of none of these lie in the room, but the parts do.
+TEST(Building, PartsMayReachThroughARoom) {
+  const std::string path = WriteTestFile(
+      "building.yaml",
+      "floor_height_m: 0\nceiling_height_m: 3\n"
+      "outlines: [{corners: [[0, 0], [4, 0], [4, 4], [0, 4]]}]\n"
+      "walls: [{from: [-1, 2], to: [5, 2], thickness_m: 0.1}]\n"
+      "furniture: [{kind: box, position: [4.4, 1], size_m: [1, 0.5, 1], yaw_deg: 45}]\n");
+  EXPECT_EQ(ErrorOf([&] { ReadBuilding(path); }), "");
+}
+
 TEST(Building, ErrorsNameFileAndLine) {
   const std::string head = "floor_height_m: 0\nceiling_height_m: 3\noutlines:\n";
   const std::string room = "  - corners: [[0, 0], [4, 0], [4, 4], [0, 4]]\n";
@@ -175,6 +186,14 @@ TEST(Building, ErrorsNameFileAndLine) {
   EXPECT_EQ(error("floor_height_m: 3\nceiling_height_m: 3\noutlines:\n" + room),
             ":2: the ceiling must be above the floor");
   EXPECT_EQ(error(head + room + "colour: red\n"), ":5: unknown key 'colour'");
+  EXPECT_EQ(error(head + room + "solids:\n  - corners: [[5, 0], [6, 0], [6, 1]]\n"),
+            ":6: the solid stands in no room");
+  EXPECT_EQ(
+      error(head + room + "walls:\n  - {from: [-1, 4.1], to: [5, 4.1], thickness_m: 0.1}\n"),
+      ":6: the wall stands in no room");
+  EXPECT_EQ(error(head + room +
+                  "furniture:\n  - {kind: box, position: [4.6, 2], size_m: [1, 1, 1]}\n"),
+            ":6: the furniture stands in no room");
   EXPECT_EQ(error(head + room + wall + "    openings:\n" +
                   "      - {position_m: 3.6, width_m: 1, height_m: 2}\n"),
             ":10: the opening reaches beyond the end of its wall");

@@ -316,7 +316,7 @@ TEST(SlopedBuilding, ARoofClosesOverAnyPlan) {
         std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + name + ".yaml";
     std::vector<FloorPlan> plans = ReadFloorPlans(path);
     const double flat = MakeSlopedBuilding(plans).faces.front().Area();
-    plans.front().roof = {{1.9, {0.02, -0.07}}, {2.4, {-0.05, 0.01}}};
+    plans.front().roofs = {{"", {{1.9, {0.02, -0.07}}, {2.4, {-0.05, 0.01}}}}};
     const Building building = MakeSlopedBuilding(plans);
     EXPECT_NEAR(building.faces.front().Area(), flat, 1e-6);
     double volume = 0.0;
@@ -407,6 +407,55 @@ TEST(SlopedBuilding, ErrorsNameFileAndLine) {
   EXPECT_EQ(error("storeys:\n" + upper + upper),
             ":6: storeys stand in their order from the lowest up");
   EXPECT_EQ(error("storeys:\n" + upper + "colour: red\n"), ":6: unknown key 'colour'");
+}
+
+// A part of the plan that would be left out without a word is an error.
+TEST(SlopedBuilding, PartsThatChangeNothingAreErrors) {
+  const auto error = [](const std::string& text) {
+    const std::string path = WriteTestFile("building.yaml", text);
+    const std::string message = ErrorOf([&] { ReadBuilding(path); });
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  const std::string room =
+      kHead + "outlines:\n  - corners: [[0, 0], [4, 0], [4, 4], [0, 4]]\n";
+  const std::string out_of_room =
+      "stairs:\n  - {from: [5, 1, 0], to: [7, 1, 1], width_m: 1, steps: 5}\n";
+  EXPECT_EQ(error(room + out_of_room), ":6: the stairs stand in no room");
+  const std::string above_ceiling =
+      "stairs:\n  - {from: [1, 1, 3], to: [3, 1, 4], width_m: 1, steps: 5}\n";
+  EXPECT_EQ(error(room + above_ceiling), ":6: the stairs stand in no room");
+  EXPECT_EQ(error(room + "roof:\n  - {ridge: [[0, 2], [4, 2]], height_m: 9, slope_deg: 10}\n"),
+            ":6: the roof lies above all rooms of its storey");
+  // One plane of a ridge that cuts is enough.
+  EXPECT_EQ(error(room + "roof:\n  - {ridge: [[0, 0], [4, 0]], height_m: 3, slope_deg: 10}\n"),
+            "");
+  EXPECT_EQ(error(room + "ramps:\n  - {from: [4.1, 1, 0], to: [6, 1, 0.5], width_m: 1}\n"),
+            ":6: the ramp touches no room");
+  EXPECT_EQ(error(room + "ramps:\n  - {from: [4, 1, 0], to: [6, 1, 0.5], width_m: 1}\n"), "");
+}
+
+TEST(SlopedBuilding, FloorOpeningsLieAboveARoomAndBelowAnother) {
+  const auto error = [](const std::string& opening) {
+    const std::string path =
+        WriteTestFile("building.yaml",
+                      "storeys:\n"
+                      "  - floor_height_m: 0\n    ceiling_height_m: 2\n"
+                      "    outlines: [{corners: [[0, 0], [4, 0], [4, 4], [0, 4]]}]\n"
+                      "  - floor_height_m: 3\n    ceiling_height_m: 5\n"
+                      "    outlines: [{corners: [[2, 0], [8, 0], [8, 4], [2, 4]]}]\n"
+                      "    floor_openings:\n"
+                      "      - corners: [[3, 1], [3.5, 1], [3.5, 2], [3, 2]]\n"
+                      "      - corners: " +
+                          opening + "\n");
+    const std::string message = ErrorOf([&] { ReadBuilding(path); });
+    return message.substr(std::min(path.size(), message.size()));
+  };
+  const std::string expected =
+      ":10: the floor opening lies nowhere above one room and below another";
+  EXPECT_EQ(error("[[0.5, 1], [1.5, 1], [1.5, 2], [0.5, 2]]"), expected);  // no room above
+  EXPECT_EQ(error("[[5, 1], [6, 1], [6, 2], [5, 2]]"), expected);          // none below
+  EXPECT_EQ(error("[[9, 1], [10, 1], [10, 2], [9, 2]]"), expected);        // neither
+  EXPECT_EQ(error("[[3.6, 1], [6, 1], [6, 2], [3.6, 2]]"), "");            // partly both
 }
 
 }  // namespace
