@@ -147,9 +147,10 @@ double PlaneCovariance::SeparationStddev(const Eigen::Vector3d& point,
   const size_t a = Find(plane_a);
   const size_t b = Find(plane_b);
   const PlanePatch& first = planes_[a];
-  const Eigen::Vector3d on_a = point - first.SignedDistance(point) * first.normal;
-  // When a moves away from the point by e along its normal, the point of a follows.
-  const double follows = planes_[b].normal.dot(first.normal);
+  const Eigen::Vector3d normal_a = first.NormalAt(point);
+  const Eigen::Vector3d on_a = point - first.SignedDistance(point) * normal_a;
+  // When a moves away from the point by e along its normal there, the point of a follows.
+  const double follows = planes_[b].NormalAt(on_a).dot(normal_a);
   return Stddev(DistanceRow(b, on_a) - follows * DistanceRow(a, on_a));
 }
 

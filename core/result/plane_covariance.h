@@ -34,7 +34,8 @@ class PlaneCovariance {
   // m.
   double DistanceStddev(const Eigen::Vector3d& point, int plane) const;
   // Standard deviation of the distance of plane b from the point of plane a that is nearest to
-  // `point`, m: between two walls, wherever one likes to measure it.
+  // `point`, m: between two walls, wherever one likes to measure it. The way to plane a is
+  // along its normal there.
   double SeparationStddev(const Eigen::Vector3d& point, int plane_a, int plane_b) const;
 
   // A plane's signed distance from a point of the model frame, times a weight.

@@ -153,6 +153,71 @@ TEST(PlaneCovariance, AngleAndDistanceOfARoof) {
   EXPECT_EQ(example.AngleStddev(7, 7), 0.0);
 }
 
+// A column's half: radius 0.5 m about (4, 1), seen from the west and best known there.
+PlanePatch Column(int id) {
+  PlanePatch column;
+  column.id = id;
+  column.type = PlaneType::kCylinder;
+  column.normal = {-1.0, 0.0, 0.0};
+  column.curvature = 2.0;
+  column.centre = {3.5, 1.0, 1.2};
+  column.distance = column.normal.dot(column.centre);
+  return column;
+}
+
+// A cylinder as its three parameters have it: turn of the normal at the centre, radius, and a
+// shift along that normal.
+PlanePatch Bent(const PlanePatch& cylinder, const Eigen::Vector3d& error) {
+  PlanePatch bent = cylinder;
+  const Eigen::Vector3d u = Eigen::Vector3d::UnitZ().cross(cylinder.normal);
+  bent.normal = (cylinder.normal + error[0] * u).normalized();
+  bent.curvature = std::copysign(1.0 / (cylinder.Radius() + error[1]), cylinder.curvature);
+  bent.centre += error[2] * cylinder.normal;
+  return bent;
+}
+
+// Where a line through a point meets a surface, near the point.
+Eigen::Vector3d Meet(const PlanePatch& surface,
+                     Eigen::Vector3d point,
+                     const Eigen::Vector3d& along) {
+  for (int round = 0; round < 10; ++round) {
+    point -= surface.SignedDistance(point) / surface.NormalAt(point).dot(along) * along;
+  }
+  return point;
+}
+
+// Measured where its normal is 60 degrees off that at the centre.
+TEST(PlaneCovariance, SeparationOfAWallAndACurvedOne) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd root(5, 5);
+  for (double& value : root.reshaped()) value = 1e-3 * normal(random);
+  const Eigen::MatrixXd covariance = root * root.transpose();
+  const PlaneCovariance example({Wall(2, 0.3, -4.0), Column(8)}, covariance);
+  const Eigen::Vector3d point =
+      Column(8).AxisPoint() +
+      0.7 * Eigen::Vector3d(-std::cos(M_PI / 3), std::sin(M_PI / 3), 0);
+  const auto separation = [&](const Eigen::VectorXd& error, bool from_column) {
+    const PlanePatch wall = Wall(2, 0.3 + error[0], -4.0 + error[1]);
+    const PlanePatch column = Bent(Column(8), error.tail<3>());
+    if (from_column) {
+      return wall.SignedDistance(Meet(column, point, Column(8).NormalAt(point)));
+    }
+    return column.SignedDistance(Meet(wall, point, Wall(2, 0.3, -4.0).normal));
+  };
+  for (const bool from_column : {true, false}) {
+    Eigen::VectorXd derivative(5);
+    for (int i = 0; i < 5; ++i) {
+      const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(5, i);
+      derivative[i] = (separation(step, from_column) - separation(-step, from_column)) / 2e-5;
+    }
+    const double expected = std::sqrt(derivative.dot(covariance * derivative));
+    const double stated = from_column ? example.SeparationStddev(point, 8, 2)
+                                      : example.SeparationStddev(point, 2, 8);
+    EXPECT_NEAR(stated / expected, 1.0, 1e-6) << from_column;
+  }
+}
+
 TEST(PlaneCovariance, LargestCorrelationIsFound) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(5, 5);
   covariance(2, 4) = covariance(4, 2) = -0.9;  // floor and second wall's distance
