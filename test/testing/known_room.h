@@ -9,7 +9,7 @@
 #include "core/map/observation.h"
 #include "core/segmentation/segmentation.h"
 #include "core/trajectory/pose_gaussian.h"
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 
 namespace plumbline {
 

@@ -29,7 +29,7 @@ TEST_F(MountingSearchTest, TheScannersOfARightRigAgree) {
     num_compared += pair.num_compared;
     if (pair.num_compared == 0) continue;
     EXPECT_GT(pair.near_share, 0.95) << pair.a << " and " << pair.b;
-    EXPECT_LT(pair.median_m, TurningRig::kNoise) << pair.a << " and " << pair.b;
+    EXPECT_LT(pair.median_m, SixWalls::kRangeNoise) << pair.a << " and " << pair.b;
   }
   EXPECT_GT(num_compared, 80);
   EXPECT_FALSE(FindOtherMounting(sample_, RigFile(), kNames));

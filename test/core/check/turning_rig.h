@@ -10,20 +10,18 @@
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 #include "core/util/time.h"
-#include "test/testing/plane_scene.h"
+#include "test/testing/six_walls.h"
 
 namespace plumbline {
 
-// What a rig measures that walks to and fro in a room of six walls, no two of them alike, and
-// looks about. Noise of 1 cm.
+// What a rig measures that walks to and fro in a room of six walls and looks about.
 class TurningRig {
  public:
-  static constexpr int64_t kStartNs = 1'600'000'000'000'000'000;
+  static constexpr int64_t kStartNs = SixWalls::kStartNs;
   static constexpr double kDuration = 4.0;  // s
   static constexpr double kRate = 20.0;     // Hz
-  static constexpr double kNoise = 0.01;    // m
-  static constexpr double kFloorHeight = -1.2;
-  static constexpr double kCeilingHeight = 1.5;
+  static constexpr double kFloorHeight = SixWalls::kFloorHeight;
+  static constexpr double kCeilingHeight = SixWalls::kCeilingHeight;
 
   // The rig as it is; what a rig file says of it is the test's business.
   explicit TurningRig(const Rig& rig) : rig_(rig) {
@@ -42,15 +40,9 @@ class TurningRig {
     std::mt19937_64 random(1);
     for (int k = 0; k < static_cast<int>(kRate * kDuration); ++k) {
       const int64_t stamp_ns = kStartNs + NanosecondsFromSeconds(k / kRate);
-      for (size_t i = 0; i < lines.size(); ++i) {
-        lines[i].push_back(TakeScanLine(Room(),
-                                        rig_.scanners[i],
-                                        static_cast<int>(i),
-                                        stamp_ns,
-                                        WorldFromBody,
-                                        kNoise,
-                                        &random));
-      }
+      const std::vector<ScanLine> scan =
+          SixWalls::Take(SixWalls::Room(), rig_, stamp_ns, WorldFromBody, &random);
+      for (size_t i = 0; i < lines.size(); ++i) lines[i].push_back(scan[i]);
     }
     return lines;
   }
@@ -58,24 +50,12 @@ class TurningRig {
   std::vector<std::vector<SampledLine>> TakeSample() {
     std::vector<std::vector<SampledLine>> sample;
     for (const std::vector<ScanLine>& lines : TakeLines()) {
-      sample.push_back(SegmentSample(lines, kNoise));
+      sample.push_back(SegmentSample(lines, SixWalls::kRangeNoise));
     }
     return sample;
   }
 
  private:
-  static PlaneScene Room() {
-    constexpr double kDegree = M_PI / 180.0;
-    return MakeRoom({{0.0, 2.5},
-                     {65.0 * kDegree, 3.0},
-                     {125.0 * kDegree, 2.2},
-                     {190.0 * kDegree, 3.5},
-                     {245.0 * kDegree, 2.7},
-                     {300.0 * kDegree, 3.2}},
-                    kFloorHeight,
-                    kCeilingHeight);
-  }
-
   Rig rig_;
 };
 

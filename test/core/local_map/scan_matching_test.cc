@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 
 namespace plumbline {
 namespace {

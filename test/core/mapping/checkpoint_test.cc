@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/mapping/scan_follower.h"
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include "core/mapping/scan_follower.h"
 #include "core/sensor/odometry.h"
 #include "core/util/time.h"
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 
 namespace plumbline {
 namespace {

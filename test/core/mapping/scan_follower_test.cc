@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/tracking/scan_on_planes.h"
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 #include "test/testing/test_files.h"
 
 namespace plumbline {

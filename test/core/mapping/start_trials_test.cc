@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/util/time.h"
-#include "test/core/mapping/room_walk.h"
+#include "test/testing/room_walk.h"
 
 namespace plumbline {
 namespace {

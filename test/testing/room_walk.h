@@ -12,20 +12,18 @@
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
 #include "core/util/time.h"
-#include "test/testing/plane_scene.h"
+#include "test/testing/six_walls.h"
 
 namespace plumbline {
 
-// A rig of three scanners that moves straight on through a room of six walls, no two of them
-// alike. What it measures comes scan by scan.
+// A rig of three scanners that moves straight on through a room of six walls. What it measures
+// comes scan by scan.
 class RoomWalk {
  public:
-  static constexpr int64_t kStartNs = 1'600'000'000'000'000'000;
-  static constexpr double kPeriod = 0.025;      // s
-  static constexpr double kRangeNoise = 0.01;   // m
-  static constexpr double kMaxSigmas = 4.5;     // not to be exceeded once in 100,000 times
-  static constexpr double kFloorHeight = -1.2;  // m
-  static constexpr double kCeilingHeight = 1.5;
+  static constexpr int64_t kStartNs = SixWalls::kStartNs;
+  static constexpr double kPeriod = 0.025;  // s
+  static constexpr double kRangeNoise = SixWalls::kRangeNoise;
+  static constexpr double kMaxSigmas = 4.5;  // not to be exceeded once in 100,000 times
 
   explicit RoomWalk(const Eigen::Vector3d& velocity_m_s = Eigen::Vector3d::Zero())
       : velocity_m_s_(velocity_m_s) {
@@ -46,15 +44,9 @@ class RoomWalk {
   // The next scan of the room, with noise.
   Scan Take() {
     Scan scan;
-    for (size_t i = 0; i < rig_.scanners.size(); ++i) {
-      scan.scan_lines.push_back(TakeScanLine(
-          room_,
-          rig_.scanners[i],
-          static_cast<int>(i),
-          now_ns(),
-          [&](int64_t time_ns) { return WorldFromBody(time_ns); },
-          kRangeNoise,
-          &random_));
+    const auto pose = [&](int64_t time_ns) { return WorldFromBody(time_ns); };
+    scan.scan_lines = SixWalls::Take(room_, rig_, now_ns(), pose, &random_);
+    for (size_t i = 0; i < scan.scan_lines.size(); ++i) {
       scan.scan_line_indices.push_back(num_scan_lines_++);
     }
     const ScanLine& line = scan.scan_lines.front();
@@ -74,22 +66,10 @@ class RoomWalk {
   }
 
  private:
-  static PlaneScene Room() {
-    constexpr double kDegree = M_PI / 180.0;
-    return MakeRoom({{0.0, 2.5},
-                     {65.0 * kDegree, 3.0},
-                     {125.0 * kDegree, 2.2},
-                     {190.0 * kDegree, 3.5},
-                     {245.0 * kDegree, 2.7},
-                     {300.0 * kDegree, 3.2}},
-                    kFloorHeight,
-                    kCeilingHeight);
-  }
-
   Eigen::Vector3d velocity_m_s_;
   int64_t stop_ns_ = std::numeric_limits<int64_t>::max();
   Rig rig_ = MakePaperRig();
-  PlaneScene room_ = Room();
+  PlaneScene room_ = SixWalls::Room();
   std::mt19937_64 random_{7};
   int num_scans_ = 0;
   int num_scan_lines_ = 0;
