@@ -19,6 +19,7 @@ packages=(
   libgtest-dev
   libjemalloc-dev
   liblz4-dev
+  libnav-msgs-dev
   libpcl-dev
   librosbag-storage-dev
   libsensor-msgs-dev

@@ -206,6 +206,8 @@ Experiment ReadExperiment(const std::string& path) {
   if (root.Has("moving")) experiment.moving = ReadMoving(root["moving"], floor_height);
   experiment.moving.body_height_m =
       experiment.path.height_m - (experiment.path.walk ? 0.0 : floor_height);
+  if (root.Has("odometry")) experiment.wheels = ReadWheels(root["odometry"]);
+  experiment.rig.odometry_topic = experiment.wheels ? experiment.wheels->topic : "";
   double start_time_s = kDefaultStart;
   root.Optional("start_time_s", &start_time_s, 1.0, kLatestStart);
   experiment.path.start_ns = NanosecondsFromSeconds(start_time_s);

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/sensor/rig.h"
 #include "simulation/sensing/faults.h"
+#include "simulation/sensing/wheels.h"
 #include "simulation/world/building.h"
 #include "simulation/world/moving_things.h"
 #include "simulation/world/path.h"
@@ -21,12 +23,14 @@ struct NoiseOptions {
 // An experiment describes one run of the simulator: rig, building, path and noise, what moves
 // and what is wrong.
 struct Experiment {
-  Rig rig;  // as the rig file says; TrueRig(rig, faults) is what measures
+  // As the rig file says, and with the topic of wheels; TrueRig(rig, faults) is what measures.
+  Rig rig;
   Building building;
   PathOptions path;
   NoiseOptions noise;
   FaultOptions faults;
   MovingOptions moving;
+  std::optional<WheelOptions> wheels;    // none: the recording has no odometry
   std::vector<double> scanner_phases_s;  // of each scanner's first scan line, after the start
 };
 

@@ -1,9 +1,11 @@
 #include "simulation/sensing/recording_writer.h"
 
 #include <glog/logging.h>
+#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -33,6 +35,7 @@ struct RecordingWriter::Impl {
   std::unique_ptr<rosbag::Bag> bag;
   std::vector<uint32_t> sequence;  // by scanner: number of its next message
   sensor_msgs::LaserScan message;
+  nav_msgs::Odometry odometry;
 
   [[noreturn]] void Fail(const std::exception& exception) {
     throw Error(file.path() + ": can not be written: " + exception.what());
@@ -86,6 +89,28 @@ void RecordingWriter::Write(const ScanLine& scan_line) {
   } catch (const std::exception& exception) {
     impl_->Fail(exception);
   }
+}
+
+void RecordingWriter::Write(const OdometrySample& sample) {
+  CHECK(impl_->bag != nullptr) << "Write() after Close()";
+  CHECK_GT(sample.time_ns, 0) << "ROS stamps begin after 0";
+  CHECK(!impl_->rig.odometry_topic.empty()) << "the rig has no odometry";
+  nav_msgs::Odometry& message = impl_->odometry;
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<uint64_t>(sample.time_ns));
+  message.header.stamp = stamp;
+  message.header.frame_id = "odom";
+  message.child_frame_id = "base_link";
+  message.pose.pose.position.x = sample.position.x();
+  message.pose.pose.position.y = sample.position.y();
+  message.pose.pose.orientation.z = std::sin(sample.heading / 2.0);
+  message.pose.pose.orientation.w = std::cos(sample.heading / 2.0);
+  try {
+    impl_->bag->write(impl_->rig.odometry_topic, stamp, message);
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+  ++message.header.seq;
 }
 
 void RecordingWriter::Close() {

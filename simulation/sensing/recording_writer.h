@@ -3,19 +3,22 @@
 #include <memory>
 #include <string>
 
+#include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
 namespace plumbline {
 
-// Writes scan lines as a ROS 1 bag that ROS tools and RecordingReader open. The file appears
-// under its name when Close() has written it whole.
+// Writes scan lines, and odometry, as a ROS 1 bag that ROS tools and RecordingReader open. The
+// file appears under its name when Close() has written it whole.
 class RecordingWriter {
  public:
   RecordingWriter(const std::string& path, const Rig& rig);
   ~RecordingWriter();  // without Close(): the unfinished file is removed
 
   void Write(const ScanLine& scan_line);
+  // In the rig's topic of odometry, as nav_msgs/Odometry without velocities and covariances.
+  void Write(const OdometrySample& sample);
   void Close();
 
  private:

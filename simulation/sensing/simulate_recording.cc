@@ -93,8 +93,15 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
   SimulationSummary summary;
   summary.duration_s = SecondsBetween(path.start_ns(), path.end_ns());
   summary.num_scanners = static_cast<int>(experiment.rig.scanners.size());
+  std::vector<OdometrySample> wheels;
+  if (experiment.wheels) wheels = WheelSamples(path, *experiment.wheels, seed);
+  auto next_wheels = wheels.begin();
   int num_done = 0;
   simulator.Run([&](const PerfectScanLine& perfect) {
+    for (; next_wheels != wheels.end() && next_wheels->time_ns < perfect.scan_line.stamp_ns;
+         ++next_wheels) {
+      writer.Write(*next_wheels);
+    }
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
     const std::optional<ScanLine> recorded = recorder.Record(perfect);
     if (recorded) {
@@ -108,6 +115,7 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
     state.recording_s = summary.duration_s;
     progress(state);
   });
+  for (; next_wheels != wheels.end(); ++next_wheels) writer.Write(*next_wheels);
   writer.Close();
   WriteRig(experiment.rig, (directory / "rig.yaml").string());
   const std::vector<StampedPose> trajectory = TruthTrajectory(path);

@@ -58,6 +58,33 @@ TEST(SimulateRecording, SummaryAgreesWithTheFiles) {
   EXPECT_NE(table.find("Written to " + directory + ": recording.bag"), std::string::npos);
 }
 
+// An experiment with wheels: the recording and its rig file have their topic.
+TEST(SimulateRecording, OdometryIsRecorded) {
+  std::string text = Content(kRoom);
+  for (const char* name : {"building: ", "rig: "}) {
+    text.replace(
+        text.find(name + std::string("..")), std::string(name).size() + 2, name + kConfigs);
+  }
+  const std::string experiment =
+      WriteTestFile("wheels.yaml", text + "odometry: {topic: /wheels, length_scale: 1.5}\n");
+  const std::string directory = testing::TempDir() + "simulate_recording/wheels";
+  SimulateRecording(experiment, 1, directory, [](double) {});
+  const Rig rig = ReadRig(directory + "/rig.yaml");
+  EXPECT_EQ(rig.odometry_topic, "/wheels");
+  const RecordingReader reader(directory + "/recording.bag", rig);
+  const std::shared_ptr<const Odometry> odometry = reader.odometry();
+  ASSERT_NE(odometry, nullptr);
+  const Path path(ReadExperiment(experiment).path);
+  const int64_t begin_ns = path.start_ns() + NanosecondsFromSeconds(1.0);
+  const int64_t end_ns = begin_ns + NanosecondsFromSeconds(0.1);
+  const std::optional<PlanarMotion> motion = odometry->Between(begin_ns, end_ns);
+  ASSERT_TRUE(motion);
+  EXPECT_NEAR(motion->translation.norm(),
+              1.5 * (path.TravelledAt(end_ns) - path.TravelledAt(begin_ns)),
+              1e-3);
+  EXPECT_EQ(ReadRig(Simulate(1, "no_wheels") + "/rig.yaml").odometry_topic, "");
+}
+
 TEST(SimulateRecording, RecordingAndTruthFitTogether) {
   const std::string directory = Simulate(1, "fit");
   const Rig rig = ReadRig(directory + "/rig.yaml");
