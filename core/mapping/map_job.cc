@@ -209,6 +209,7 @@ Summary WriteResult(const Rig& rig,
   LogWarnings(points.warnings);
   writer->WriteConfig(MapperOptionsToYaml(options));
   Summary summary = Summarise(*recording, result, points, covariance);
+  for (const Scanner& scanner : rig.scanners) summary.scanners.push_back(scanner.name);
   const Stopwatch::Running judging(judging_watch);
   Judge(rig, result, points, *recording, &summary);
   summary.planes = static_cast<int>(planes.size());

@@ -236,6 +236,7 @@ nlohmann::ordered_json ConsistencyJson(const Consistency& consistency) {
 
 std::string FormatSummary(const Summary& summary) {
   nlohmann::ordered_json json;
+  json["scanners"] = summary.scanners;
   json["scans"] = summary.scans;
   json["points"] = summary.points;
   json["points_used"] = summary.points_used;

@@ -145,6 +145,7 @@ struct PartSummary {
 // Summary holds the figures of summary.json.
 struct Summary {
   int64_t start_time_ns = 0;  // of the recording's first scan line
+  std::vector<std::string> scanners;  // names, in the order in which points number them
   int scans = 0;
   int64_t points = 0;         // valid ranges in the recording
   int64_t points_used = 0;    // points on segments of planes in the final estimate

@@ -60,33 +60,45 @@ def means_by_plane(scanners, plane_ids, residuals, min_points):
     return table
 
 
-def print_planes(table, planes, scanners):
-    print("plane   normal/deg  at x/m    y/m " +
-          "".join(f"  scanner {i}: points mean/mm" for i in scanners) + "   spread/mm")
+def read_names(result, count):
+    """The scanners' names; of maps of earlier versions, which do not say, their numbers."""
+    path = os.path.join(result, "summary.json")
+    names = read_json(path).get("scanners", []) if os.path.exists(path) else []
+    return [str(name) for name in names] + [f"scanner {i}" for i in range(len(names), count)]
+
+
+def print_planes(table, planes, scanners, names):
+    heads = {i: f"{names[i] + ': points':>19} mean/mm" for i in scanners}
+    print("plane   normal/deg  at x/m    y/m" + "".join(f" {heads[i]}" for i in scanners) +
+          "   spread/mm")
     for plane_id, row in table.items():
         plane = planes[plane_id]
         heading = np.degrees(np.arctan2(plane["normal"][1], plane["normal"][0]))
         cells = "".join(
-            f"{row[i][0]:19d} {row[i][1]:+8.1f}" if i in row else f"{'-':>28}"
+            f"{row[i][0]:{len(heads[i]) - 7}d} {row[i][1]:+7.1f}" if i in row
+            else f"{'-':>{len(heads[i]) + 1}}"
             for i in scanners)
         means = [mean for _, mean in row.values()]
         print(f"{plane_id:5d} {heading:12.1f} {plane['centre'][0]:7.2f} "
               f"{plane['centre'][1]:6.2f}{cells}{max(means) - min(means):12.1f}")
 
 
-def print_pairs(table, scanners):
+def print_pairs(table, scanners, names):
     """Differences of each pair, a plane weighted by the points of the scanner with fewer."""
-    print("\nscanners  planes  mean difference/mm  rms difference/mm")
-    for i, j in itertools.combinations(scanners, 2):
+    pairs = {(i, j): f"{names[i]}, {names[j]}"
+             for i, j in itertools.combinations(scanners, 2)}
+    width = max(map(len, ["scanners", *pairs.values()]))
+    print(f"\n{'scanners':{width}}  planes  mean difference/mm  rms difference/mm")
+    for (i, j), pair in pairs.items():
         common = [row for row in table.values() if i in row and j in row]
         if not common:
-            print(f"{i:3d} {j:3d} {0:9d} {'-':>19} {'-':>18}")
+            print(f"{pair:{width}} {0:7d} {'-':>19} {'-':>18}")
             continue
         difference = np.array([row[i][1] - row[j][1] for row in common])
         weight = np.array([min(row[i][0], row[j][0]) for row in common], dtype=float)
         mean = np.average(difference, weights=weight)
         rms = np.sqrt(np.average(difference**2, weights=weight))
-        print(f"{i:3d} {j:3d} {len(common):9d} {mean:+19.1f} {rms:18.1f}")
+        print(f"{pair:{width}} {len(common):7d} {mean:+19.1f} {rms:18.1f}")
 
 
 def main():
@@ -104,8 +116,9 @@ def main():
             raise InputError(f"{path}: no plane has {arguments.min_points} points of each of "
                              "two scanners")
         seen = sorted({scanner for row in table.values() for scanner in row})
-        print_planes(table, planes, seen)
-        print_pairs(table, seen)
+        names = read_names(arguments.result, seen[-1] + 1)
+        print_planes(table, planes, seen, names)
+        print_pairs(table, seen, names)
     except (InputError, OSError) as error:
         print(f"scanner_agreement.py: {error}", file=sys.stderr)
         return 1

@@ -226,6 +226,11 @@ async function checkKeysAndControls(page) {
   for (const key of ['2', '3', '4', '5'])
     await changes(`colouring ${key}`, () => page.keyboard.press(key));
   assert.equal(await page.getAttribute('[data-colour=residual]', 'aria-pressed'), 'true');
+  await changes('a button for scanners', () => page.click('[data-colour=scanner]'));
+  assert.deepEqual(
+    await page.locator('.legend span').allTextContents(),
+    expected.summary.scanners,
+  );
   await changes('a button for a colour', () => page.click('[data-colour=surface]'));
   await changes('an arrow', () =>
     page.keyboard.press('ArrowLeft').then(() => page.click('[data-view=front]')),

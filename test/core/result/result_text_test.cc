@@ -113,6 +113,7 @@ TEST(FormatSummaryTest, StatesTheVerdict) {
 TEST(FormatSummaryTest, HasTheAgreedKeys) {
   Summary summary;
   summary.start_time_ns = 1'700'000'000'123'456'789;
+  summary.scanners = {"top", "left"};
   summary.scans = 3;
   summary.points = int64_t{1} << 40;
   summary.residual_rms_m = 0.0217;
@@ -130,6 +131,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   for (const auto& [key, value] : json.items()) keys.push_back(key);
   EXPECT_THAT(keys,
               ElementsAre("start_time",
+                          "scanners",
                           "scans",
                           "points",
                           "points_used",
@@ -151,6 +153,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
                           "reference_plane_id",
                           "consistency",
                           "warnings"));
+  EXPECT_EQ(json["scanners"].dump(), "[\"top\",\"left\"]");
   EXPECT_EQ(json["points"], int64_t{1} << 40);
   EXPECT_EQ(json["residual_rms_m"], 0.0217);
   EXPECT_EQ(json["stages"].dump(), "{\"read\":0.75,\"batch\":2.0}");

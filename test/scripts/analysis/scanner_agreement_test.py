@@ -52,7 +52,17 @@ class ScannerAgreementTest(unittest.TestCase):
                                   "8.0"]])
         # One scanner alone sees plane 8.
         self.assertFalse([line for line in lines if line.split()[:1] == ["8"]])
-        self.assertEqual(lines[-1].split(), ["0", "1", "1", "+8.0", "8.0"])
+        self.assertEqual(lines[-1].split(),
+                         ["scanner", "0,", "scanner", "1", "1", "+8.0", "8.0"])
+
+    def test_scanners_have_the_names_of_the_rig_file(self):
+        with open(self.path("summary.json"), "w", encoding="utf-8") as file:
+            json.dump({"scanners": ["left", "right"]}, file)
+        result = self.run_script("--min-points", "2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stdout.splitlines()
+        self.assertIn("left: points mean/mm", lines[0])
+        self.assertEqual(lines[-1].split(), ["left,", "right", "1", "+8.0", "8.0"])
 
     def check_error(self, text, *arguments):
         result = self.run_script(*arguments)

@@ -1,6 +1,7 @@
 // What the reader can set in the 3D view, with buttons and keys.
 import { h } from './dom.js';
 import { css, rampGradient, scannerColour } from './colours.js';
+import { scannerNames } from './data.js';
 import { digits } from './format.js';
 import { COLOURINGS, RAMP_OF } from './point_cloud.js';
 import { extents } from './surface.js';
@@ -39,7 +40,7 @@ export class Controls {
   constructor(view, plan, report) {
     this.view = view;
     this.plan = plan;
-    this.numScanners = report.statistics.by_scanner.length;
+    this.scannerNames = scannerNames(report);
     this.hasMoving = report.summary.points_moving > 0;
     const { lowest, highest } = view.cloud;
     this.range = [Math.floor(10 * lowest[2]) / 10, Math.ceil(10 * highest[2]) / 10];
@@ -203,10 +204,10 @@ export class Controls {
       );
     } else if (name === 'scanner') {
       this.legend.replaceChildren(
-        ...Array.from({ length: this.numScanners }, (_, i) => {
+        ...this.scannerNames.map((scanner, i) => {
           const dot = h('i', { class: 'dot' });
           dot.style.background = css(scannerColour(i));
-          return h('span', {}, dot, `scanner ${i}`);
+          return h('span', {}, dot, scanner);
         }),
       );
     } else {

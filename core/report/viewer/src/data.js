@@ -6,6 +6,10 @@ export function readJson(id) {
   return JSON.parse(element(id).textContent);
 }
 
+// As the rig file names them; maps of earlier versions do not say.
+export const scannerNames = ({ statistics, summary }) =>
+  statistics.by_scanner.map((_, i) => summary.scanners?.[i] ?? `scanner ${i}`);
+
 function bytesOfBase64(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
   const characters = atob(text);

@@ -1,6 +1,13 @@
 // The report's page: puts its parts together, and tells each what the others do.
 import { Controls, KEYS, listenToKeys } from './controls.js';
-import { readFloat64, readJson, readPoints, readPoses, readSection } from './data.js';
+import {
+  readFloat64,
+  readJson,
+  readPoints,
+  readPoses,
+  readSection,
+  scannerNames,
+} from './data.js';
 import { byId, h, table } from './dom.js';
 import { drawEvaluation } from './evaluation.js';
 import { digits, millimetres, count } from './format.js';
@@ -31,6 +38,7 @@ function readReport() {
 
 function drawPlots(report, poses, motion, onTime) {
   const { statistics, summary } = report;
+  const names = scannerNames(report);
   const options = { intervals: report.intervals, end: poses[poses.length - 1].t, onTime };
   const perSecond = statistics.by_second
     .map((group, i) => [i + 0.5, group])
@@ -89,7 +97,7 @@ function drawPlots(report, poses, motion, onTime) {
       'Residuals by scanner',
       'RMS, mm',
       statistics.by_scanner.map((group, i) => [
-        `scanner ${i}`,
+        names[i],
         1000 * group[2],
         css(scannerColour(i)),
       ]),
