@@ -137,6 +137,16 @@ Summary Summarise(const RecordingReader& recording,
   summary.motion = result.planar ? "planar" : "spatial";
   summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
   summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
+  if (result.state.odometry != nullptr) {
+    const OdometryCalibration& wheels = result.state.odometry_calibration;
+    summary.odometry = OdometrySummary{wheels.length_scale(),
+                                       wheels.length_scale_stddev(),
+                                       wheels.turn_scale(),
+                                       wheels.turn_scale_stddev(),
+                                       wheels.length_noise(),
+                                       wheels.turn_noise(),
+                                       wheels.num_motions()};
+  }
   summary.reference_plane_id = 0;
   for (const MapGap& gap : result.state.gaps) {
     summary.gaps.push_back({SecondsBetween(recording.start_ns(), gap.start_ns),

@@ -271,6 +271,15 @@ std::string FormatSummary(const Summary& summary) {
   };
   json["motion_noise"] = object(summary.motion_noise);
   json["motion_found"] = object(summary.motion_found);
+  if (summary.odometry) {
+    json["odometry"] = {{"length_scale", summary.odometry->length_scale},
+                        {"length_scale_stddev", summary.odometry->length_scale_stddev},
+                        {"turn_scale", summary.odometry->turn_scale},
+                        {"turn_scale_stddev", summary.odometry->turn_scale_stddev},
+                        {"length_noise", summary.odometry->length_noise},
+                        {"turn_noise", summary.odometry->turn_noise},
+                        {"motions", summary.odometry->motions}};
+  }
   json["reference_plane_id"] = summary.reference_plane_id;
   json["consistency"] = ConsistencyJson(summary.consistency);
   for (const UnmappedInterval& gap : summary.gaps) {

@@ -142,6 +142,18 @@ struct PartSummary {
   std::optional<PlanPose> pose;  // where its walls match those of the longest part
 };
 
+// How what wheels say relates to the map: true over stated lengths and turns with standard
+// deviations, and the noise that is left, as shares of both.
+struct OdometrySummary {
+  double length_scale = 1.0;
+  double length_scale_stddev = 0.0;
+  double turn_scale = 1.0;
+  double turn_scale_stddev = 0.0;
+  double length_noise = 0.0;
+  double turn_noise = 0.0;
+  int motions = 0;  // from which this is known
+};
+
 // Summary holds the figures of summary.json.
 struct Summary {
   int64_t start_time_ns = 0;  // of the recording's first scan line
@@ -169,6 +181,7 @@ struct Summary {
   // Standard deviations of the accelerations that the recording shows; the covariances are for
   // these.
   std::vector<std::pair<std::string, double>> motion_found;
+  std::optional<OdometrySummary> odometry;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   Consistency consistency;
   std::vector<UnmappedInterval> gaps;  // between parts that were joined, in the order of time

@@ -38,6 +38,8 @@ OdometryCalibration::OdometryCalibration(const OdometryOptions& options) {
   turn_ = begin(options.turn_noise);
 }
 
+double OdometryCalibration::Ratio::ScaleStddev() const { return 1.0 / std::sqrt(stated2); }
+
 double OdometryCalibration::Ratio::Noise() const {
   return std::max(kMinNoise, std::sqrt(squares / weight));
 }

@@ -27,6 +27,9 @@ class OdometryCalibration {
 
   double length_scale() const { return length_.Scale(); }  // true over stated length
   double turn_scale() const { return turn_.Scale(); }      // true over stated turn
+  // Standard deviations of the scales, as far as the motions' noise is independent.
+  double length_scale_stddev() const { return length_.ScaleStddev(); }
+  double turn_scale_stddev() const { return turn_.ScaleStddev(); }
   double length_noise() const { return length_.Noise(); }  // shares, see above
   double turn_noise() const { return turn_.Noise(); }
   int num_motions() const { return num_motions_; }  // that it has taken in
@@ -55,6 +58,7 @@ class OdometryCalibration {
     double weight = 1.0;
 
     double Scale() const { return stated_estimated / stated2; }
+    double ScaleStddev() const;
     double Noise() const;
     void Add(double stated, double estimated, double amount);
     void AddResidual(double residual, double amount);

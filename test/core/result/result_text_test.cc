@@ -164,5 +164,15 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   EXPECT_EQ(json["warnings"].size(), 2u);
 }
 
+TEST(FormatSummaryTest, SaysWhatWheelsCountWhereTheyDo) {
+  Summary summary;
+  summary.odometry = OdometrySummary{0.5, 0.25, 1.5, 0.125, 0.0625, 2.0, 9};
+  const auto json = nlohmann::ordered_json::parse(FormatSummary(summary));
+  EXPECT_EQ(json["odometry"].dump(),
+            "{\"length_scale\":0.5,\"length_scale_stddev\":0.25,\"turn_scale\":1.5,"
+            "\"turn_scale_stddev\":0.125,\"length_noise\":0.0625,\"turn_noise\":2.0,"
+            "\"motions\":9}");
+}
+
 }  // namespace
 }  // namespace plumbline
