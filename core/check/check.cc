@@ -144,6 +144,11 @@ CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& ri
                                    std::max(kMinNoise, report.survey.topics[i].noise_m)));
   }
   report.attitudes = JudgeAttitudes(sample);
+  for (size_t i = 0; i < sample.size() && !rig; ++i) {
+    report.travel_directions.push_back(report.attitudes[i].attitude == Attitude::kLevel
+                                           ? FindTravelDirection(sample[i])
+                                           : std::nullopt);
+  }
   if (rig) LookAtRig(sample, &report);
   if (report.survey.topics.empty()) {
     report.findings.push_back({Severity::kStop,

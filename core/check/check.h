@@ -10,6 +10,7 @@
 #include "core/check/recording_survey.h"
 #include "core/check/scanner_outlook.h"
 #include "core/check/start_search.h"
+#include "core/check/travel_direction.h"
 #include "core/sensor/rig.h"
 
 namespace plumbline {
@@ -21,6 +22,8 @@ enum class Mappable { kNot, kInThePlane, kInSpace };
 struct CheckReport {
   RecordingSurvey survey;
   std::vector<OwnAttitude> attitudes;  // by topic of the survey
+  // Without a rig file, by topic: of level scanners, where it shows.
+  std::vector<std::optional<TravelDirection>> travel_directions;
 
   // Only with a rig file.
   std::optional<Rig> rig;

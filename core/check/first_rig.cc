@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "core/check/words.h"
+#include "core/geometry/angles.h"
 #include "core/util/one_line.h"
 
 namespace plumbline {
@@ -47,11 +49,26 @@ double MaxRangeOf(const TopicSurvey& topic) {
   return std::max(1.0, std::floor(100.0 * max_range_m - 1e-6) / 100.0);
 }
 
-std::string RotationComment(Attitude attitude) {
+// The yaw with which a level scanner's travel is forward.
+double YawDegrees(const TravelDirection& travel) {
+  return std::round(-travel.angle_rad / kRadiansPerDegree) + 0.0;  // not -0
+}
+
+std::string RotationComment(Attitude attitude, const std::optional<TravelDirection>& travel) {
   switch (attitude) {
     case Attitude::kLevel:
+      if (travel) {
+        const double yaw_deg = YawDegrees(*travel);
+        return "# level; yaw so that the rig goes forward, from " +
+               std::to_string(travel->num_steps) + " half seconds (median deviation " +
+               Decimal(travel->spread_rad / kRadiansPerDegree, 0) +
+               " deg): MEASURE it; other way round where the rig went backwards; upside "
+               "down: roll 180, yaw " +
+               Decimal(0.0 - yaw_deg, 0);
+      }
       return "# it stands level: roll 0 (180 where it hangs upside down), pitch 0; FILL IN "
-             "yaw";
+             "yaw: the angle from the rig's forward axis to the beam at angle 0, "
+             "counter-clockwise";
     case Attitude::kTilted:
       return "# FILL IN; it is not level: it sees floor or ceiling";
     case Attitude::kUnknown:
@@ -81,8 +98,12 @@ std::string FormatFirstRig(const CheckReport& report) {
     text += "    topic: " + Quoted(topic.name) + "\n";
     text += "    body_from_scanner:\n";
     text += "      translation: [0.0, 0.0, 0.0]        # FILL IN, metres\n";
-    text += "      rotation_rpy_deg: [0.0, 0.0, 0.0]   " +
-            RotationComment(report.attitudes[i].attitude) + "\n";
+    const Attitude attitude = report.attitudes[i].attitude;
+    std::optional<TravelDirection> travel;
+    if (i < report.travel_directions.size()) travel = report.travel_directions[i];
+    const double yaw_deg = travel ? YawDegrees(*travel) : 0.0;
+    text += "      rotation_rpy_deg: [0.0, 0.0, " + Decimal(yaw_deg, 1) + "]   " +
+            RotationComment(attitude, travel) + "\n";
     text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
             "                  # neighbouring beams show " + Decimal(topic.noise_m, 3) +
             "; uneven walls and the mounting add to it\n";

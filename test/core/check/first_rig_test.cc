@@ -26,15 +26,23 @@ TEST_F(FirstRigTest, IsARigFile) {
     report.attitudes.push_back({});
   }
   report.attitudes[0].attitude = Attitude::kLevel;
+  TravelDirection travel;  // to the right of the beam at angle 0
+  travel.angle_rad = -0.5 * M_PI;
+  travel.num_steps = 12;
+  report.travel_directions = {travel};
   const std::string text = FormatFirstRig(report);
   EXPECT_THAT(text, testing::HasSubstr("FILL IN"));
-  EXPECT_THAT(text, testing::HasSubstr("it stands level"));
+  EXPECT_THAT(text, testing::HasSubstr("from 12 half seconds"));
   const std::string path = (directory_ / "rig.yaml").string();
   WriteBytes(path, text);
   const Rig rig = ReadRig(path);
   ASSERT_EQ(rig.scanners.size(), 4u);
   EXPECT_EQ(rig.scanners[0].name, "front_scan");
   EXPECT_EQ(rig.scanners[0].topic, "/front/scan");
+  // Turned to the left, so that its right is ahead.
+  const Eigen::Vector3d ahead =
+      rig.scanners[0].body_from_scanner.rotation * -Eigen::Vector3d::UnitY();
+  EXPECT_LT((ahead - Eigen::Vector3d::UnitX()).norm(), 1e-9);
   EXPECT_EQ(rig.scanners[2].topic, "scan: \"x\"");
   EXPECT_NEAR(rig.scanners[0].range_noise_m, 0.017, 1e-9);
   EXPECT_NEAR(rig.scanners[0].min_range_m, 0.33, 1e-9);
