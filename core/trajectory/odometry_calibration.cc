@@ -47,7 +47,8 @@ double OdometryCalibration::Ratio::Noise() const {
 void OdometryCalibration::Ratio::Add(double stated, double estimated, double amount) {
   const double stddev = Noise() * amount;
   const double deviation = std::abs(estimated - Scale() * stated) / stddev;
-  const double robust = std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9));
+  // Wheels slip to one side only, they count too much: the farther, the less it says.
+  const double robust = std::pow(std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9)), 2);
   stated_estimated += robust * stated * estimated / (stddev * stddev);
   stated2 += robust * stated * stated / (stddev * stddev);
 }
@@ -67,11 +68,13 @@ double OdometryCalibration::TurnAmount(const PlanarMotion& stated) {
   return std::abs(stated.turn) + kTurnPerLength * stated.translation.norm() + kSmallTurn;
 }
 
-void OdometryCalibration::Add(const PlanarMotion& stated, const PlanarMotion& estimated) {
+void OdometryCalibration::Add(const PlanarMotion& stated,
+                              const PlanarMotion& estimated,
+                              bool knows_length) {
   const double length = stated.translation.norm();
   if (length < kMinLength && std::abs(stated.turn) < kMinTurn) return;
   ++num_motions_;
-  if (length >= kMinLength) {
+  if (knows_length && length >= kMinLength) {
     const double along = estimated.translation.dot(stated.translation) / length;
     const double amount = LengthAmount(stated);
     length_.Add(length, along, amount);

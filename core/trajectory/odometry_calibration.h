@@ -22,8 +22,11 @@ class OdometryCalibration {
   OdometryCalibration() = default;
   explicit OdometryCalibration(const OdometryOptions& options);
 
-  // Takes in a motion as the wheels state it and as it is estimated.
-  void Add(const PlanarMotion& stated, const PlanarMotion& estimated);
+  // Takes in a motion as the wheels state it and as it is estimated. knows_length: whether
+  // anything else than the wheels says how far the rig went; else only the turn counts.
+  void Add(const PlanarMotion& stated,
+           const PlanarMotion& estimated,
+           bool knows_length = true);
 
   double length_scale() const { return length_.Scale(); }  // true over stated length
   double turn_scale() const { return turn_.Scale(); }      // true over stated turn
