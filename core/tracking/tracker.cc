@@ -1,6 +1,5 @@
 #include "core/tracking/tracker.h"
 
-#include <glog/logging.h>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -371,13 +370,6 @@ void Tracker::Track(int first_observation,
   if (bridges_by_motion_ && is_open_) {
     constraints.clear();
     estimate = BridgeByMotion(first_observation, last_observation);
-  }
-  {
-    const Matrix6d after = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
-    LOG(INFO) << "DBG t " << SecondsBetween(state_->origin_time_ns, scan_end_ns) << " pred yaw sd " << std::sqrt(covariance(2,2))*57.3 << " pos " << std::sqrt(covariance(3,3)+covariance(4,4))
-      << " after yaw sd " << std::sqrt(after(2,2))*57.3
-      << " pts " << (by_points ? by_points->NearShare() : -1.0) << " known " << (by_points ? by_points->KnownShare() : -1.0) << " share_no " << share_on_no_plane << " unsteady " << unsteady << " loose " << (scan_end_ns < loose_until_ns_) << " open " << is_open_ << " bridge " << bridges_by_motion_ << " withheld " << withheld.size()
-      << " moved " << (state_->trajectory.WorldFromBody(scan_end_ns).translation - predicted).norm() << " us " << usual_share_ << " yaw " << std::atan2(2*state_->trajectory.WorldFromBody(scan_end_ns).rotation.z()*state_->trajectory.WorldFromBody(scan_end_ns).rotation.w(), 1-2*std::pow(state_->trajectory.WorldFromBody(scan_end_ns).rotation.z(),2))*57.3;
   }
   usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
