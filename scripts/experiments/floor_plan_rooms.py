@@ -14,6 +14,7 @@ import yaml
 
 import experiment_files
 import job_runner
+import series
 
 PROGRAMS = ("plumbline_simulate", "plumbline_map")
 ROOMS = job_runner.ROOT / "scripts" / "analysis" / "rooms.py"
@@ -147,10 +148,10 @@ def main():
     arguments = parse_arguments()
     cases = {case: experiment_files.of_case(case) for case in arguments.cases or CASES}
     setup = {"program": pathlib.Path(__file__).name,
-             "version": job_runner.check_binaries(arguments.binaries, PROGRAMS)}
+             **series.build_of(arguments.binaries, PROGRAMS)}
     jobs = make_jobs(arguments, cases)
     with job_runner.open_executor(arguments) as executor, \
-            job_runner.Output(arguments.output, setup) as output:
+            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         output.run(jobs, executor, arguments.retry_failed, "runs")
         rows, failures = collect(output, jobs)
         table = table_of(rows, failures)

@@ -35,7 +35,6 @@ TEST(FormatPlanesTest, HasTheAgreedKeys) {
   const std::string text = FormatPlanes({plane});
   EXPECT_THAT(text, HasSubstr("\"first_time\": 1600000000.123456789,"));
   EXPECT_EQ(text.back(), '\n');
-  EXPECT_THAT(text, HasSubstr("\"start_time\": 1700000000.123456789,\n"));
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
   ASSERT_EQ(json.size(), 1u);
   std::vector<std::string> keys;
@@ -126,6 +125,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   summary.warnings = {"a \"quoted\" name", "not UTF-8: \xff"};
   const std::string text = FormatSummary(summary);
   EXPECT_EQ(text.back(), '\n');
+  EXPECT_THAT(text, HasSubstr("\"start_time\": 1700000000.123456789,\n"));
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
