@@ -68,13 +68,11 @@ double OdometryCalibration::TurnAmount(const PlanarMotion& stated) {
   return std::abs(stated.turn) + kTurnPerLength * stated.translation.norm() + kSmallTurn;
 }
 
-void OdometryCalibration::Add(const PlanarMotion& stated,
-                              const PlanarMotion& estimated,
-                              bool knows_length) {
+void OdometryCalibration::Add(const PlanarMotion& stated, const PlanarMotion& estimated) {
   const double length = stated.translation.norm();
   if (length < kMinLength && std::abs(stated.turn) < kMinTurn) return;
   ++num_motions_;
-  if (knows_length && length >= kMinLength) {
+  if (length >= kMinLength) {
     const double along = estimated.translation.dot(stated.translation) / length;
     const double amount = LengthAmount(stated);
     length_.Add(length, along, amount);

@@ -22,15 +22,13 @@ class OdometryCalibration {
   OdometryCalibration() = default;
   explicit OdometryCalibration(const OdometryOptions& options);
 
-  // Takes in a motion as the wheels state it and as it is estimated. knows_length: whether
-  // anything else than the wheels says how far the rig went; else only the turn counts.
-  void Add(const PlanarMotion& stated,
-           const PlanarMotion& estimated,
-           bool knows_length = true);
+  // Takes in a motion as the wheels state it and as it is estimated.
+  void Add(const PlanarMotion& stated, const PlanarMotion& estimated);
 
   double length_scale() const { return length_.Scale(); }  // true over stated length
   double turn_scale() const { return turn_.Scale(); }      // true over stated turn
-  // Standard deviations of the scales, as far as the motions' noise is independent.
+  // Standard deviations of the scales, as far as the motions' noise is independent, and where
+  // the scans, not the wheels themselves, have determined the motions.
   double length_scale_stddev() const { return length_.ScaleStddev(); }
   double turn_scale_stddev() const { return turn_.ScaleStddev(); }
   double length_noise() const { return length_.Noise(); }  // shares, see above

@@ -93,15 +93,5 @@ TEST_F(OdometryCalibrationTest, TheScalesStandardDeviationIsThatOfItsError) {
   EXPECT_NEAR(std::sqrt(squares / kWheels), 1.0, 0.15);
 }
 
-TEST_F(OdometryCalibrationTest, OfAWayThatOnlyWheelsKnowTheTurnAloneCounts) {
-  for (int i = 0; i < 200; ++i) {
-    const PlanarMotion stated = Stated();
-    calibration_.Add(stated, {1.1 * stated.translation, 1.1 * stated.turn}, false);
-  }
-  EXPECT_EQ(calibration_.length_scale(), 1.0);
-  EXPECT_EQ(calibration_.length_scale_stddev(), 0.05);
-  EXPECT_NEAR(calibration_.turn_scale(), 1.1, 0.02);
-}
-
 }  // namespace
 }  // namespace plumbline
