@@ -47,8 +47,7 @@ double OdometryCalibration::Ratio::Noise() const {
 void OdometryCalibration::Ratio::Add(double stated, double estimated, double amount) {
   const double stddev = Noise() * amount;
   const double deviation = std::abs(estimated - Scale() * stated) / stddev;
-  // Wheels slip to one side only, they count too much: the farther, the less it says.
-  const double robust = std::pow(std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9)), 2);
+  const double robust = std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9));
   stated_estimated += robust * stated * estimated / (stddev * stddev);
   stated2 += robust * stated * stated / (stddev * stddev);
 }
