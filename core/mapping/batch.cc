@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -65,13 +66,15 @@ class Batch {
     BatchReport report{estimator_.EstimateFinally(), round, num_changed};
     RebuildLandmarks(rig_, state_);
     report.closures = Closures();
+    report.drift_m = drift_m_;
     return report;
   }
 
  private:
   void RecogniseRevisits() {
     if (!planar_ || !options_.loop_closure.enabled) return;
-    if (!CorrectDrift(rig_, recording_, state_)) return;
+    drift_m_ = CorrectDrift(rig_, recording_, state_);
+    if (!drift_m_) return;
     DropWeakPlanes(options_.planes, state_);
     KeepHeadingHeld(state_);
     openings_.resize(state_->landmarks.size());
@@ -164,7 +167,8 @@ class Batch {
   std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
   std::vector<LoopClosure> rejected_closures_;
   std::set<std::pair<int, int>> apart_;  // landmarks of rejected closures
-  double share_done_ = 0.0;              // of the batch's time
+  std::optional<double> drift_m_;
+  double share_done_ = 0.0;  // of the batch's time
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/map/map_state.h"
@@ -17,6 +18,7 @@ struct BatchReport : FinalEstimate {
   int rounds = 0;
   int changed_associations = 0;            // in the last round before the final estimation
   std::vector<LoopClosure> closures = {};  // accepted and rejected, in the order of time
+  std::optional<double> drift_m = {};      // that was corrected (CorrectDrift)
 };
 
 // How many segments another round of associations would change, by the rate at which the

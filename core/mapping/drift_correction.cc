@@ -80,16 +80,18 @@ void BendTrajectory(const std::vector<PlacedScan>& scans,
   }
 }
 
-bool CorrectDrift(const Rig& rig, RecordingReader* recording, MapState* state) {
+std::optional<double> CorrectDrift(const Rig& rig,
+                                   RecordingReader* recording,
+                                   MapState* state) {
   const std::vector<PlacedScan> scans = PlaceScans(rig, state->trajectory, recording);
   const std::vector<Visit> visits = CutIntoVisits(scans, state->trajectory);
   const PlacedVisits placed = PlaceVisits(visits);
-  if (placed.closures.empty() || Hold(placed.closures, visits)) return false;
+  if (placed.closures.empty() || Hold(placed.closures, visits)) return std::nullopt;
   const auto num_found = static_cast<double>(placed.closures.size()) + placed.num_contradicted;
   if (placed.num_contradicted > kMaxContradictedShare * num_found) {
     LOG(WARNING) << "places seen again contradict each other: " << placed.num_contradicted
                  << " of " << num_found << " pairs of visits; the drift stays";
-    return false;
+    return std::nullopt;
   }
   double largest_m = 0.0;
   for (size_t i = 0; i < visits.size(); ++i) {
@@ -107,7 +109,7 @@ bool CorrectDrift(const Rig& rig, RecordingReader* recording, MapState* state) {
   LOG(INFO) << "places seen again: " << placed.closures.size()
             << " pairs of visits; the way is bent by up to " << largest_m << " m, and "
             << num_merged << " walls become one with others";
-  return true;
+  return largest_m;
 }
 
 }  // namespace plumbline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/geometry/planar_pose.h"
@@ -22,7 +23,10 @@ void BendTrajectory(const std::vector<PlacedScan>& scans,
 // them: where it has drifted farther than its covariances allow, so that the walls seen again
 // stand beside themselves. Where there are such places, bends the trajectory so that they lie
 // in one, and decides anew which walls of different visits are one. Reads the recording once.
-// Returns whether anything has changed; the landmarks are then to be estimated anew.
-bool CorrectDrift(const Rig& rig, RecordingReader* recording, MapState* state);
+// Returns by how much it has moved the rig at most, in m, and nothing where all stays as it
+// was; else the landmarks are to be estimated anew.
+std::optional<double> CorrectDrift(const Rig& rig,
+                                   RecordingReader* recording,
+                                   MapState* state);
 
 }  // namespace plumbline

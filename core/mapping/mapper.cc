@@ -115,6 +115,14 @@ MapResult EstimatePart(const Rig& rig,
         FormatSeconds(SecondsBetween(recording->start_ns(), gap.end_ns)) + " (" + gap.reason +
         "); what follows has its place by the surfaces that both show");
   }
+  if (result.batch.drift_m) {
+    char drift[32];
+    std::snprintf(drift, sizeof(drift), "%.1f m", *result.batch.drift_m);
+    result.warnings.push_back(
+        std::string("the rig had drifted by up to ") + drift +
+        " where it came back to places it had seen; that is corrected, but stated standard "
+        "deviations know nothing of it");
+  }
   if (!result.ended_by.empty()) {
     result.warnings.push_back("the map ends " + FormatSeconds(result.end_s) +
                               " into the recording: " + result.ended_by);
@@ -140,8 +148,7 @@ FollowedRecording FollowRecording(const Rig& rig,
   std::vector<FollowerOfPart> parts;
   {
     const Stopwatch::Running running(&tracking_watch);
-    parts =
-        recording_follower.Run([&](double share) { progress(FollowingAt(share)); }, stop);
+    parts = recording_follower.Run([&](double share) { progress(FollowingAt(share)); }, stop);
   }
   double segmentation_s = 0.0;
   FollowedRecording followed;

@@ -38,9 +38,12 @@ class AcesTest(unittest.TestCase):
                  LOGS / "aces.relations", "--output", folder / "figures.json"],
                 capture_output=True, text=True, check=True)
             figures = json.loads((folder / "figures.json").read_text())
+            warnings = json.loads((folder / "map" / "summary.json").read_text())["warnings"]
         self.assertEqual(figures["covered"], 1279)
         self.assertLess(figures["translation_m"]["mean"], 0.05)
         self.assertLess(figures["rotation_deg"]["mean"], 0.5)
+        self.assertTrue(any("stated standard deviations know nothing of it" in warning
+                            for warning in warnings), warnings)
 
 
 if __name__ == "__main__":
