@@ -232,6 +232,40 @@ nlohmann::ordered_json ConsistencyJson(const Consistency& consistency) {
   return json;
 }
 
+using Figures = std::vector<std::pair<std::string, double>>;
+
+nlohmann::ordered_json ListJson(const Figures& figures) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& [what, value] : figures) {
+    list.push_back({{"what", what}, {"value", value}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json NamedJson(const Figures& figures) {
+  nlohmann::ordered_json named = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : figures) named[name] = value;
+  return named;
+}
+
+nlohmann::ordered_json PartsJson(const std::vector<PartSummary>& parts) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PartSummary& part : parts) {
+    list.push_back({{"folder", part.folder},
+                    {"start_s", part.start_s},
+                    {"end_s", part.end_s},
+                    {"scans", part.scans},
+                    {"planes", part.planes},
+                    {"verdict", VerdictName(part.verdict)}});
+    if (!part.pose) continue;
+    list.back()["pose"] = {{"yaw_deg", part.pose->yaw_deg},
+                           {"x_m", part.pose->x_m},
+                           {"y_m", part.pose->y_m},
+                           {"matched_m", part.pose->matched_m}};
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string FormatSummary(const Summary& summary) {
@@ -254,23 +288,11 @@ std::string FormatSummary(const Summary& summary) {
   json["stages"] = stages;
   json["real_time_factor"] = summary.real_time_factor;
   json["peak_memory_mb"] = summary.peak_memory_mb;
-  const auto list = [](const std::vector<std::pair<std::string, double>>& figures) {
-    nlohmann::ordered_json array = nlohmann::ordered_json::array();
-    for (const auto& [what, value] : figures) {
-      array.push_back({{"what", what}, {"value", value}});
-    }
-    return array;
-  };
-  json["largest_correlations"] = list(summary.largest_correlations);
-  json["weakest_directions"] = list(summary.weakest_directions);
+  json["largest_correlations"] = ListJson(summary.largest_correlations);
+  json["weakest_directions"] = ListJson(summary.weakest_directions);
   json["motion"] = summary.motion;
-  const auto object = [](const std::vector<std::pair<std::string, double>>& figures) {
-    nlohmann::ordered_json named = nlohmann::ordered_json::object();
-    for (const auto& [name, value] : figures) named[name] = value;
-    return named;
-  };
-  json["motion_noise"] = object(summary.motion_noise);
-  json["motion_found"] = object(summary.motion_found);
+  json["motion_noise"] = NamedJson(summary.motion_noise);
+  json["motion_found"] = NamedJson(summary.motion_found);
   if (summary.odometry) {
     json["odometry"] = {{"length_scale", summary.odometry->length_scale},
                         {"length_scale_stddev", summary.odometry->length_scale_stddev},
@@ -286,20 +308,7 @@ std::string FormatSummary(const Summary& summary) {
     json["gaps"].push_back(
         {{"start_s", gap.start_s}, {"end_s", gap.end_s}, {"reason", gap.reason}});
   }
-  if (!summary.parts.empty()) json["parts"] = nlohmann::ordered_json::array();
-  for (const PartSummary& part : summary.parts) {
-    json["parts"].push_back({{"folder", part.folder},
-                             {"start_s", part.start_s},
-                             {"end_s", part.end_s},
-                             {"scans", part.scans},
-                             {"planes", part.planes},
-                             {"verdict", VerdictName(part.verdict)}});
-    if (!part.pose) continue;
-    json["parts"].back()["pose"] = {{"yaw_deg", part.pose->yaw_deg},
-                                    {"x_m", part.pose->x_m},
-                                    {"y_m", part.pose->y_m},
-                                    {"matched_m", part.pose->matched_m}};
-  }
+  if (!summary.parts.empty()) json["parts"] = PartsJson(summary.parts);
   json["warnings"] = summary.warnings;
   // File names in warnings need not be UTF-8.
   const std::string text =
