@@ -81,19 +81,23 @@ bool Exceeds(const SecondOfMotion& second,
   return false;
 }
 
-// The mean angular and linear accelerations over the interval before a knot, rad/s^2 and
-// m/s^2, world frame.
+// Accelerations are judged by their mean over this time at least: those of a pose that slipped
+// are as large for as long, those of noise average out.
+constexpr double kMinSpan = 0.125;  // s
+
+// The mean angular and linear accelerations before a knot, rad/s^2 and m/s^2, world frame.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> AccelerationsAt(const Trajectory& trajectory,
                                                             int64_t knot_ns) {
   Eigen::Vector3d angular_before;
   Eigen::Vector3d linear_before;
   Eigen::Vector3d angular;
   Eigen::Vector3d linear;
-  trajectory.Velocity(
-      knot_ns - trajectory.knot_interval_ns(), &angular_before, &linear_before);
+  const double span_s = std::max(kMinSpan, trajectory.knot_interval_s());
+  const int64_t before_ns =
+      std::max(trajectory.start_ns(), knot_ns - NanosecondsFromSeconds(span_s));
+  trajectory.Velocity(before_ns, &angular_before, &linear_before);
   trajectory.Velocity(knot_ns, &angular, &linear);
-  return {(angular - angular_before) / trajectory.knot_interval_s(),
-          (linear - linear_before) / trajectory.knot_interval_s()};
+  return {(angular - angular_before) / span_s, (linear - linear_before) / span_s};
 }
 
 // Whether the interval before a knot lies well within what is mapped.

@@ -236,10 +236,10 @@ FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
 void EstimationProblem::AddMotionPrior(int first, const MotionNoise& noise) {
   const double interval_s = trajectory_->knot_interval_s();
   const std::vector<double*> blocks = ControlPointBlocks(first, 3);
-  Add(CreateRotationAccelerationFactor(noise.angular_rad_s2, interval_s),
+  Add(CreateRotationAccelerationFactor(noise.AngularStddev(interval_s), interval_s),
       {blocks[0], blocks[1], blocks[2]},
       FactorTerm::Kind::kRotationAcceleration);
-  Add(CreatePositionAccelerationFactor(noise.Acceleration(), interval_s),
+  Add(CreatePositionAccelerationFactor(noise.LinearStddev(interval_s), interval_s),
       {blocks[3], blocks[4], blocks[5]},
       FactorTerm::Kind::kPositionAcceleration);
 }
@@ -262,11 +262,13 @@ void EstimationProblem::AddOrigin(int64_t time_ns) {
 }
 
 void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
-                                           const MotionNoise& noise,
+                                           const MotionProfile& noise,
                                            int64_t origin_time_ns) {
   AddStartVelocityPrior(options);
   AddOrigin(origin_time_ns);
-  for (int i = 0; i + 2 < trajectory_->num_control_points(); ++i) AddMotionPrior(i, noise);
+  for (int i = 0; i + 2 < trajectory_->num_control_points(); ++i) {
+    AddMotionPrior(i, noise.at[static_cast<size_t>(i)]);
+  }
 }
 
 void EstimationProblem::AddPrior(const Prior& prior) {

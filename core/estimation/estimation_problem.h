@@ -93,7 +93,7 @@ class EstimationProblem {
   void AddOrigin(int64_t time_ns);
   // Adds these three for the whole trajectory: everything besides observations.
   void AddTrajectoryTerms(const TrajectoryOptions& options,
-                          const MotionNoise& noise,
+                          const MotionProfile& noise,
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
   void AddPoseConstraint(const PoseConstraint& constraint);

@@ -1,12 +1,11 @@
+#include "core/estimation/motion_noise_estimation.h"
 
-#include <array>
-#include <cmath>
+#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
-#include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/block_layout.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/linearisation.h"
@@ -15,103 +14,90 @@
 namespace plumbline {
 namespace {
 
-// Accelerations that the scans have to determine: a standard deviation from so many is right
-// to a fifth.
-constexpr double kMinDetermined = 12.0;
-// Random combinations of the accelerations of one kind. With as many as these, the sum of n
-// relative variances is known to sqrt(n / 2) at worst.
-constexpr int kNumProbes = 4;
+// Random combinations of all accelerations.
+constexpr int kNumProbes = 8;
 
-enum Kind { kHorizontal, kVertical, kAngular, kNumKinds };
-
-std::array<double, kNumKinds> StddevsOf(const MotionNoise& noise) {
-  return {noise.horizontal_m_s2, noise.vertical_m_s2, noise.angular_rad_s2};
-}
-
-// Calls visit(kinds by row, columns, dense Jacobian, residuals) for the motion priors, whose
-// residuals are accelerations over their standard deviations.
-using PriorVisitor = std::function<void(const std::array<Kind, 3>&,
-                                        const std::vector<int>&,
-                                        const Eigen::MatrixXd&,
-                                        const Eigen::VectorXd&)>;
+// Calls visit(knot, whether of rotations, columns, dense Jacobian, residuals) for the motion
+// priors, whose residuals are accelerations over their standard deviations.
+using PriorVisitor = std::function<void(
+    size_t, bool, const std::vector<int>&, const Eigen::MatrixXd&, const Eigen::VectorXd&)>;
 void ForEachPrior(const EstimationProblem& problem, const PriorVisitor& visit) {
   const BlockLayout layout = problem.Layout();
   for (const bool of_rotations : {true, false}) {
-    const auto kinds = of_rotations ? std::array<Kind, 3>{kAngular, kAngular, kAngular}
-                                    : std::array<Kind, 3>{kHorizontal, kHorizontal, kVertical};
-    VisitFactors(
-        problem,
-        layout,
-        of_rotations ? FactorTerm::Kind::kRotationAcceleration
-                     : FactorTerm::Kind::kPositionAcceleration,
-        [&](const std::vector<int>& columns,
-            const Eigen::MatrixXd& jacobian,
-            const Eigen::VectorXd& residuals) { visit(kinds, columns, jacobian, residuals); });
+    size_t knot = 0;  // the priors are in the order of the knots
+    VisitFactors(problem,
+                 layout,
+                 of_rotations ? FactorTerm::Kind::kRotationAcceleration
+                              : FactorTerm::Kind::kPositionAcceleration,
+                 [&](const std::vector<int>& columns,
+                     const Eigen::MatrixXd& jacobian,
+                     const Eigen::VectorXd& residuals) {
+                   visit(knot++, of_rotations, columns, jacobian, residuals);
+                 });
   }
 }
+
+// Signs that the same seed repeats.
+class RandomSigns {
+ public:
+  Eigen::Matrix<double, 3, kNumProbes> Next() {
+    Eigen::Matrix<double, 3, kNumProbes> signs;
+    for (double& sign : signs.reshaped()) {
+      state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+      sign = (state_ >> 63) != 0 ? 1.0 : -1.0;
+    }
+    return signs;
+  }
+
+ private:
+  uint64_t state_ = 1;
+};
 
 }  // namespace
 
-MotionNoise ReestimateMotionNoise(const MotionNoise& assumed,
-                                  const EstimationProblem& problem,
-                                  const ArrowheadCholesky& factor) {
-  std::array<double, kNumKinds> sum_squares = {};
-  std::array<int, kNumKinds> count = {};
-  Eigen::MatrixXd probes = Eigen::MatrixXd::Zero(factor.size(), kNumKinds * kNumProbes);
-  uint64_t state = 1;
-  const auto random_sign = [&state] {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (state >> 63) != 0 ? 1.0 : -1.0;
-  };
+std::vector<MotionEvidence> FindMotionEvidence(const MotionProfile& assumed,
+                                               const EstimationProblem& problem,
+                                               const ArrowheadCholesky& factor) {
+  Eigen::MatrixXd probes = Eigen::MatrixXd::Zero(factor.size(), kNumProbes);
+  RandomSigns signs;
   ForEachPrior(problem,
-               [&](const std::array<Kind, 3>& kinds,
+               [&](size_t,
+                   bool,
+                   const std::vector<int>& columns,
+                   const Eigen::MatrixXd& jacobian,
+                   const Eigen::VectorXd&) {
+                 probes(columns, Eigen::all) += jacobian.transpose() * signs.Next();
+               });
+  const Eigen::MatrixXd solved = factor.Solve(probes);
+  std::vector<MotionEvidence> evidence(assumed.at.size());
+  signs = RandomSigns();
+  ForEachPrior(problem,
+               [&](size_t knot,
+                   bool of_rotations,
                    const std::vector<int>& columns,
                    const Eigen::MatrixXd& jacobian,
                    const Eigen::VectorXd& residuals) {
+                 // G z of the random combinations z.
+                 const Eigen::Matrix<double, 3, kNumProbes> combined = signs.Next();
+                 const Eigen::Matrix<double, 3, kNumProbes> shown =
+                     combined - jacobian * solved(columns, Eigen::all);
+                 const Eigen::Vector3d g = combined.cwiseProduct(shown).rowwise().mean();
+                 const Eigen::Vector3d g2 = shown.rowwise().squaredNorm() / kNumProbes;
+                 constexpr MotionKind kKinds[2][3] = {{kHorizontal, kHorizontal, kVertical},
+                                                      {kTilt, kTilt, kYaw}};
                  for (int row = 0; row < 3; ++row) {
                    if (jacobian.row(row).isZero()) continue;  // held, in planar motion
-                   const Kind kind = kinds[static_cast<size_t>(row)];
-                   sum_squares[kind] += residuals[row] * residuals[row];
-                   ++count[kind];
-                   for (int k = 0; k < kNumProbes; ++k) {
-                     probes(columns, kind * kNumProbes + k) +=
-                         random_sign() * jacobian.row(row).transpose();
-                   }
+                   const MotionKind kind = kKinds[of_rotations ? 1 : 0][row];
+                   const double density = assumed.at[knot].density[kind];
+                   evidence[knot].squares[kind] +=
+                       (residuals[row] * residuals[row] - g[row] + g2[row]) * density *
+                       density;
+                   evidence[knot].weight[kind] += g2[row];
+                   evidence[knot].by_prior += 1.0 - g[row];
+                   evidence[knot].prior_cost += 0.5 * residuals[row] * residuals[row];
                  }
                });
-  const Eigen::VectorXd sums =
-      probes.cwiseProduct(factor.Solve(probes)).colwise().sum().transpose();
-  std::array<double, kNumKinds> found = StddevsOf(assumed);
-  for (size_t kind = 0; kind < kNumKinds; ++kind) {
-    const double determined =
-        count[kind] -
-        sums.segment<kNumProbes>(static_cast<Eigen::Index>(kind) * kNumProbes).mean();
-    if (determined < kMinDetermined) continue;
-    found[kind] *= std::sqrt(sum_squares[kind] / determined);
-  }
-  return {found[kHorizontal], found[kVertical], found[kAngular]};
-}
-
-void CorrectForMotion(const MotionNoise& assumed,
-                      const MotionNoise& found,
-                      const EstimationProblem& problem,
-                      ArrowheadEquations* equations) {
-  std::array<double, kNumKinds> weights;
-  for (size_t kind = 0; kind < kNumKinds; ++kind) {
-    const double rho = std::pow(StddevsOf(found)[kind] / StddevsOf(assumed)[kind], 2);
-    weights[kind] = rho < 1.0 ? 1.0 - rho : 1.0 / rho - 1.0;
-  }
-  ForEachPrior(
-      problem,
-      [&](const std::array<Kind, 3>& kinds,
-          const std::vector<int>& columns,
-          const Eigen::MatrixXd& jacobian,
-          const Eigen::VectorXd&) {
-        const Eigen::Vector3d by_row(weights[kinds[0]], weights[kinds[1]], weights[kinds[2]]);
-        const Eigen::MatrixXd product = jacobian.transpose() * by_row.asDiagonal() * jacobian;
-        equations->hessian.AddBlock(columns, product);
-        equations->diagonal(columns) += product.diagonal();
-      });
+  return evidence;
 }
 
 }  // namespace plumbline

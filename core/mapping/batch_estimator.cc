@@ -27,8 +27,10 @@ constexpr SolverOptions kRoundOptions = {30, 1e-3, 0.0};
 // The last estimate ends within a seventh of a standard deviation of the solution, all its
 // thousands of unknowns together: half the square of that is the cost.
 constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
-// Groups of two take more memory, of six hardly less; see also kTileControlPoints.
-constexpr int kIntervalsPerGroup = 4;
+// The noise of the motion is estimated in steps until it changes by less than this share: its
+// square root has a standard error of a few per cent.
+constexpr double kNoiseTolerance = 0.03;
+constexpr int kMaxNoiseSteps = 3;
 // Of the scans that show whether there are correlated errors, s.
 constexpr double kSamplingInterval = 0.2;
 
@@ -67,12 +69,16 @@ BatchEstimator::BatchEstimator(const Rig& rig,
       planar_(planar),
       options_(options),
       state_(state),
-      motion_noise_(MotionNoise::Of(options.trajectory)),
+      motion_noise_(
+          MotionProfile::Uniform(MotionNoise::Of(options.trajectory), state->trajectory)),
       groups_(LinearisedGroup::kCoarse, kIntervalsPerGroup) {}
 
 void BatchEstimator::EstimateRobustly() {
   const auto problem = BuildProblem(FactorKind::kSegment, options_.association.huber_width);
-  MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
+  ArrowheadEquations equations =
+      MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
+  TakeNoise(FindMotionEvidence(
+      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
 }
 
 void BatchEstimator::StepRobustly() {
@@ -82,26 +88,44 @@ void BatchEstimator::StepRobustly() {
 
 FinalEstimate BatchEstimator::EstimateFinally() {
   groups_.set_validity(LinearisedGroup::kFine);
-  const auto problem = BuildProblem(options_.batch.factor, 0.0);
-  ArrowheadEquations equations =
-      MakeBatchSolver(options_.batch.solver, kFinalOptions)->Solve(problem.get());
-  VLOG(1) << "cost " << equations.cost;
   FinalEstimate estimate;
-  estimate.motion_noise = motion_noise_;
-  estimate.variance_factor = VarianceFactor(*problem, equations.cost);
-  {
-    const Stopwatch::Running running(&estimate.covariance_watch);
-    estimate.motion_found = ReestimateMotionNoise(
+  std::unique_ptr<EstimationProblem> problem;
+  for (int step = 0;; ++step) {
+    problem = BuildProblem(options_.batch.factor, 0.0);
+    ArrowheadEquations equations =
+        MakeBatchSolver(options_.batch.solver, kFinalOptions)->Solve(problem.get());
+    VLOG(1) << "cost " << equations.cost;
+    const std::vector<MotionEvidence> evidence = FindMotionEvidence(
         motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
-    estimate.covariance = SetCovariances(*problem, estimate.motion_found);
+    estimate.motion_noise = motion_noise_.usual;
+    estimate.variance_factor = VarianceFactor(*problem, equations.cost, SumOf(evidence));
+    if (step == kMaxNoiseSteps || TakeNoise(evidence) < kNoiseTolerance) break;
   }
+  const Stopwatch::Running running(&estimate.covariance_watch);
+  estimate.covariance = SetCovariances(*problem);
   return estimate;
+}
+
+double BatchEstimator::TakeNoise(const std::vector<MotionEvidence>& evidence) {
+  if (!options_.trajectory.estimate_densities) return 0.0;
+  const MotionNoise before = motion_noise_.usual;
+  motion_noise_ = MotionProfile::From(evidence, before, state_->trajectory.knot_interval_s());
+  double change = 0.0;
+  for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
+    change = std::max(
+        change, std::abs(motion_noise_.usual.density[kind] / before.density[kind] - 1.0));
+  }
+  return change;
 }
 
 std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind factor,
                                                                 double huber_width) {
   auto problem = std::make_unique<EstimationProblem>(
       rig_, planar_, &state_->trajectory, &state_->landmarks);
+  if (static_cast<int>(motion_noise_.at.size()) + 2 !=
+      state_->trajectory.num_control_points()) {
+    motion_noise_ = MotionProfile::Uniform(motion_noise_.usual, state_->trajectory);
+  }
   problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
   if (state_->odometry != nullptr) {
     const int num_intervals = state_->trajectory.num_control_points() - kSplineOrder + 1;
@@ -121,7 +145,9 @@ std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind facto
   return problem;
 }
 
-double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double cost) const {
+double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
+                                      double cost,
+                                      const MotionEvidence& motion) const {
   double num_points = 0.0;
   double constant = 0.0;
   SharedPoses poses(rig_, state_->trajectory);
@@ -133,7 +159,8 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem, double c
     constant += offset * offset * observation.measurement.constant();
   });
   const auto num_unknowns = static_cast<double>(problem.Layout().FreeColumns().size());
-  return (2.0 * cost + constant) / (num_points - num_unknowns);
+  return (2.0 * (cost - motion.prior_cost) + constant) /
+         (num_points - num_unknowns + motion.by_prior);
 }
 
 CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& problem,
@@ -165,10 +192,8 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
   return errors;
 }
 
-MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem,
-                                             const MotionNoise& found) {
+MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
   ArrowheadEquations equations = LineariseArrowhead(problem, problem.Layout());
-  CorrectForMotion(motion_noise_, found, problem, &equations);
   MapCovariance covariance =
       options_.batch.correlated_errors == CorrelatedErrorsKind::kOff
           ? MapCovariance::Of(problem, std::move(equations))

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
+#include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/correlated_errors.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
@@ -17,8 +19,7 @@ namespace plumbline {
 
 // What the last estimation gives besides the values in the state.
 struct FinalEstimate {
-  MotionNoise motion_noise;      // that the estimate assumes
-  MotionNoise motion_found;      // that the recording shows, which the covariance is for
+  MotionNoise motion_noise;      // usual one of the recording, which the estimate assumes
   double variance_factor = 0.0;  // weighted sum of squares / redundancy
   MapCovariance covariance;
   Stopwatch covariance_watch;  // the time that the covariance took, part of the estimation's
@@ -31,6 +32,10 @@ class BatchEstimator {
   // The state outlives the estimator, and its associations may change between the estimations.
   BatchEstimator(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
 
+  // Forgets what belongs to the knots, after these have changed.
+  void ForgetGroups() {
+    groups_ = SegmentGroupCache(LinearisedGroup::kCoarse, kIntervalsPerGroup);
+  }
   // Estimates with a robust loss, for associations that may still be wrong.
   void EstimateRobustly();
   // Takes one Gauss-Newton step with the robust loss, whichever solver the options name.
@@ -42,21 +47,31 @@ class BatchEstimator {
   FinalEstimate EstimateFinally();
 
  private:
+  // Groups of two take more memory, of six hardly less; see also kTileControlPoints.
+  static constexpr int kIntervalsPerGroup = 4;
+
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
-  double VarianceFactor(const EstimationProblem& problem, double cost) const;
+  // Weighted sum of the scans' squared residuals over their redundancy.
+  double VarianceFactor(const EstimationProblem& problem,
+                        double cost,
+                        const MotionEvidence& motion) const;
   // What the residuals say of errors that repeat from scan to scan.
   CorrelatedErrors FindCorrelatedErrors(const EstimationProblem& problem,
                                         const ArrowheadCholesky& factor) const;
-  // The covariance of the estimate where the problem stands, for a motion with the noise
-  // found; gives the landmarks their parts of it.
-  MapCovariance SetCovariances(const EstimationProblem& problem, const MotionNoise& found);
+  // Takes the motion's noise from what an estimate tells of it. Returns the largest relative
+  // change of a usual density.
+  double TakeNoise(const std::vector<MotionEvidence>& evidence);
+  // The covariance of the estimate where the problem stands; gives the landmarks their parts
+  // of it.
+  MapCovariance SetCovariances(const EstimationProblem& problem);
 
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  const MotionNoise motion_noise_;  // that the estimates assume
+  const MotionNoise initial_noise_;  // that the options expect of any rig
+  MotionProfile motion_noise_;       // that the estimates assume
   SegmentGroupCache groups_;
 };
 

@@ -78,12 +78,13 @@ void WriteWindow(const MapResult& result, ResultWriter* writer) {
   writer->WriteWindow(poses, covariances, result.window_planes);
 }
 
-std::vector<std::pair<std::string, double>> NamedStddevs(const MotionNoise& noise,
-                                                         bool planar) {
+std::vector<std::pair<std::string, double>> NamedDensities(const MotionNoise& noise,
+                                                           bool planar) {
   std::vector<std::pair<std::string, double>> named;
-  named.emplace_back("horizontal_m_s2", noise.horizontal_m_s2);
-  if (!planar) named.emplace_back("vertical_m_s2", noise.vertical_m_s2);
-  named.emplace_back("angular_deg_s2", noise.angular_rad_s2 * 180.0 / M_PI);
+  named.emplace_back("horizontal_m_s2_rthz", noise.density[kHorizontal]);
+  if (!planar) named.emplace_back("vertical_m_s2_rthz", noise.density[kVertical]);
+  if (!planar) named.emplace_back("tilt_deg_s2_rthz", noise.density[kTilt] * 180.0 / M_PI);
+  named.emplace_back("yaw_deg_s2_rthz", noise.density[kYaw] * 180.0 / M_PI);
   return named;
 }
 
@@ -135,8 +136,7 @@ Summary Summarise(const RecordingReader& recording,
   summary.duration_s = RecordingLength(recording);
   Describe(result, covariance, &summary);
   summary.motion = result.planar ? "planar" : "spatial";
-  summary.motion_noise = NamedStddevs(result.batch.motion_noise, result.planar);
-  summary.motion_found = NamedStddevs(result.batch.motion_found, result.planar);
+  summary.motion_noise = NamedDensities(result.batch.motion_noise, result.planar);
   if (result.state.odometry != nullptr) {
     const OdometryCalibration& wheels = result.state.odometry_calibration;
     summary.odometry = OdometrySummary{wheels.length_scale(),

@@ -34,8 +34,8 @@ namespace {
 // From scan to scan the rig's position is known to this even while nothing determines it.
 constexpr double kMaxRelativeStddev = 0.05;  // m
 
-// Traces so near to a slope that their scan plane grazes found no wall: sloped planes are known
-// to this at their far ends.
+// Traces so near to a slope that their scan plane grazes found no wall: sloped planes are
+// known to this at their far ends.
 constexpr double kOnGrazed = 0.15;  // m
 
 // A direction that no normal comes nearer to than a right angle less 20 degrees is open.
@@ -415,6 +415,11 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
                   scan_matcher_.get());
   const bool may_found = may_found_ && !tracker_->IsUndecided(scan.end_ns);
   if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory, may_found);
+  const auto is_on_plane = [](const Observation& o) { return o.landmark_id >= 0; };
+  if (std::none_of(
+          state_->observations.begin() + first, state_->observations.end(), is_on_plane)) {
+    motion_prior_.Forget();
+  }
   CheckNotLost(scan.end_ns);
   // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
   if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
@@ -442,8 +447,9 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   }
   if (may_found) StartPlanes(options_.planes.min_scans);
   tentative_planes_.DropStale(scan.end_ns);
-  const int step =
-      tracker_->FollowsWell(scan.end_ns) ? options_.window.knot_intervals_per_step : 1;
+  const double share = tracker_->FollowsWell(scan.end_ns) ? 1.0 : 0.5;
+  const int step = static_cast<int>(
+      share * std::max(2.0, options_.window.step_s / state_->trajectory.knot_interval_s()));
   if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {
     SolveWindow(scan.end_ns);
   }

@@ -36,20 +36,17 @@ template <typename Options, typename Visitor>
 void VisitTrajectory(Options& o, Visitor& v) {
   v.Section("trajectory", [&](auto& s) {
     s.Number("knot_interval_s", o.trajectory.knot_interval_s, 0.01, 10.0);
-    s.Number("min_scans_per_knot", o.trajectory.min_scans_per_knot, 0.5, 100.0);
-    s.Number("acceleration_stddev_m_s2", o.trajectory.acceleration_stddev_m_s2, 1e-3, 1e3);
-    s.Number("vertical_acceleration_stddev_m_s2",
-             o.trajectory.vertical_acceleration_stddev_m_s2,
+    s.Number("min_scans_per_knot", o.trajectory.min_scans_per_knot, 0.1, 100.0);
+    s.Number("acceleration_density_m_s2", o.trajectory.acceleration_density_m_s2, 1e-4, 1e3);
+    s.Number("angular_acceleration_density_deg_s2",
+             o.trajectory.angular_acceleration_density_deg_s2,
              1e-3,
-             1e3);
-    s.Number("bridging_acceleration_stddev_m_s2",
-             o.trajectory.bridging_acceleration_stddev_m_s2,
-             1e-3,
-             1e3);
-    s.Number("angular_acceleration_stddev_deg_s2",
-             o.trajectory.angular_acceleration_stddev_deg_s2,
-             1e-2,
              1e5);
+    s.Flag("estimate_densities", o.trajectory.estimate_densities);
+    s.Number("bridging_acceleration_density_m_s2",
+             o.trajectory.bridging_acceleration_density_m_s2,
+             1e-4,
+             1e3);
     s.Number("initial_speed_stddev_m_s", o.trajectory.initial_speed_stddev_m_s, 1e-3, 100.0);
     s.Number("initial_turn_rate_stddev_deg_s",
              o.trajectory.initial_turn_rate_stddev_deg_s,
@@ -93,7 +90,7 @@ void Visit(Options& o, Visitor& v) {
   v.Section("window", [&](auto& s) {
     s.Choice("solver", o.window.solver, {"gauss_newton", "ceres"});
     s.Integer("num_scans", o.window.num_scans, 2, 10000);
-    s.Integer("knot_intervals_per_step", o.window.knot_intervals_per_step, 1, 100);
+    s.Number("step_s", o.window.step_s, 0.001, 100.0);
     s.Flag("resegment", o.window.resegment);
     s.Renamed("recut_segments", "resegment");
     s.Flag("keep_estimates", o.window.keep_estimates);
@@ -206,8 +203,12 @@ struct SectionWriter {
 MapperOptions MapperOptions::DefaultsFor(bool planar) {
   MapperOptions options;
   if (!planar) return options;
-  options.trajectory.acceleration_stddev_m_s2 = 1.0;
-  options.trajectory.angular_acceleration_stddev_deg_s2 = 60.0;
+  options.trajectory.knot_interval_s = 0.125;
+  options.trajectory.min_scans_per_knot = 1.5;
+  // What their slow scans show of single accelerations is too little to estimate these.
+  options.trajectory.acceleration_density_m_s2 = 0.35;
+  options.trajectory.angular_acceleration_density_deg_s2 = 21.0;
+  options.trajectory.estimate_densities = false;
   // What the extrinsics leave between the scanners shows on every surface.
   options.association.surface_flatness_m = 0.015;
   options.window.num_scans = 20;  // long enough to outlast a wrong association

@@ -12,17 +12,17 @@ namespace plumbline {
 struct TrajectoryOptions {
   // Knot interval of the spline: the larger of the two, so that slow scanners still determine
   // every control point.
-  double knot_interval_s = 0.125;   // [0.01, 10]
-  double min_scans_per_knot = 1.5;  // [0.5, 100], in periods of a scanner
-  // Standard deviations of the accelerations, white noise, that the motion prior assumes. It
-  // is weak, and only matters where the scans leave a direction of motion open.
-  double acceleration_stddev_m_s2 = 3.0;              // [0.001, 1000]
-  double angular_acceleration_stddev_deg_s2 = 600.0;  // [0.01, 100000]
-  // The same of vertical accelerations, at most, while the rig is followed. [0.001, 1000]
-  double vertical_acceleration_stddev_m_s2 = 1.0;
+  double knot_interval_s = 0.05;    // [0.01, 10]
+  double min_scans_per_knot = 0.5;  // [0.1, 100], in periods of a scanner
+  // Amplitude spectral densities of the accelerations, white noise, that the motion prior
+  // expects of any rig (core/trajectory/motion_noise.h), per square root of 1 Hz.
+  double acceleration_density_m_s2 = 0.7;             // [0.0001, 1000]
+  double angular_acceleration_density_deg_s2 = 35.0;  // [0.001, 100000]
+  // Whether the recording's own are estimated and used instead.
+  bool estimate_densities = true;
   // The same of horizontal accelerations, at most, where the motion alone bridges a moment in
-  // which nothing trustworthy shows how far the rig goes. [0.001, 1000]
-  double bridging_acceleration_stddev_m_s2 = 0.5;
+  // which nothing trustworthy shows how far the rig goes. [0.0001, 1000]
+  double bridging_acceleration_density_m_s2 = 0.18;
   // Standard deviations of the unknown velocity at the start.
   double initial_speed_stddev_m_s = 2.0;         // [0.001, 100]
   double initial_turn_rate_stddev_deg_s = 60.0;  // [0.01, 10000]
@@ -48,8 +48,8 @@ struct PlaneOptions {
   // So many scans have to agree on a tentative plane before it is trusted. [1, 1000]
   int min_scans = 4;
   // A plane of which no more than this is seen, of a vertical one no more of its width, may be
-  // of somebody who walks: where something has moved of late it has to stand for so long before
-  // it is trusted. [0, 1000] and [0, 1e6]
+  // of somebody who walks: where something has moved of late it has to stand for so long
+  // before it is trusted. [0, 1000] and [0, 1e6]
   double small_m = 1.0;
   double min_age_of_small_s = 0.5;
   // A tentative plane that is not seen for so long is dropped. [0, 1e6]
@@ -74,9 +74,9 @@ struct WindowOptions {
   SolverKind solver = SolverKind::kGaussNewton;
   // So many scans are estimated together; older ones are marginalised. [2, 10000]
   int num_scans = 10;
-  // The window moves on by so many knot intervals at once while the tracker alone follows the
-  // rig well, and by one otherwise. [1, 100]
-  int knot_intervals_per_step = 2;
+  // The window moves on by this time, in whole knot intervals, while the tracker alone follows
+  // the rig well, and by half of it otherwise. [0.001, 100]
+  double step_s = 0.25;
   // Whether segments are cut anew where the planes known so far meet.
   bool resegment = true;
   // Whether the result keeps the window's estimates of poses and planes, as they were known

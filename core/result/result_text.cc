@@ -292,7 +292,6 @@ std::string FormatSummary(const Summary& summary) {
   json["weakest_directions"] = ListJson(summary.weakest_directions);
   json["motion"] = summary.motion;
   json["motion_noise"] = NamedJson(summary.motion_noise);
-  json["motion_found"] = NamedJson(summary.motion_found);
   if (summary.odometry) {
     json["odometry"] = {{"length_scale", summary.odometry->length_scale},
                         {"length_scale_stddev", summary.odometry->length_scale_stddev},

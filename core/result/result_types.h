@@ -156,7 +156,7 @@ struct OdometrySummary {
 
 // Summary holds the figures of summary.json.
 struct Summary {
-  int64_t start_time_ns = 0;  // of the recording's first scan line
+  int64_t start_time_ns = 0;          // of the recording's first scan line
   std::vector<std::string> scanners;  // names, in the order in which points number them
   int scans = 0;
   int64_t points = 0;         // valid ranges in the recording
@@ -175,12 +175,9 @@ struct Summary {
   std::vector<std::pair<std::string, double>> largest_correlations;  // between planes
   std::vector<std::pair<std::string, double>> weakest_directions;    // smallest eigenvalues
   std::string motion;                                                // "spatial" or "planar"
-  // Standard deviations of the accelerations that the final estimate assumes: name with its
-  // unit, and the value.
+  // Amplitude spectral densities of the recording's accelerations, which the final estimate
+  // assumes: name with its unit (per square root of 1 Hz), and the value.
   std::vector<std::pair<std::string, double>> motion_noise;
-  // Standard deviations of the accelerations that the recording shows; the covariances are for
-  // these.
-  std::vector<std::pair<std::string, double>> motion_found;
   std::optional<OdometrySummary> odometry;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   Consistency consistency;

@@ -72,6 +72,8 @@ Tracker::Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* stat
       recent_(other.recent_),
       pose_uncertainty_(other.pose_uncertainty_),
       loose_until_ns_(other.loose_until_ns_),
+      scan_s_(other.scan_s_),
+      last_scan_ns_(other.last_scan_ns_),
       bridges_by_motion_(other.bridges_by_motion_),
       is_open_(other.is_open_),
       last_held_ns_(other.last_held_ns_),
@@ -117,16 +119,15 @@ EstimationProblem Tracker::MakeProblem() const {
   for (int i = std::max(first(), known - 2); i + 2 < end; ++i) {
     problem.AddMotionPrior(i, motion_prior_->At(i));
   }
-  AddOdometry(*state_,
-              std::max(first(), known - kSplineOrder + 1),
-              end - kSplineOrder + 1,
-              &problem);
+  AddOdometry(
+      *state_, std::max(first(), known - kSplineOrder + 1), end - kSplineOrder + 1, &problem);
   return problem;
 }
 
 void Tracker::FollowOdometry() {
   const Trajectory& trajectory = state_->trajectory;
-  if (state_->odometry == nullptr || gaussian_.end() == trajectory.num_control_points()) return;
+  if (state_->odometry == nullptr || gaussian_.end() == trajectory.num_control_points())
+    return;
   EstimationProblem problem = MakeProblem();
   solver_->Solve(&problem);
 }
@@ -166,18 +167,20 @@ bool Tracker::FollowsWell(int64_t now_ns) const {
   return usual_share_ > kGoodShare && IsSteady(now_ns);
 }
 
-Matrix6d Tracker::UnsteadyCovariance() const {
-  // An acceleration that changes by its standard deviation from one knot to the next moves
-  // the control points' third difference by sqrt(2) h^2 times as much; the cubic that fits
-  // best stays up to 1/32 of a third difference away from such a motion.
-  const double interval_s = state_->trajectory.knot_interval_s();
-  const double share = std::sqrt(2.0) * interval_s * interval_s / 32.0;
-  const TrajectoryOptions& options = options_.trajectory;
-  const double rotation = share * options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0;
-  const double position = share * options.acceleration_stddev_m_s2;
+double Tracker::UnsteadyScale() const {
+  // What is given for any rig allows for its turns already.
+  return options_.trajectory.estimate_densities ? 10.0 : 1.0;
+}
+
+Matrix6d Tracker::UnsteadyCovariance(double scale, double duration_s) const {
+  // White acceleration of density q, integrated twice: q^2 T^3 / 3. The body is taken to be
+  // upright.
+  const double times = scale * std::sqrt(duration_s * duration_s * duration_s / 3.0);
+  const ByMotionKind& density = motion_prior_->usual().density;
+  constexpr MotionKind kKinds[] = {kTilt, kTilt, kYaw, kHorizontal, kHorizontal, kVertical};
   Matrix6d covariance = Matrix6d::Zero();
   for (const int row : FreeRows(kPoseSize)) {
-    const double sigma = row < 3 ? rotation : position;
+    const double sigma = times * density[kKinds[row]];
     covariance(row, row) = sigma * sigma;
   }
   return covariance;
@@ -195,8 +198,8 @@ Matrix6d Tracker::PointsCovariance() const {
 }
 
 void Tracker::Loosen() {
-  // The third difference of independent errors has 20 times their variance.
-  const Matrix6d of_control_point = 32.0 * 32.0 / 20.0 * UnsteadyCovariance();
+  const Matrix6d of_control_point = UnsteadyCovariance(
+      UnsteadyScale(), std::max(state_->trajectory.knot_interval_s(), scan_s_));
   Eigen::MatrixXd covariance = Covariance(gaussian_.information);
   for (Eigen::Index row = 0; row < covariance.rows(); row += kPoseSize) {
     covariance.block<6, 6>(row, row) += of_control_point;
@@ -335,6 +338,8 @@ void Tracker::Track(int first_observation,
       state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
   const Eigen::Vector3d predicted = state_->trajectory.WorldFromBody(scan_end_ns).translation;
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
+  scan_s_ = last_scan_ns_ == 0 ? 0.0 : SecondsBetween(last_scan_ns_, scan_end_ns);
+  last_scan_ns_ = scan_end_ns;
   bool unsteady = false;
   std::vector<PoseConstraint> constraints;
   PoseGaussian estimate = EstimateInRounds(first_observation,

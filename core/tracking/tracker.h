@@ -130,9 +130,11 @@ class Tracker {
                                int first_observation,
                                int last_observation,
                                const std::vector<PoseConstraint>& constraints);
-  // The covariance of what a motion of the prior's accelerations does between two knots: of
-  // rotation and position of the body.
-  Matrix6d UnsteadyCovariance() const;
+  // The covariance of the body's rotation and position after a time of accelerations so many
+  // times as strong as usual.
+  Matrix6d UnsteadyCovariance(double scale, double duration_s) const;
+  // How many times as strongly as usual an unsteady rig accelerates.
+  double UnsteadyScale() const;
   // How far the local map may be off as a whole.
   Matrix6d PointsCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
@@ -173,6 +175,8 @@ class Tracker {
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
   int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
+  double scan_s_ = 0.0;         // from the last scan to the end of the newest one
+  int64_t last_scan_ns_ = 0;    // the end of the last scan; 0: none
   bool bridges_by_motion_ = false;
   bool is_open_ = false;      // walls leave the newest scan's position open
   int64_t last_held_ns_ = 0;  // when they last did not

@@ -21,10 +21,10 @@ bool TellsDirection(const Observation& observation) {
   return observation.sigma_direction_rad < kMaxDirectionSigma;
 }
 
-// How a rig may have moved since the last scan, beyond what its spline can follow: in
-// multiples of Tracker::UnsteadyCovariance, and how often to expect it. Tried in turn as long
-// as what has been found explains less than max_length_share of the scan's segments (by
-// length), and believed from min_length_share on.
+// How strongly the rig may have accelerated since the last scan, in multiples of
+// Tracker::UnsteadyScale, and how often to expect it. Tried in turn as long as what has been
+// found explains less than max_length_share of the scan's segments (by length), and believed
+// from min_length_share on.
 struct MotionRegime {
   double scale;
   double share;
@@ -65,7 +65,7 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
     if (by_points && regime.scale > 0.0) break;
     Association association =
         ChooseUnder(by_points ? PointsCovariance()
-                              : Matrix6d(regime.scale * regime.scale * UnsteadyCovariance()),
+                              : UnsteadyCovariance(regime.scale * UnsteadyScale(), scan_s_),
                     order,
                     landmarks);
     if (association.length_m < regime.min_length_share * total_length) continue;

@@ -1,13 +1,133 @@
 #include "core/trajectory/motion_noise.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/geometry/angles.h"
+#include "factors/spline/so3.h"
+
 namespace plumbline {
+namespace {
+
+// Number of accelerations that the noise before a step counts as much as.
+constexpr double kWeightBefore = 1.0;
+// A step lowers a density to a third at most: what it finds for one that is far too large may
+// be anything near zero.
+constexpr double kLargestDecrease = 3.0;
+// Number of accelerations that the usual noise counts as much as in a stretch of the motion.
+constexpr double kUsualWeight = 4.0;
+constexpr double kHalfStretch = 0.25;  // s
+
+void Add(const MotionEvidence& evidence, MotionEvidence* sum) {
+  for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
+    sum->squares[kind] += evidence.squares[kind];
+    sum->weight[kind] += evidence.weight[kind];
+  }
+  sum->by_prior += evidence.by_prior;
+  sum->prior_cost += evidence.prior_cost;
+}
+
+MotionNoise Likeliest(const MotionEvidence& evidence,
+                      const MotionNoise& beforehand,
+                      double weight) {
+  MotionNoise noise;
+  for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
+    const double variance = beforehand.density[kind] * beforehand.density[kind];
+    noise.density[kind] =
+        std::sqrt((weight * variance + std::max(0.0, evidence.squares[kind])) /
+                  (weight + std::max(0.0, evidence.weight[kind])));
+  }
+  return noise;
+}
+
+}  // namespace
+
+KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory, int first) {
+  std::array<Eigen::Vector3d, 3> p;
+  std::array<Eigen::Quaterniond, 3> q;
+  for (int i = 0; i < 3; ++i) {
+    const ControlPoint& control_point = trajectory.control_point(first + i);
+    p[static_cast<size_t>(i)] = Eigen::Vector3d(control_point.position.data());
+    q[static_cast<size_t>(i)] = Eigen::Quaterniond(control_point.rotation.data());
+  }
+  const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
+  const Eigen::Vector3d turn = Log(q[1].conjugate() * q[2]) - Log(q[0].conjugate() * q[1]);
+  return {per_s2 * (p[0] - 2.0 * p[1] + p[2]), per_s2 * turn};
+}
+
+ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
+  return {linear.head<2>().sum(), linear.z(), angular.head<2>().sum(), angular.z()};
+}
 
 MotionNoise MotionNoise::Of(const TrajectoryOptions& options) {
-  return {options.acceleration_stddev_m_s2,
-          options.acceleration_stddev_m_s2,
-          options.angular_acceleration_stddev_deg_s2 * M_PI / 180.0};
+  MotionNoise noise;
+  noise.density[kHorizontal] = options.acceleration_density_m_s2;
+  noise.density[kVertical] = options.acceleration_density_m_s2;
+  noise.density[kTilt] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
+  noise.density[kYaw] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
+  return noise;
+}
+
+Eigen::Vector3d MotionNoise::LinearStddev(double knot_interval_s) const {
+  return Eigen::Vector3d(density[kHorizontal], density[kHorizontal], density[kVertical]) /
+         std::sqrt(knot_interval_s);
+}
+
+Eigen::Vector3d MotionNoise::AngularStddev(double knot_interval_s) const {
+  return Eigen::Vector3d(density[kTilt], density[kTilt], density[kYaw]) /
+         std::sqrt(knot_interval_s);
+}
+
+MotionProfile MotionProfile::Uniform(const MotionNoise& noise, const Trajectory& trajectory) {
+  return {noise,
+          std::vector<MotionNoise>(static_cast<size_t>(trajectory.num_control_points() - 2),
+                                   noise)};
+}
+
+MotionEvidence SumOf(const std::vector<MotionEvidence>& evidence) {
+  MotionEvidence sum;
+  for (const MotionEvidence& of_knot : evidence) Add(of_knot, &sum);
+  return sum;
+}
+
+MotionProfile MotionProfile::From(const std::vector<MotionEvidence>& evidence,
+                                  const MotionNoise& before,
+                                  double knot_interval_s) {
+  MotionProfile profile;
+  profile.usual = Likeliest(SumOf(evidence), before, kWeightBefore);
+  for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
+    profile.usual.density[kind] =
+        std::max(profile.usual.density[kind], before.density[kind] / kLargestDecrease);
+  }
+  const auto num_knots = static_cast<int>(evidence.size());
+  const auto reach =
+      std::max(1, static_cast<int>(std::lround(kHalfStretch / knot_interval_s)));
+  for (int i = 0; i < num_knots; ++i) {
+    MotionEvidence near;
+    for (int j = std::max(0, i - reach); j <= std::min(num_knots - 1, i + reach); ++j) {
+      Add(evidence[static_cast<size_t>(j)], &near);
+    }
+    profile.at.push_back(Likeliest(near, profile.usual, kUsualWeight));
+  }
+  return profile;
+}
+
+MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& initial) {
+  std::vector<MotionEvidence> evidence;
+  for (int i = 0; i + 2 < known.num_control_points(); ++i) {
+    const KnotAcceleration a = KnotAcceleration::At(known, i);
+    MotionEvidence of_knot;
+    of_knot.squares = SumByKind(a.linear_world.cwiseAbs2() * known.knot_interval_s(),
+                                a.angular_body.cwiseAbs2() * known.knot_interval_s());
+    of_knot.weight = kNumAxes;
+    evidence.push_back(of_knot);
+  }
+  constexpr int kNumSteps = 4;  // each lowers a density to a third at most
+  MotionProfile profile = Uniform(initial, known);
+  for (int step = 0; step < kNumSteps; ++step) {
+    profile = From(evidence, profile.usual, known.knot_interval_s());
+  }
+  return profile;
 }
 
 }  // namespace plumbline

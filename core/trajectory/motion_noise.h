@@ -1,27 +1,81 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
 
 #include "core/options/mapper_options.h"
+#include "core/trajectory/trajectory.h"
 
 namespace plumbline {
 
-// MotionNoise holds the standard deviations of the accelerations at the spline's knots that
-// the motion prior assumes, as white noise (factors/cost/motion_factor.h). Height has its own,
-// since what carries the rig stands on a floor. All rotations share one: a standard deviation
-// of tilt alone would be next to nothing on wheels, and a jolt would not be followed.
-struct MotionNoise {
-  double horizontal_m_s2 = 0.0;
-  double vertical_m_s2 = 0.0;
-  double angular_rad_s2 = 0.0;
+// The kinds of motion whose accelerations have strengths of their own: what carries the rig
+// stands on a floor and turns on it, and hardly ever rises or tilts alike. Tilts are rotations
+// about the body's x and y axes, yaw is about its z axis.
+enum MotionKind : size_t { kHorizontal, kVertical, kTilt, kYaw, kNumMotionKinds };
+using ByMotionKind = std::array<double, kNumMotionKinds>;
 
-  // The noise that the options give.
+// The accelerations at the knot between control points first .. first + 2: their second
+// differences over the square of the knot interval.
+struct KnotAcceleration {
+  Eigen::Vector3d linear_world = Eigen::Vector3d::Zero();  // m/s^2
+  Eigen::Vector3d angular_body = Eigen::Vector3d::Zero();  // rad/s^2
+
+  static KnotAcceleration At(const Trajectory& trajectory, int first);
+};
+
+// Sums of squares by kind of motion, of axes along the world and about the body, and the
+// number of axes of each kind.
+ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular);
+inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
+
+// MotionNoise is the strength of the accelerations that the motion prior expects, as white
+// noise: amplitude spectral densities in m/s^2/sqrt(Hz) and rad/s^2/sqrt(Hz), as data sheets
+// of accelerometers give theirs. A density does not change its meaning with the spline's
+// knots: the accelerations at knots of interval h have the standard deviation density /
+// sqrt(h) (factors/cost/motion_factor.h).
+struct MotionNoise {
+  ByMotionKind density = {};
+
+  // The noise that the options expect of any rig.
   static MotionNoise Of(const TrajectoryOptions& options);
 
-  // Standard deviations along the world axes, m/s^2.
-  Eigen::Vector3d Acceleration() const {
-    return {horizontal_m_s2, horizontal_m_s2, vertical_m_s2};
-  }
+  // Standard deviations of the accelerations at knots of this interval, along the world's axes
+  // (m/s^2) and about the body's (rad/s^2).
+  Eigen::Vector3d LinearStddev(double knot_interval_s) const;
+  Eigen::Vector3d AngularStddev(double knot_interval_s) const;
+};
+
+// What an estimate tells of the noise at one knot, by kind of motion and summed over its axes:
+// an unbiased estimate of the density's square, times its weight, and the weight, the number
+// of accelerations that would tell as much if they were known exactly.
+struct MotionEvidence {
+  ByMotionKind squares = {};  // m^2/s^3, rad^2/s^3
+  ByMotionKind weight = {};
+  double by_prior = 0.0;    // number of unknowns that the prior, not the scans, determines
+  double prior_cost = 0.0;  // half the sum of the prior's squared residuals
+};
+
+MotionEvidence SumOf(const std::vector<MotionEvidence>& evidence);
+
+// MotionProfile is the motion noise of a whole recording: usual, and at each knot that of its
+// own stretch. A rig goes straight, turns, and stands: noise that is right on average bends
+// the turns, and states too large deviations for what is between them.
+struct MotionProfile {
+  MotionNoise usual;
+  std::vector<MotionNoise> at;  // by the first of the three control points
+
+  static MotionProfile Uniform(const MotionNoise& noise, const Trajectory& trajectory);
+  // The noise that follows from what an estimate tells whose usual noise was `before`:
+  //   usual^2 = (w before^2 + sum squares) / (w + sum weight)
+  // over all knots, and over those within a quarter of a second of one, with `usual` instead
+  // of `before`, for the noise there. w: one acceleration.
+  static MotionProfile From(const std::vector<MotionEvidence>& evidence,
+                            const MotionNoise& before,
+                            double knot_interval_s);
+  // The noise of a motion that is known exactly.
+  static MotionProfile Of(const Trajectory& known, const MotionNoise& initial);
 };
 
 }  // namespace plumbline

@@ -1,31 +1,59 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <set>
 
 #include "core/options/mapper_options.h"
 #include "core/trajectory/motion_noise.h"
+#include "core/trajectory/trajectory.h"
 
 namespace plumbline {
 
 // MotionPrior gives the noise of the motion prior on three control points while the rig is
-// followed. The usual one is weak, so that no motion is held back, less so in height, since
-// what carries the rig stands on a floor: on stairs, where for seconds one tread or another is
-// all that shows the height, a weak one lets the rig slip by a tread. Where the motion alone
-// has to bridge what no scan shows, it is that of a rig that keeps its pace: after some
-// seconds the usual one would let the rig be anywhere, and any wall take hold of it.
+// followed: that of the motion of the last seconds, as the scans have shown it.
+//
+// For the accelerations a_k at the knots and their posterior variances v_k, of each kind,
+//   sigma^2 = (n_0 sigma_0^2 + sum a_k^2) / (n_0 + sum (1 - v_k / sigma^2))
+// The second sum is how many of the accelerations the scans determine (MacKay 1992, "Bayesian
+// Interpolation", section 4); where they determine none the strength stays. Sums forget: a rig
+// walks, stands and is handed on. n_0 and sigma_0 are what the options say of any rig.
+//
+// Unlike that of the batch (MotionProfile) it does not follow single stretches: while
+// associations are being made, a prior that lets the rig jump for a small price lets it slip
+// to the next surface.
+//
+// Where the motion alone has to bridge what no scan shows, it is at most that of a rig that
+// keeps its pace: any wall would take hold of one that may be anywhere.
 class MotionPrior {
  public:
   explicit MotionPrior(const TrajectoryOptions& options);
 
   // Of the control points first .. first + 2.
   MotionNoise At(int first) const;
+  // Of motions whose accelerations are not known yet.
+  const MotionNoise& usual() const { return usual_; }
+
+  // Takes in what the scans have shown of the acceleration of the control points first ..
+  // first + 2. variance: its posterior one, along the world's axes and about the body's.
+  void Learn(const Trajectory& trajectory,
+             int first,
+             const Eigen::Vector3d& linear_variance,
+             const Eigen::Vector3d& angular_variance);
+
+  // Forgets what the scans have shown: where they show nothing, the rig may move as any rig.
+  void Forget();
+
   // Makes the motion bridge the control points first .. end - 1.
   void Bridge(int first, int end);
 
  private:
   MotionNoise usual_;
-  MotionNoise bridging_;
+  double bridging_density_;
   std::set<int> bridged_;
+  bool learns_;
+  MotionNoise initial_;
+  ByMotionKind squares_ = {};     // of accelerations over their initial variance
+  ByMotionKind determined_ = {};  // number of accelerations
 };
 
 }  // namespace plumbline

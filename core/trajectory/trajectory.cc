@@ -6,6 +6,7 @@
 
 #include "core/util/error.h"
 #include "core/util/time.h"
+#include "factors/spline/so3.h"
 #include "factors/spline/spline.h"
 
 namespace plumbline {
@@ -120,6 +121,31 @@ void Trajectory::ExtendTo(int64_t time_ns) {
         ControlPointAt(last_rotation * (previous_rotation.conjugate() * last_rotation),
                        2.0 * last_position - previous_position));
   }
+}
+
+Trajectory Trajectory::Refined() const {
+  CHECK_EQ(knot_interval_ns_ % 2, 0);
+  Trajectory refined(start_ns_, knot_interval_ns_ / 2, Rigid3d());
+  refined.control_points_.clear();
+  const auto rotation = [this](int i) {
+    return Eigen::Quaterniond(control_point(i).rotation.data());
+  };
+  const auto position = [this](int i) {
+    return Eigen::Vector3d(control_point(i).position.data());
+  };
+  for (int i = 0; i + 1 < num_control_points(); ++i) {
+    const Eigen::Vector3d step = Log(rotation(i).conjugate() * rotation(i + 1));
+    refined.control_points_.push_back(
+        ControlPointAt(rotation(i) * Exp(Eigen::Vector3d(0.5 * step)),
+                       0.5 * (position(i) + position(i + 1))));
+    if (i + 2 == num_control_points()) break;
+    // (c0 + 6 c1 + c2) / 8 is c1 and an eighth of the second difference.
+    const Eigen::Vector3d next = Log(rotation(i + 1).conjugate() * rotation(i + 2));
+    refined.control_points_.push_back(
+        ControlPointAt(rotation(i + 1) * Exp(Eigen::Vector3d(0.125 * (next - step))),
+                       0.125 * (position(i) + 6.0 * position(i + 1) + position(i + 2))));
+  }
+  return refined;
 }
 
 void Trajectory::Move(const Rigid3d& to_from) {

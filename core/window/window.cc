@@ -29,6 +29,8 @@ namespace {
 // The window only has to be good enough for the next associations and as the batch's start: an
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
+// Second difference of control points.
+constexpr double kDifference[] = {1.0, -2.0, 1.0};
 constexpr char kNotDetermined[] = "the scans do not determine poses and planes";
 
 // Inverse on the rows and directions that are estimated; zero on the others.
@@ -55,7 +57,7 @@ void SetCovariance(const Eigen::MatrixXd& covariance, Landmark* landmark) {
 Window::Window(const Rig& rig,
                bool planar,
                const MapperOptions& options,
-               const MotionPrior* motion_prior,
+               MotionPrior* motion_prior,
                MapState* state)
     : rig_(rig),
       planar_(planar),
@@ -64,7 +66,7 @@ Window::Window(const Rig& rig,
       state_(state),
       solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
-Window::Window(const Window& other, const MotionPrior* motion_prior, MapState* state)
+Window::Window(const Window& other, MotionPrior* motion_prior, MapState* state)
     : rig_(other.rig_),
       planar_(other.planar_),
       options_(other.options_),
@@ -283,16 +285,52 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
                   &state_->landmarks[static_cast<size_t>(block.index)]);
   }
+  const int64_t oldest_ns =
+      std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
+  const int new_start = state_->trajectory.Locate(oldest_ns).first;
+  LearnMotion(equations, covariance, new_start);
   MoveOutOfView(out_of_view,
                 problem,
                 equations,
                 std::move(covariance),
                 !inactive_.empty() && (activated || num_solves_ % kInactivePeriod == 0));
-  const int64_t oldest_ns =
-      std::max(state_->trajectory.start_ns(), now_ns - NanosecondsFromSeconds(window_s));
-  Marginalise(state_->trajectory.Locate(oldest_ns).first);
+  Marginalise(new_start);
   if (num_solves_ % kInactiveAfter == 0) DeactivateLandmarks();
   return newest_poses;
+}
+
+void Window::LearnMotion(const NormalEquations& equations,
+                         const Eigen::MatrixXd& covariance,
+                         int new_start) {
+  const Trajectory& trajectory = state_->trajectory;
+  const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
+  const auto variance_of = [&](BlockId::Kind kind, int first) {
+    const std::vector<int> rows = RowsOf(equations, [&](const BlockId& block) {
+      return block.kind == kind && block.index >= first && block.index < first + 3;
+    });
+    // Of a rig that moves in the plane, rotations have one row, yaw.
+    const auto size = static_cast<Eigen::Index>(rows.size()) / 3;
+    Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
+    const Eigen::MatrixXd joint = covariance(rows, rows);
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        variance.bottomRightCorner(size, size) += per_s2 * per_s2 * kDifference[a] *
+                                                  kDifference[b] *
+                                                  joint.block(a * size, b * size, size, size);
+      }
+    }
+    return variance;
+  };
+  for (int i = start_; i < new_start; ++i) {
+    const Eigen::Quaterniond world_from_body(trajectory.control_point(i + 1).rotation.data());
+    const Eigen::Matrix3d angular = world_from_body.conjugate() *
+                                    variance_of(BlockId::Kind::kRotation, i) *
+                                    world_from_body.toRotationMatrix();
+    motion_prior_->Learn(trajectory,
+                         i,
+                         variance_of(BlockId::Kind::kPosition, i).diagonal(),
+                         angular.diagonal());
+  }
 }
 
 PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) const {

@@ -47,10 +47,10 @@ class Window {
   Window(const Rig& rig,
          bool planar,
          const MapperOptions& options,
-         const MotionPrior* motion_prior,
+         MotionPrior* motion_prior,
          MapState* state);
   // Goes on from where another one stands, with copies of what it works on.
-  Window(const Window& other, const MotionPrior* motion_prior, MapState* state);
+  Window(const Window& other, MotionPrior* motion_prior, MapState* state);
 
   // Adds an observation that has been given a landmark: it takes part from now on, unless it
   // is older than the window.
@@ -104,6 +104,10 @@ class Window {
   void AddStart(EstimationProblem* problem) const;
   // Adds the pose constraints of the window, those that begin before this control point only.
   void AddPoseConstraints(int end, EstimationProblem* problem) const;
+  // Tells the motion prior of the accelerations of the control points that leave the window.
+  void LearnMotion(const NormalEquations& equations,
+                   const Eigen::MatrixXd& covariance,
+                   int new_start);
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
   // The tangent by which a block has moved since the marginal prior was written.
@@ -117,7 +121,7 @@ class Window {
   const Rig& rig_;
   bool planar_;
   const MapperOptions& options_;
-  const MotionPrior* motion_prior_;
+  MotionPrior* motion_prior_;
   MapState* state_;
   std::unique_ptr<WindowSolver> solver_;
   int start_ = 0;  // first control point of the window

@@ -32,12 +32,13 @@ struct PositionAccelerationFunctor {
 };
 
 struct RotationAccelerationFunctor {
-  double whitening;
+  Eigen::Vector3d whitening;
 
   template <typename T>
   bool operator()(const T* q0, const T* q1, const T* q2, T* residuals) const {
     Eigen::Map<Vector3<T>>{residuals} =
-        (RotationDifference(q1, q2) - RotationDifference(q0, q1)) * T(whitening);
+        whitening.cast<T>().asDiagonal() *
+        (RotationDifference(q1, q2) - RotationDifference(q0, q1));
     return true;
   }
 };
@@ -77,9 +78,10 @@ std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
   return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{whitening});
 }
 
-std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(double stddev,
-                                                                      double knot_interval_s) {
-  const double whitening = 1.0 / (stddev * knot_interval_s * knot_interval_s);
+std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
+    const Eigen::Vector3d& stddev, double knot_interval_s) {
+  const Eigen::Vector3d whitening =
+      (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
   return MakeFactor<4, 4, 4>(RotationAccelerationFunctor{whitening});
 }
 

@@ -20,9 +20,9 @@ std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s);
 
 // Angular acceleration:  r = (Log(q1^-1 q2) - Log(q0^-1 q1)) / (stddev h^2),  stddev in
-// rad/s^2. Blocks: [ q0 | q1 | q2 ]
-std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(double stddev,
-                                                                      double knot_interval_s);
+// rad/s^2, by axis of the body. Blocks: [ q0 | q1 | q2 ]
+std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
+    const Eigen::Vector3d& stddev, double knot_interval_s);
 
 // Velocity:  r = (p1 - p0) / (stddev h),   stddev in m/s.
 // Blocks: [ p0 | p1 ]

@@ -154,8 +154,7 @@ class BoundComputer {
   std::unique_ptr<EstimationProblem> MakeProblem() {
     auto problem = std::make_unique<EstimationProblem>(
         experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
-    problem->AddTrajectoryTerms(
-        options_.trajectory, MotionNoise::Of(options_.trajectory), state_->origin_time_ns);
+    problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
     std::vector<const Observation*> observations;
     for (const Observation& observation : state_->observations) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
@@ -270,6 +269,10 @@ class BoundComputer {
       Eigen::Map<Eigen::Quaterniond>(control_point.rotation.data()) = pose.rotation;
       Eigen::Map<Eigen::Vector3d>(control_point.position.data()) = pose.translation;
     }
+    const MotionNoise initial = MotionNoise::Of(options_.trajectory);
+    motion_noise_ = options_.trajectory.estimate_densities
+                        ? MotionProfile::Of(trajectory, initial)
+                        : MotionProfile::Uniform(initial, trajectory);
     state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
@@ -380,6 +383,7 @@ class BoundComputer {
   Simulator simulator_;
   std::vector<int> plane_of_face_;
   bool planar_;
+  MotionProfile motion_noise_;  // of the path, as the mapper would estimate it
   std::vector<std::pair<ScanLine, std::vector<BeamRun>>> first_lines_;  // before the start
   std::vector<int> face_of_landmark_;
   std::map<int, int> landmark_of_plane_;  // the newest

@@ -57,10 +57,9 @@ MappedWalk::MappedWalk(const std::string& experiment, double length_m, FactorKin
   options_.batch.factor = factor;
   RecordingReader reader(recording(), rig_);
   scan_period_s_ = reader.scan_period_s();
-  result_ = std::make_unique<MapResult>(std::move(
-      MapRecording(
-          rig_, options_, [](double) {}, &reader)
-          .front()));
+  result_ = std::make_unique<MapResult>(std::move(MapRecording(
+                                                      rig_, options_, [](double) {}, &reader)
+                                                      .front()));
 }
 
 MappedWalk::~MappedWalk() {
@@ -73,7 +72,9 @@ std::unique_ptr<EstimationProblem> MappedWalk::BatchProblem(FactorKind factor,
   auto problem = std::make_unique<EstimationProblem>(
       rig_, result_->planar, &state->trajectory, &state->landmarks);
   problem->AddTrajectoryTerms(
-      options_.trajectory, MotionNoise::Of(options_.trajectory), state->origin_time_ns);
+      options_.trajectory,
+      MotionProfile::Uniform(MotionNoise::Of(options_.trajectory), state->trajectory),
+      state->origin_time_ns);
   std::vector<const Observation*> associated;
   for (const Observation& observation : state->observations) {
     if (observation.landmark_id < 0) continue;

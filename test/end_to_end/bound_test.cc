@@ -75,8 +75,10 @@ TEST_F(BoundTest, ScalesWithTheRangeNoise) {
 TEST_F(BoundTest, FourTimesTheBeamsHalveTheStandardDeviation) {
   // The motion prior, which does not depend on the beams, is as good as off.
   MapperOptions options;
-  options.trajectory.acceleration_stddev_m_s2 *= 100.0;
-  options.trajectory.angular_acceleration_stddev_deg_s2 *= 100.0;
+  options.trajectory.estimate_densities = false;
+  options.trajectory.knot_interval_s = 0.125;
+  options.trajectory.acceleration_density_m_s2 *= 100.0;
+  options.trajectory.angular_acceleration_density_deg_s2 *= 100.0;
   const double sigma_m = FloorSigma(Compute(options));
   ASSERT_GT(sigma_m, 0.0);
   for (ScenarioScanner& scanner : scenario_.scanners) scanner.beams *= 4;

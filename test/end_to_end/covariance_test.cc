@@ -50,7 +50,9 @@ class CovarianceTest : public MappingTest {
     problem_ = std::make_unique<EstimationProblem>(
         rig_, result_->planar, &state.trajectory, &state.landmarks);
     problem_->AddTrajectoryTerms(
-        options_.trajectory, MotionNoise::Of(options_.trajectory), state.origin_time_ns);
+        options_.trajectory,
+        MotionProfile::Uniform(MotionNoise::Of(options_.trajectory), state.trajectory),
+        state.origin_time_ns);
     std::vector<const Observation*> associated;
     for (const Observation& observation : state.observations) {
       if (observation.landmark_id >= 0) associated.push_back(&observation);
@@ -269,73 +271,45 @@ TEST_F(CovarianceTest, FindsTheSmallestEigenvalue) {
   EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
 }
 
-// A motion of rho times the variance assumed gives errors with the covariance C - C D C.
-TEST_F(CovarianceTest, IsForTheMotionFound) {
-  MapScenario(TiltedRig());
-  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
-  const NormalEquations equations = Linearise();
-  const Eigen::MatrixXd covariance = InverseOf(equations);
-  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(equations.size(), equations.size());
-  for (const bool of_rotations : {true, false}) {
-    VisitFactors(*problem_,
-                 problem_->Layout(),
-                 of_rotations ? FactorTerm::Kind::kRotationAcceleration
-                              : FactorTerm::Kind::kPositionAcceleration,
-                 [&](const std::vector<int>& columns,
-                     const Eigen::MatrixXd& jacobian,
-                     const Eigen::VectorXd&) {
-                   prior(columns, columns) += jacobian.transpose() * jacobian;
-                 });
-  }
-  const int64_t time_ns = result_->scan_times_ns[result_->scan_times_ns.size() / 2];
-  const double given = PositionAt(time_ns, equations, covariance)(2, 2);
-  for (const double rho : {0.99, 1.01, 0.01}) {
-    const double ratio = std::sqrt(rho);
-    const MotionNoise found = {ratio * assumed.horizontal_m_s2,
-                               ratio * assumed.vertical_m_s2,
-                               ratio * assumed.angular_rad_s2};
-    ArrowheadEquations corrected = LineariseArrowhead(*problem_, problem_->Layout());
-    CorrectForMotion(assumed, found, *problem_, &corrected);
-    const double stated = MapCovariance::Of(*problem_, std::move(corrected))
-                              .PoseAt(result_->state.trajectory, time_ns)(5, 5);
-    const Eigen::MatrixXd exact = covariance - (1.0 - rho) * covariance * prior * covariance;
-    const double expected = PositionAt(time_ns, equations, exact)(2, 2);
-    if (rho > 0.9) {  // to first order
-      EXPECT_NEAR((stated - given) / (expected - given), 1.0, 0.02) << rho;
-    } else {
-      EXPECT_LT(stated, 0.99 * given);
-      EXPECT_GT(stated, expected) << "on the safe side";
-    }
-  }
-}
-
 TEST_F(CovarianceTest, AFewCombinationsShowTheNoiseOfTheMotion) {
   MapScenario(TiltedRig(), 6.0);
-  const MotionNoise assumed = MotionNoise::Of(options_.trajectory);
-  const MotionNoise found = ReestimateMotionNoise(
+  const MotionProfile assumed =
+      MotionProfile::Uniform(MotionNoise::Of(options_.trajectory), result_->state.trajectory);
+  const std::vector<MotionEvidence> evidence = FindMotionEvidence(
       assumed,
       *problem_,
       ArrowheadCholesky(LineariseArrowhead(*problem_, problem_->Layout()).hessian));
+  // G of the heights' accelerations, without the few that random combinations share with other
+  // kinds of motion.
   const Eigen::MatrixXd covariance = InverseOf(Linearise());
-  double squares = 0.0, determined = 0.0;  // of the height
-  int num_accelerations = 0;
+  std::vector<Eigen::RowVectorXd> rows;
+  double residuals2 = 0.0;
   VisitFactors(*problem_,
                problem_->Layout(),
                FactorTerm::Kind::kPositionAcceleration,
                [&](const std::vector<int>& columns,
                    const Eigen::MatrixXd& jacobian,
                    const Eigen::VectorXd& residuals) {
-                 const Eigen::RowVectorXd row = jacobian.row(2);
-                 squares += residuals[2] * residuals[2];
-                 ++num_accelerations;
-                 determined += 1.0 - row.dot(row * covariance(columns, columns));
+                 rows.emplace_back(Eigen::RowVectorXd::Zero(covariance.cols()));
+                 rows.back()(columns) = jacobian.row(2);
+                 residuals2 += residuals[2] * residuals[2];
                });
-  ASSERT_GT(determined, 12.0);
-  // The combinations know the number of accelerations that are determined to sqrt(n / 2) at
-  // worst, its square root to half of that share. Twice that.
-  EXPECT_NEAR(found.vertical_m_s2 / assumed.vertical_m_s2 / std::sqrt(squares / determined),
-              1.0,
-              std::sqrt(0.5 * num_accelerations) / determined);
+  const auto num_knots = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd jacobian(num_knots, covariance.cols());
+  for (Eigen::Index i = 0; i < num_knots; ++i) jacobian.row(i) = rows[static_cast<size_t>(i)];
+  const Eigen::MatrixXd g = Eigen::MatrixXd::Identity(num_knots, num_knots) -
+                            jacobian * covariance * jacobian.transpose();
+  double weight = 0.0, squares = 0.0;
+  for (const MotionEvidence& of_knot : evidence) {
+    weight += of_knot.weight[kVertical];
+    squares += of_knot.squares[kVertical];
+  }
+  // Eight combinations of n accelerations know their sums to sqrt(n / 4) at worst. Twice that,
+  // and what is shared with other kinds.
+  const double tolerance = std::sqrt(static_cast<double>(num_knots));
+  EXPECT_NEAR(weight, g.squaredNorm(), tolerance);
+  const double variance = std::pow(assumed.usual.density[kVertical], 2);
+  EXPECT_NEAR(squares / variance, residuals2 - g.trace() + g.squaredNorm(), tolerance);
 }
 
 }  // namespace

@@ -148,7 +148,9 @@ class CorrelatedErrorsTest : public testing::Test {
     landmarks_[0].heading_fixed = true;
     problem_ = std::make_unique<EstimationProblem>(rig_, false, &trajectory_, &landmarks_);
     problem_->AddTrajectoryTerms(
-        TrajectoryOptions(), MotionNoise::Of(TrajectoryOptions()), kStart);
+        TrajectoryOptions(),
+        MotionProfile::Uniform(MotionNoise::Of(TrajectoryOptions()), trajectory_),
+        kStart);
     std::vector<const Observation*> observations;
     for (const Observation& observation : observations_) observations.push_back(&observation);
     problem_->AddSegments(observations, 0.0);

@@ -121,9 +121,9 @@ TEST_F(BatchTest, RoundsUndoWrongAssociations) {
 TEST_F(BatchTest, CalmMotionIsFoundToBeCalm) {
   const BatchReport report = Estimate();
   // The rig moves straight on; the options allow for metres per second squared.
-  EXPECT_LT(report.motion_found.horizontal_m_s2,
-            0.5 * options_.trajectory.acceleration_stddev_m_s2);
-  EXPECT_GT(report.motion_found.horizontal_m_s2, 0.0);
+  EXPECT_LT(report.motion_noise.density[kHorizontal],
+            0.5 * options_.trajectory.acceleration_density_m_s2);
+  EXPECT_GT(report.motion_noise.density[kHorizontal], 0.0);
 }
 
 }  // namespace

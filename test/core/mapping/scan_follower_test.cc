@@ -130,9 +130,8 @@ TEST_F(ScanFollowerTest, TheMotionBridgesWhatGoesAlongWithTheRig) {
   EXPECT_EQ(bridging.state().landmarks.size(), num_landmarks);
   // White accelerations at the knots: what their integral lets expect, in two directions.
   const double duration_s = kNumScans * RoomWalk::kPeriod;
-  const double sigma_m = options_.trajectory.bridging_acceleration_stddev_m_s2 *
-                         std::sqrt(2.0 / 3.0 * options_.trajectory.knot_interval_s) *
-                         std::pow(duration_s, 1.5);
+  const double sigma_m = options_.trajectory.bridging_acceleration_density_m_s2 *
+                         std::sqrt(2.0 / 3.0) * std::pow(duration_s, 1.5);
   EXPECT_LT(error_of(bridging), 3.0 * sigma_m);
   EXPECT_GT(error_of(follower_), 0.9 * kNumScans * step.norm());
 }

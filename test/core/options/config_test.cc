@@ -30,14 +30,14 @@ class ConfigTest : public TemporaryDirectoryTest {
 // the count of lines.
 MapperOptions UnusualOptions() {
   MapperOptions o;
-  o.trajectory = {0.0875, 2.25, 1.5, 123.0, 0.5, 0.25, 0.75, 33.0};
+  o.trajectory = {0.0875, 2.25, 1.5, 123.0, false, 0.25, 0.75, 33.0};
   o.segmentation.min_points = 9;
   o.segmentation.significance = 2.5e-5;
   o.segmentation.ambiguity_sigmas = 1.25;
   o.association = {3e-6, 0.3, 0.0125, 7.5};
   o.tracking = {2.5, 0.75, 4.0, 0.5, 3.5};
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
-  o.window = {SolverKind::kCeres, 33, 3, false, true};
+  o.window = {SolverKind::kCeres, 33, 0.75, false, true};
   o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
   o.odometry = {false, 0.03, 0.2};
   o.loop_closure = {false, 77};
@@ -52,8 +52,9 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   const MapperOptions read = Read(yaml);
   EXPECT_EQ(MapperOptionsToYaml(read), yaml);
   EXPECT_EQ(read.trajectory.knot_interval_s, 0.0875);
-  EXPECT_EQ(read.trajectory.vertical_acceleration_stddev_m_s2, 0.5);
-  EXPECT_EQ(read.trajectory.bridging_acceleration_stddev_m_s2, 0.25);
+  EXPECT_EQ(read.trajectory.angular_acceleration_density_deg_s2, 123.0);
+  EXPECT_FALSE(read.trajectory.estimate_densities);
+  EXPECT_EQ(read.trajectory.bridging_acceleration_density_m_s2, 0.25);
   EXPECT_EQ(read.trajectory.initial_turn_rate_stddev_deg_s, 33.0);
   EXPECT_EQ(read.segmentation.min_points, 9);
   EXPECT_EQ(read.segmentation.ambiguity_sigmas, 1.25);
@@ -73,7 +74,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.points.min_age_s, 0.25);
   EXPECT_FALSE(read.points.leave_out_moving);
   EXPECT_EQ(read.window.num_scans, 33);
-  EXPECT_EQ(read.window.knot_intervals_per_step, 3);
+  EXPECT_EQ(read.window.step_s, 0.75);
   EXPECT_FALSE(read.window.resegment);
   EXPECT_TRUE(read.window.keep_estimates);
   EXPECT_FALSE(read.loop_closure.enabled);
@@ -105,15 +106,15 @@ TEST_F(ConfigTest, EveryOptionIsWritten) {
 
 TEST_F(ConfigTest, APlanarRigHasDefaultsOfItsOwn) {
   const MapperOptions planar = MapperOptions::DefaultsFor(true);
-  EXPECT_LT(planar.trajectory.acceleration_stddev_m_s2,
-            MapperOptions().trajectory.acceleration_stddev_m_s2);
+  EXPECT_LT(planar.trajectory.acceleration_density_m_s2,
+            MapperOptions().trajectory.acceleration_density_m_s2);
   EXPECT_EQ(MapperOptionsToYaml(MapperOptions::DefaultsFor(false)),
             MapperOptionsToYaml(MapperOptions()));
   WriteBytes(File(), "window: {num_scans: 7}\n");
   const MapperOptions read = ReadMapperOptions(File(), planar);
   EXPECT_EQ(read.window.num_scans, 7);
-  EXPECT_EQ(read.trajectory.acceleration_stddev_m_s2,
-            planar.trajectory.acceleration_stddev_m_s2);
+  EXPECT_EQ(read.trajectory.acceleration_density_m_s2,
+            planar.trajectory.acceleration_density_m_s2);
 }
 
 TEST_F(ConfigTest, WhatIsNotNamedKeepsItsDefault) {

@@ -120,7 +120,6 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   summary.largest_correlations = {{"this with that", -0.5}};
   summary.motion = "planar";
   summary.motion_noise = {{"horizontal_m_s2", 0.5}, {"angular_deg_s2", 50.0}};
-  summary.motion_found = {{"horizontal_m_s2", 0.4}};
   summary.reference_plane_id = 4;
   summary.warnings = {"a \"quoted\" name", "not UTF-8: \xff"};
   const std::string text = FormatSummary(summary);
@@ -149,7 +148,6 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
                           "weakest_directions",
                           "motion",
                           "motion_noise",
-                          "motion_found",
                           "reference_plane_id",
                           "consistency",
                           "warnings"));
@@ -159,7 +157,6 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   EXPECT_EQ(json["stages"].dump(), "{\"read\":0.75,\"batch\":2.0}");
   EXPECT_EQ(json["motion"], "planar");
   EXPECT_EQ(json["motion_noise"].dump(), "{\"horizontal_m_s2\":0.5,\"angular_deg_s2\":50.0}");
-  EXPECT_EQ(json["motion_found"].dump(), "{\"horizontal_m_s2\":0.4}");
   EXPECT_EQ(json["warnings"][0], "a \"quoted\" name");
   EXPECT_EQ(json["warnings"].size(), 2u);
 }

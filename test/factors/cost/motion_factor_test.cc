@@ -28,7 +28,7 @@ TEST(MotionFactor, RotationAccelerationByHand) {
   for (const double yaw : {angle, 0.0, angle}) {
     blocks.AddRotation(Exp(Eigen::Vector3d(0.0, 0.0, yaw)));
   }
-  const auto factor = CreateRotationAccelerationFactor(2.0, kInterval);
+  const auto factor = CreateRotationAccelerationFactor({4.0, 8.0, 2.0}, kInterval);
   EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 1e-12);
   blocks.ExpectGradientsCorrect(*factor);
 }
@@ -42,7 +42,8 @@ TEST(MotionFactor, RotationAccelerationFarRotations) {
       blocks.AddRotation(q);
       q = random.Rotation(step) * q;
     }
-    blocks.ExpectGradientsCorrect(*CreateRotationAccelerationFactor(10.0, kInterval));
+    blocks.ExpectGradientsCorrect(
+        *CreateRotationAccelerationFactor({10.0, 20.0, 5.0}, kInterval));
   }
 }
 
@@ -53,7 +54,7 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
     rotations.AddRotation(Exp(j * rate) * Exp(Eigen::Vector3d(1.0, 0.0, 0.0)));
     positions.AddEuclidean(j * speed);
   }
-  const auto rotation_factor = CreateRotationAccelerationFactor(1.0, kInterval);
+  const auto rotation_factor = CreateRotationAccelerationFactor({1.0, 2.0, 3.0}, kInterval);
   const auto position_factor =
       CreatePositionAccelerationFactor(Eigen::Vector3d::Ones(), kInterval);
   EXPECT_LT(rotations.Residuals(*rotation_factor).norm(), 1e-12);

@@ -1,0 +1,89 @@
+#include "core/trajectory/motion_noise.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kKnotInterval = 50'000'000;  // ns
+constexpr double kIntervalS = 0.05;
+
+ControlPoint Standing() { return ControlPoint(); }
+
+// A rig that stands but for one control point.
+Trajectory WithOne(int index, const ControlPoint& control_point, int num_control_points) {
+  Trajectory trajectory(0, kKnotInterval, Rigid3d());
+  trajectory.ExtendTo((num_control_points - 4) * kKnotInterval);
+  for (int i = 0; i < trajectory.num_control_points(); ++i) {
+    trajectory.control_point(i) = Standing();
+  }
+  trajectory.control_point(index) = control_point;
+  return trajectory;
+}
+
+MotionNoise Ones() {
+  MotionNoise noise;
+  noise.density.fill(1.0);
+  return noise;
+}
+
+TEST(MotionNoise, AccelerationsByHand) {
+  ControlPoint moved;
+  moved.position = {0.01, 0.0, -0.02};
+  Eigen::Map<Eigen::Quaterniond>(moved.rotation.data()) = Exp(Eigen::Vector3d(0.0, 0.03, 0.0));
+  const Trajectory trajectory = WithOne(2, moved, 8);
+  const KnotAcceleration after = KnotAcceleration::At(trajectory, 2);
+  EXPECT_LT((after.linear_world - Eigen::Vector3d(4.0, 0.0, -8.0)).norm(), 1e-9);
+  EXPECT_LT((after.angular_body - Eigen::Vector3d(0.0, 12.0, 0.0)).norm(), 1e-9);
+  const KnotAcceleration at = KnotAcceleration::At(trajectory, 1);
+  EXPECT_LT((at.linear_world - Eigen::Vector3d(-8.0, 0.0, 16.0)).norm(), 1e-9);
+  EXPECT_LT((at.angular_body - Eigen::Vector3d(0.0, -24.0, 0.0)).norm(), 1e-9);
+  EXPECT_EQ(KnotAcceleration::At(trajectory, 3).linear_world, Eigen::Vector3d::Zero());
+}
+
+// The same motion has the same noise whatever the knots: white noise of density q has the
+// variance q^2 / h over an interval h.
+TEST(MotionNoise, StandardDeviationsFollowTheKnots) {
+  const MotionNoise noise = Ones();
+  EXPECT_NEAR(noise.LinearStddev(0.04).x(), 5.0, 1e-12);
+  EXPECT_NEAR(noise.AngularStddev(0.16).z(), 2.5, 1e-12);
+}
+
+// A jolt among calm knots is one of its own stretch: what is half a second away does not
+// become loose, and the jolt itself is not far from what is expected there.
+TEST(MotionProfile, AJoltLoosensItsOwnStretch) {
+  ControlPoint jolt;
+  jolt.position = {0.0, 0.0, 0.1};
+  constexpr int kNumKnots = 500;
+  const Trajectory trajectory = WithOne(100, jolt, kNumKnots + 2);
+  const MotionProfile profile = MotionProfile::Of(trajectory, Ones());
+  ASSERT_EQ(profile.at.size(), static_cast<size_t>(kNumKnots));
+  const double acceleration = KnotAcceleration::At(trajectory, 99).linear_world.norm();
+  EXPECT_LT(acceleration, 4.0 * profile.at[99].LinearStddev(kIntervalS).z());
+  for (const size_t calm : {80, 120, 400}) {
+    EXPECT_LT(profile.at[calm].density[kVertical], profile.usual.density[kVertical]);
+    EXPECT_GT(profile.at[99].density[kVertical], 5.0 * profile.at[calm].density[kVertical]);
+    EXPECT_EQ(profile.at[99].density[kYaw], profile.at[calm].density[kYaw]);
+  }
+}
+
+// Where the scans determine nothing, the noise is the usual one.
+TEST(MotionProfile, UndeterminedStretchesAreAsUsual) {
+  MotionEvidence shown;
+  shown.squares = {8.0, 4.0, 2.0, 1.0};
+  shown.weight = kNumAxes;
+  std::vector<MotionEvidence> evidence(100, shown);
+  std::fill(evidence.begin() + 40, evidence.begin() + 60, MotionEvidence());
+  const MotionProfile profile = MotionProfile::From(evidence, Ones(), kIntervalS);
+  EXPECT_EQ(profile.at[50].density, profile.usual.density);
+  EXPECT_NEAR(profile.usual.density[kHorizontal], 2.0, 0.02);
+  EXPECT_NEAR(profile.usual.density[kTilt], 1.0, 0.02);
+}
+
+}  // namespace
+}  // namespace plumbline
