@@ -416,8 +416,10 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   const bool may_found = may_found_ && !tracker_->IsUndecided(scan.end_ns);
   if (scan_matcher_ != nullptr) scan_matcher_->Remember(state_->trajectory, may_found);
   const auto is_on_plane = [](const Observation& o) { return o.landmark_id >= 0; };
-  if (std::none_of(
-          state_->observations.begin() + first, state_->observations.end(), is_on_plane)) {
+  if (odometry_ == nullptr &&
+      std::none_of(state_->observations.begin() + first,
+                   state_->observations.end(),
+                   is_on_plane)) {
     motion_prior_.Forget();
   }
   CheckNotLost(scan.end_ns);

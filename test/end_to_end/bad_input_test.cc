@@ -250,7 +250,7 @@ TEST_F(BadInputTest, ScannerThatStopsIsNoticed) {
 }
 
 TEST_F(BadInputTest, MapEndsAtGapOfSeconds) {
-  SimulatedRecording recording = Record();
+  SimulatedRecording recording = Record(6.0);
   const int64_t start_ns = recording.scan_lines.front().stamp_ns;
   Remove(&recording, [&](const ScanLine& scan_line) {
     const double time_s = SecondsBetween(start_ns, scan_line.stamp_ns);
