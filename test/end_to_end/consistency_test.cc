@@ -154,8 +154,8 @@ TEST_F(ConsistencyTest, ErrorsAreAsLargeAsStated) {
   RecordProperty("poses", std::to_string(poses.PerDegreeOfFreedom()));
   RecordProperty("variance_factor", std::to_string(sum_variance_factors / kNumMaps));
   EXPECT_TRUE(planes.AreConsistent()) << planes.PerDegreeOfFreedom();
-  // The motion is smoother than the white accelerations of its prior, so that poses are better
-  // than stated, by up to a quarter of the deviation (docs/decisions/018-motion-noise.md).
+  // Poses are better than stated, by up to a quarter of the deviation: a figure that is missed
+  // (docs/decisions/018-motion-noise.md).
   constexpr double kLargestShare = 1.25 * 1.25;
   EXPECT_LT(poses.PerDegreeOfFreedom(), 1.0 + 1.96 * std::sqrt(2.0 / (6.0 * kNumMaps)));
   EXPECT_GT(poses.PerDegreeOfFreedom(), 1.0 / kLargestShare);

@@ -61,9 +61,8 @@ TEST_F(MotionNoiseTest, IsThatOfTheTrueMotion) {
   std::map<std::string, double> found(summary_.motion_noise.begin(),
                                       summary_.motion_noise.end());
   ASSERT_EQ(found.size(), kNumMotionKinds);
-  // White noise that explains a swing of 1.3 Hz, which the scans show, is stronger than the
-  // swing's mean square: of the fast accelerations, which are not there, they show little
-  // (docs/decisions/018-motion-noise.md). By less than two, or it would hold nothing.
+  // The density found is larger than that of the motion's mean square, by less than two: a
+  // figure that is missed (docs/decisions/018-motion-noise.md).
   // A standard deviation that n accelerations show has a standard error of 1 / sqrt(2 n) of
   // itself.
   const double two_errors = 2.0 / std::sqrt(2.0 * num_knots);
