@@ -84,7 +84,9 @@ class EstimationProblem {
   void AddSegments(const std::vector<const Observation*>& observations, double huber_width);
   // Adds the same residuals beam by beam, each a cost function of its own (CreatePointFactor).
   void AddPoints(const Observation& observation);
-  // Adds the prior on the second differences of control points first, first + 1, first + 2.
+  // Adds the prior on the acceleration of control points first .. first + 2, given the one
+  // before; where that reaches back to control points that are held or before the first one, on
+  // the acceleration alone.
   void AddMotionPrior(int first, const MotionNoise& noise);
   // Adds the prior on the first differences of the first two control points: the velocity at
   // the start is unknown.

@@ -42,6 +42,7 @@ void VisitTrajectory(Options& o, Visitor& v) {
              o.trajectory.angular_acceleration_density_deg_s2,
              1e-3,
              1e5);
+    s.Number("acceleration_correlation_s", o.trajectory.acceleration_correlation_s, 0.0, 10.0);
     s.Flag("estimate_densities", o.trajectory.estimate_densities);
     s.Number("bridging_acceleration_density_m_s2",
              o.trajectory.bridging_acceleration_density_m_s2,
@@ -208,6 +209,7 @@ MapperOptions MapperOptions::DefaultsFor(bool planar) {
   // What their slow scans show of single accelerations is too little to estimate these.
   options.trajectory.acceleration_density_m_s2 = 0.35;
   options.trajectory.angular_acceleration_density_deg_s2 = 21.0;
+  options.trajectory.acceleration_correlation_s = 0.0;
   options.trajectory.estimate_densities = false;
   // What the extrinsics leave between the scanners shows on every surface.
   options.association.surface_flatness_m = 0.015;

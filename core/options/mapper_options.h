@@ -14,11 +14,13 @@ struct TrajectoryOptions {
   // every control point.
   double knot_interval_s = 0.05;    // [0.01, 10]
   double min_scans_per_knot = 0.5;  // [0.1, 100], in periods of a scanner
-  // Amplitude spectral densities of the accelerations, white noise, that the motion prior
-  // expects of any rig (core/trajectory/motion_noise.h), per square root of 1 Hz.
+  // What the motion prior expects of any rig (core/trajectory/motion_noise.h): the amplitude
+  // spectral densities of its accelerations at low frequencies, per square root of 1 Hz, and
+  // the time over which these are correlated by exp(-1); 0: white noise.
   double acceleration_density_m_s2 = 0.7;             // [0.0001, 1000]
   double angular_acceleration_density_deg_s2 = 35.0;  // [0.001, 100000]
-  // Whether the recording's own are estimated and used instead.
+  double acceleration_correlation_s = 0.3;            // [0, 10]
+  // Whether the recording's own densities are estimated and used instead.
   bool estimate_densities = true;
   // The same of horizontal accelerations, at most, where the motion alone bridges a moment in
   // which nothing trustworthy shows how far the rig goes. [0.0001, 1000]

@@ -11,9 +11,9 @@ namespace {
 
 // Number of accelerations that the noise before a step counts as much as.
 constexpr double kWeightBefore = 1.0;
-// A step lowers a density to a third at most: what it finds for one that is far too large may
+// A step lowers a density to a tenth at most: what it finds for one that is far too large may
 // be anything near zero.
-constexpr double kLargestDecrease = 3.0;
+constexpr double kLargestDecrease = 10.0;
 // Number of accelerations that the usual noise counts as much as in a stretch of the motion.
 constexpr double kUsualWeight = 4.0;
 constexpr double kHalfStretch = 0.25;  // s
@@ -30,7 +30,7 @@ void Add(const MotionEvidence& evidence, MotionEvidence* sum) {
 MotionNoise Likeliest(const MotionEvidence& evidence,
                       const MotionNoise& beforehand,
                       double weight) {
-  MotionNoise noise;
+  MotionNoise noise = beforehand;
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
     const double variance = beforehand.density[kind] * beforehand.density[kind];
     noise.density[kind] =
@@ -38,6 +38,14 @@ MotionNoise Likeliest(const MotionEvidence& evidence,
                   (weight + std::max(0.0, evidence.weight[kind])));
   }
   return noise;
+}
+
+Eigen::Vector3d Linear(const ByMotionKind& density) {
+  return {density[kHorizontal], density[kHorizontal], density[kVertical]};
+}
+
+Eigen::Vector3d Angular(const ByMotionKind& density) {
+  return {density[kTilt], density[kTilt], density[kYaw]};
 }
 
 }  // namespace
@@ -55,6 +63,13 @@ KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory, int first) {
   return {per_s2 * (p[0] - 2.0 * p[1] + p[2]), per_s2 * turn};
 }
 
+KnotAcceleration InnovationAt(const Trajectory& trajectory, int first, double persistence) {
+  const KnotAcceleration before = KnotAcceleration::At(trajectory, first);
+  const KnotAcceleration after = KnotAcceleration::At(trajectory, first + 1);
+  return {after.linear_world - persistence * before.linear_world,
+          after.angular_body - persistence * before.angular_body};
+}
+
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
   return {linear.head<2>().sum(), linear.z(), angular.head<2>().sum(), angular.z()};
 }
@@ -65,17 +80,30 @@ MotionNoise MotionNoise::Of(const TrajectoryOptions& options) {
   noise.density[kVertical] = options.acceleration_density_m_s2;
   noise.density[kTilt] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
   noise.density[kYaw] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
+  noise.correlation_s = options.acceleration_correlation_s;
   return noise;
 }
 
+double MotionNoise::Persistence(double knot_interval_s) const {
+  return correlation_s > 0.0 ? std::exp(-knot_interval_s / correlation_s) : 0.0;
+}
+
 Eigen::Vector3d MotionNoise::LinearStddev(double knot_interval_s) const {
-  return Eigen::Vector3d(density[kHorizontal], density[kHorizontal], density[kVertical]) /
-         std::sqrt(knot_interval_s);
+  const double rho = Persistence(knot_interval_s);
+  return std::sqrt((1.0 - rho) / (1.0 + rho) / knot_interval_s) * Linear(density);
 }
 
 Eigen::Vector3d MotionNoise::AngularStddev(double knot_interval_s) const {
-  return Eigen::Vector3d(density[kTilt], density[kTilt], density[kYaw]) /
-         std::sqrt(knot_interval_s);
+  const double rho = Persistence(knot_interval_s);
+  return std::sqrt((1.0 - rho) / (1.0 + rho) / knot_interval_s) * Angular(density);
+}
+
+Eigen::Vector3d MotionNoise::LinearInnovationStddev(double knot_interval_s) const {
+  return (1.0 - Persistence(knot_interval_s)) / std::sqrt(knot_interval_s) * Linear(density);
+}
+
+Eigen::Vector3d MotionNoise::AngularInnovationStddev(double knot_interval_s) const {
+  return (1.0 - Persistence(knot_interval_s)) / std::sqrt(knot_interval_s) * Angular(density);
 }
 
 MotionProfile MotionProfile::Uniform(const MotionNoise& noise, const Trajectory& trajectory) {
@@ -114,15 +142,18 @@ MotionProfile MotionProfile::From(const std::vector<MotionEvidence>& evidence,
 
 MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& initial) {
   std::vector<MotionEvidence> evidence;
-  for (int i = 0; i + 2 < known.num_control_points(); ++i) {
-    const KnotAcceleration a = KnotAcceleration::At(known, i);
+  const double rho = initial.Persistence(known.knot_interval_s());
+  const double to_density = known.knot_interval_s() / ((1.0 - rho) * (1.0 - rho));
+  evidence.emplace_back();  // the first acceleration has none before it
+  for (int i = 0; i + 3 < known.num_control_points(); ++i) {
+    const KnotAcceleration e = InnovationAt(known, i, rho);
     MotionEvidence of_knot;
-    of_knot.squares = SumByKind(a.linear_world.cwiseAbs2() * known.knot_interval_s(),
-                                a.angular_body.cwiseAbs2() * known.knot_interval_s());
+    of_knot.squares = SumByKind(to_density * e.linear_world.cwiseAbs2(),
+                                to_density * e.angular_body.cwiseAbs2());
     of_knot.weight = kNumAxes;
     evidence.push_back(of_knot);
   }
-  constexpr int kNumSteps = 4;  // each lowers a density to a third at most
+  constexpr int kNumSteps = 4;  // each lowers a density to a tenth at most
   MotionProfile profile = Uniform(initial, known);
   for (int step = 0; step < kNumSteps; ++step) {
     profile = From(evidence, profile.usual, known.knot_interval_s());

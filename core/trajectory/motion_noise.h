@@ -30,21 +30,34 @@ struct KnotAcceleration {
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular);
 inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
 
-// MotionNoise is the strength of the accelerations that the motion prior expects, as white
-// noise: amplitude spectral densities in m/s^2/sqrt(Hz) and rad/s^2/sqrt(Hz), as data sheets
-// of accelerometers give theirs. A density does not change its meaning with the spline's
-// knots: the accelerations at knots of interval h have the standard deviation density /
-// sqrt(h) (factors/cost/motion_factor.h).
+// What of the acceleration at the second of two neighbouring knots does not follow from that at
+// the first, the control points first .. first + 2.
+KnotAcceleration InnovationAt(const Trajectory& trajectory, int first, double persistence);
+
+// MotionNoise is what the motion prior expects of accelerations: that they are correlated
+// exponentially over time (Singer 1970, "Estimating optimal tracking filter performance for
+// manned maneuvering targets"). Its densities are amplitude spectral ones at low frequencies, in
+// m/s^2/sqrt(Hz) and rad/s^2/sqrt(Hz), as data sheets of accelerometers give theirs. Neither
+// they nor the correlation time change their meaning with the spline's knots. With the
+// persistence rho = exp(-h / correlation time) from knot to knot of interval h, and
+// sigma = density / sqrt(h),
+//   a_k+1 = rho a_k + e_k,  stddev(e) = sigma (1 - rho),
+//   stddev(a) = sigma sqrt((1 - rho) / (1 + rho)).
+// A correlation time of 0 is white noise.
 struct MotionNoise {
   ByMotionKind density = {};
+  double correlation_s = 0.0;
 
   // The noise that the options expect of any rig.
   static MotionNoise Of(const TrajectoryOptions& options);
 
-  // Standard deviations of the accelerations at knots of this interval, along the world's axes
-  // (m/s^2) and about the body's (rad/s^2).
+  double Persistence(double knot_interval_s) const;  // rho
+  // Standard deviations at knots of this interval, along the world's axes (m/s^2) and about the
+  // body's (rad/s^2): of accelerations, and of what does not follow from the one before.
   Eigen::Vector3d LinearStddev(double knot_interval_s) const;
   Eigen::Vector3d AngularStddev(double knot_interval_s) const;
+  Eigen::Vector3d LinearInnovationStddev(double knot_interval_s) const;
+  Eigen::Vector3d AngularInnovationStddev(double knot_interval_s) const;
 };
 
 // What an estimate tells of the noise at one knot, by kind of motion and summed over its axes:

@@ -6,7 +6,7 @@
 namespace plumbline {
 namespace {
 
-// What the options say counts as much as accelerations of this time, and what the scans have
+// What the options say counts as much as innovations of this time, and what the scans have
 // shown is forgotten by exp(-1) in the other.
 constexpr double kInitialTime = 0.5;  // s
 constexpr double kMemory = 5.0;       // s
@@ -31,19 +31,21 @@ void MotionPrior::Learn(const Trajectory& trajectory,
                         int first,
                         const Eigen::Vector3d& linear_variance,
                         const Eigen::Vector3d& angular_variance) {
-  if (!learns_ || bridged_.count(first) > 0) return;
+  if (!learns_ || bridged_.count(first + 1) > 0) return;
   const double interval_s = trajectory.knot_interval_s();
-  const KnotAcceleration a = KnotAcceleration::At(trajectory, first);
+  const double rho = usual_.Persistence(interval_s);
+  const double to_density = interval_s / ((1.0 - rho) * (1.0 - rho));
+  const KnotAcceleration e = InnovationAt(trajectory, first, rho);
   const ByMotionKind squares =
-      SumByKind(a.linear_world.cwiseAbs2(), a.angular_body.cwiseAbs2());
+      SumByKind(e.linear_world.cwiseAbs2(), e.angular_body.cwiseAbs2());
   const ByMotionKind variances = SumByKind(linear_variance, angular_variance);
   const double kept = std::exp(-interval_s / kMemory);
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
     const double usual2 = usual_.density[kind] * usual_.density[kind];
     const double initial2 = initial_.density[kind] * initial_.density[kind];
-    squares_[kind] = kept * squares_[kind] + squares[kind] * interval_s / initial2;
+    squares_[kind] = kept * squares_[kind] + squares[kind] * to_density / initial2;
     determined_[kind] = kept * determined_[kind] +
-                        std::max(0.0, kNumAxes[kind] - variances[kind] * interval_s / usual2);
+                        std::max(0.0, kNumAxes[kind] - variances[kind] * to_density / usual2);
     const double n0 = kInitialTime / interval_s * kNumAxes[kind];
     usual_.density[kind] =
         std::sqrt(initial2 * (n0 + squares_[kind]) / (n0 + determined_[kind]));

@@ -12,9 +12,10 @@ namespace plumbline {
 // MotionPrior gives the noise of the motion prior on three control points while the rig is
 // followed: that of the motion of the last seconds, as the scans have shown it.
 //
-// For the accelerations a_k at the knots and their posterior variances v_k, of each kind,
-//   sigma^2 = (n_0 sigma_0^2 + sum a_k^2) / (n_0 + sum (1 - v_k / sigma^2))
-// The second sum is how many of the accelerations the scans determine (MacKay 1992, "Bayesian
+// For the innovations e_k of the accelerations at the knots (MotionNoise) and their posterior
+// variances v_k, of each kind,
+//   sigma^2 = (n_0 sigma_0^2 + sum e_k^2) / (n_0 + sum (1 - v_k / sigma^2))
+// The second sum is how many of the innovations the scans determine (MacKay 1992, "Bayesian
 // Interpolation", section 4); where they determine none the strength stays. Sums forget: a rig
 // walks, stands and is handed on. n_0 and sigma_0 are what the options say of any rig.
 //
@@ -33,8 +34,8 @@ class MotionPrior {
   // Of motions whose accelerations are not known yet.
   const MotionNoise& usual() const { return usual_; }
 
-  // Takes in what the scans have shown of the acceleration of the control points first ..
-  // first + 2. variance: its posterior one, along the world's axes and about the body's.
+  // Takes in what the scans have shown of the innovation of the control points first ..
+  // first + 3. variance: its posterior one, along the world's axes and about the body's.
   void Learn(const Trajectory& trajectory,
              int first,
              const Eigen::Vector3d& linear_variance,
@@ -52,8 +53,8 @@ class MotionPrior {
   std::set<int> bridged_;
   bool learns_;
   MotionNoise initial_;
-  ByMotionKind squares_ = {};     // of accelerations over their initial variance
-  ByMotionKind determined_ = {};  // number of accelerations
+  ByMotionKind squares_ = {};     // of innovations over their initial variance
+  ByMotionKind determined_ = {};  // number of innovations
 };
 
 }  // namespace plumbline

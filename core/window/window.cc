@@ -29,8 +29,6 @@ namespace {
 // The window only has to be good enough for the next associations and as the batch's start: an
 // iteration that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {5, 1e-4, 0.0};
-// Second difference of control points.
-constexpr double kDifference[] = {1.0, -2.0, 1.0};
 constexpr char kNotDetermined[] = "the scans do not determine poses and planes";
 
 // Inverse on the rows and directions that are estimated; zero on the others.
@@ -259,7 +257,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   AddMarginalPrior(out_of_view, &problem);
   if (start_ == 0) AddStart(&problem);
   const int num_control_points = state_->trajectory.num_control_points();
-  AddMotionPriors(&problem, start_, num_control_points - 3);
+  AddMotionPriors(&problem, FirstMotionPrior(), num_control_points - 3);
   AddOdometry(*state_, start_, num_control_points - kSplineOrder + 1, &problem);
   std::vector<const Observation*> in_window;
   for (const int index : window_) {
@@ -304,25 +302,28 @@ void Window::LearnMotion(const NormalEquations& equations,
                          int new_start) {
   const Trajectory& trajectory = state_->trajectory;
   const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
+  const double rho = motion_prior_->usual().Persistence(trajectory.knot_interval_s());
+  // Of an innovation, in the four control points.
+  const Eigen::Vector4d weights =
+      per_s2 * Eigen::Vector4d(-rho, 1.0 + 2.0 * rho, -2.0 - rho, 1.0);
   const auto variance_of = [&](BlockId::Kind kind, int first) {
     const std::vector<int> rows = RowsOf(equations, [&](const BlockId& block) {
-      return block.kind == kind && block.index >= first && block.index < first + 3;
+      return block.kind == kind && block.index >= first && block.index < first + 4;
     });
     // Of a rig that moves in the plane, rotations have one row, yaw.
-    const auto size = static_cast<Eigen::Index>(rows.size()) / 3;
+    const auto size = static_cast<Eigen::Index>(rows.size()) / 4;
     Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
     const Eigen::MatrixXd joint = covariance(rows, rows);
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) {
-        variance.bottomRightCorner(size, size) += per_s2 * per_s2 * kDifference[a] *
-                                                  kDifference[b] *
-                                                  joint.block(a * size, b * size, size, size);
+    for (int a = 0; a < 4; ++a) {
+      for (int b = 0; b < 4; ++b) {
+        variance.bottomRightCorner(size, size) +=
+            weights[a] * weights[b] * joint.block(a * size, b * size, size, size);
       }
     }
     return variance;
   };
   for (int i = start_; i < new_start; ++i) {
-    const Eigen::Quaterniond world_from_body(trajectory.control_point(i + 1).rotation.data());
+    const Eigen::Quaterniond world_from_body(trajectory.control_point(i + 2).rotation.data());
     const Eigen::Matrix3d angular = world_from_body.conjugate() *
                                     variance_of(BlockId::Kind::kRotation, i) *
                                     world_from_body.toRotationMatrix();
@@ -404,7 +405,7 @@ void Window::Marginalise(int new_start) {
   if (new_start <= start_) return;
   EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
   if (start_ == 0) AddStart(&leaving);
-  AddMotionPriors(&leaving, start_, new_start - 1);
+  AddMotionPriors(&leaving, FirstMotionPrior(), new_start);
   AddOdometry(*state_, start_, new_start, &leaving);
   std::vector<int> staying;
   const std::vector<const Observation*> gone =

@@ -108,6 +108,9 @@ class Window {
   void LearnMotion(const NormalEquations& equations,
                    const Eigen::MatrixXd& covariance,
                    int new_start);
+  // The first motion prior that the marginal prior does not hold: each reaches one control
+  // point further back than its own three.
+  int FirstMotionPrior() const { return start_ == 0 ? 0 : start_ + 1; }
   void AddMotionPriors(EstimationProblem* problem, int first, int last) const;
   std::set<int> LandmarksInWindow() const;
   // The tangent by which a block has moved since the marginal prior was written.

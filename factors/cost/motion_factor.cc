@@ -43,6 +43,34 @@ struct RotationAccelerationFunctor {
   }
 };
 
+struct PositionInnovationFunctor {
+  PositionAccelerationFunctor acceleration;
+  double persistence;
+
+  template <typename T>
+  bool operator()(const T* p0, const T* p1, const T* p2, const T* p3, T* residuals) const {
+    Vector3<T> before;
+    acceleration(p0, p1, p2, before.data());
+    acceleration(p1, p2, p3, residuals);
+    Eigen::Map<Vector3<T>>{residuals} -= T(persistence) * before;
+    return true;
+  }
+};
+
+struct RotationInnovationFunctor {
+  RotationAccelerationFunctor acceleration;
+  double persistence;
+
+  template <typename T>
+  bool operator()(const T* q0, const T* q1, const T* q2, const T* q3, T* residuals) const {
+    Vector3<T> before;
+    acceleration(q0, q1, q2, before.data());
+    acceleration(q1, q2, q3, residuals);
+    Eigen::Map<Vector3<T>>{residuals} -= T(persistence) * before;
+    return true;
+  }
+};
+
 struct PositionVelocityFunctor {
   double whitening;
 
@@ -69,20 +97,33 @@ std::unique_ptr<ceres::CostFunction> MakeFactor(Functor functor) {
       new Functor(functor));
 }
 
+// Of second differences.
+Eigen::Vector3d Whitening(const Eigen::Vector3d& stddev, double knot_interval_s) {
+  return (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
+}
+
 }  // namespace
 
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s) {
-  const Eigen::Vector3d whitening =
-      (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
-  return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{whitening});
+  return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{Whitening(stddev, knot_interval_s)});
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s) {
-  const Eigen::Vector3d whitening =
-      (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
-  return MakeFactor<4, 4, 4>(RotationAccelerationFunctor{whitening});
+  return MakeFactor<4, 4, 4>(RotationAccelerationFunctor{Whitening(stddev, knot_interval_s)});
+}
+
+std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
+    const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
+  return MakeFactor<3, 3, 3, 3>(
+      PositionInnovationFunctor{{Whitening(stddev, knot_interval_s)}, persistence});
+}
+
+std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
+    const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
+  return MakeFactor<4, 4, 4, 4>(
+      RotationInnovationFunctor{{Whitening(stddev, knot_interval_s)}, persistence});
 }
 
 std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,

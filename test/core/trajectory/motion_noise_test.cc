@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "factors/spline/so3.h"
@@ -52,6 +53,39 @@ TEST(MotionNoise, StandardDeviationsFollowTheKnots) {
   const MotionNoise noise = Ones();
   EXPECT_NEAR(noise.LinearStddev(0.04).x(), 5.0, 1e-12);
   EXPECT_NEAR(noise.AngularStddev(0.16).z(), 2.5, 1e-12);
+}
+
+// Correlated over a quarter of a second, accelerations at fine knots and at coarse ones have
+// the same spectral density at low frequencies: h times the sum of their covariances at all
+// lags, which for persistence rho is variance (1 + rho) / (1 - rho).
+TEST(MotionNoise, CorrelatedAccelerationsFollowTheKnots) {
+  MotionNoise noise = Ones();
+  noise.correlation_s = 0.25;
+  for (const double h : {0.01, 0.05, 0.2, 1.0}) {
+    const double rho = noise.Persistence(h);
+    EXPECT_NEAR(rho, std::exp(-4.0 * h), 1e-12);
+    const double variance = std::pow(noise.LinearStddev(h).z(), 2);
+    EXPECT_NEAR(h * variance * (1.0 + rho) / (1.0 - rho), 1.0, 1e-12);
+    // What goes on and what is new make up what there is.
+    EXPECT_NEAR(rho * rho * variance + std::pow(noise.LinearInnovationStddev(h).z(), 2),
+                variance,
+                1e-12 * variance);
+    EXPECT_EQ(noise.AngularStddev(h), noise.LinearStddev(h));
+    EXPECT_EQ(noise.AngularInnovationStddev(h), noise.LinearInnovationStddev(h));
+  }
+  // Between knots that are much finer the acceleration is that of a process of variance
+  // density^2 / (2 correlation time).
+  EXPECT_NEAR(std::pow(noise.LinearStddev(1e-3).x(), 2), 1.0 / 0.5, 1e-4);
+}
+
+TEST(MotionNoise, InnovationsByHand) {
+  ControlPoint moved;
+  moved.position = {0.01, 0.0, 0.0};
+  const Trajectory trajectory = WithOne(2, moved, 8);
+  // Accelerations of 4, -8 and 4 m/s^2.
+  EXPECT_NEAR(InnovationAt(trajectory, 0, 0.5).linear_world.x(), -8.0 - 2.0, 1e-9);
+  EXPECT_NEAR(InnovationAt(trajectory, 1, 0.5).linear_world.x(), 4.0 + 4.0, 1e-9);
+  EXPECT_NEAR(InnovationAt(trajectory, 2, 0.5).linear_world.x(), -2.0, 1e-9);
 }
 
 // A jolt among calm knots is one of its own stretch: what is half a second away does not

@@ -10,17 +10,19 @@ namespace {
 
 constexpr int64_t kKnotInterval = 50'000'000;  // ns
 
-// A trajectory of white accelerations along x, of this amplitude spectral density.
-Trajectory Shaken(double density_m_s2, int num_control_points) {
+// A trajectory of accelerations along x of this noise.
+Trajectory Shaken(const MotionNoise& noise, int num_control_points) {
   Trajectory trajectory(0, kKnotInterval, Rigid3d());
   trajectory.ExtendTo((num_control_points - 4) * kKnotInterval);
   const double h = trajectory.knot_interval_s();
   std::mt19937_64 random(3);
-  std::normal_distribution<double> acceleration(0.0, density_m_s2 / std::sqrt(h));
+  std::normal_distribution<double> innovation(0.0, noise.LinearInnovationStddev(h).x());
+  double acceleration = 0.0;
   for (int i = 2; i < trajectory.num_control_points(); ++i) {
+    acceleration = noise.Persistence(h) * acceleration + innovation(random);
     trajectory.control_point(i).position[0] =
         2.0 * trajectory.control_point(i - 1).position[0] -
-        trajectory.control_point(i - 2).position[0] + h * h * acceleration(random);
+        trajectory.control_point(i - 2).position[0] + h * h * acceleration;
   }
   return trajectory;
 }
@@ -56,8 +58,10 @@ TEST(MotionPrior, LearnsHowTheRigMoves) {
   TrajectoryOptions options;
   MotionPrior prior(options);
   constexpr double kDensity = 0.2;
-  const Trajectory trajectory = Shaken(kDensity, 600);
-  for (int i = 0; i + 2 < trajectory.num_control_points(); ++i) {
+  MotionNoise noise = MotionNoise::Of(options);
+  noise.density[kHorizontal] = kDensity;
+  const Trajectory trajectory = Shaken(noise, 600);
+  for (int i = 0; i + 3 < trajectory.num_control_points(); ++i) {
     prior.Learn(trajectory, i, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   }
   // One axis of two moves. The options count as 0.5 s of 5.5 s.
@@ -71,16 +75,18 @@ TEST(MotionPrior, LearnsHowTheRigMoves) {
   EXPECT_LT(prior.usual().density[kTilt], 0.4 * MotionNoise::Of(options).density[kTilt]);
 }
 
-// Accelerations of which the scans show nothing have the variance of the prior.
+// Innovations of which the scans show nothing have the variance of the prior.
 TEST(MotionPrior, KeepsWhatTheScansDoNotShow) {
   TrajectoryOptions options;
   MotionPrior prior(options);
   const MotionNoise before = prior.usual();
-  const Trajectory still(0, kKnotInterval, Rigid3d());
+  const Trajectory still(0, kKnotInterval, Rigid3d());  // of four control points
   for (int i = 0; i < 100; ++i) {
     const double h = still.knot_interval_s();
-    prior.Learn(
-        still, 0, before.LinearStddev(h).cwiseAbs2(), before.AngularStddev(h).cwiseAbs2());
+    prior.Learn(still,
+                0,
+                before.LinearInnovationStddev(h).cwiseAbs2(),
+                before.AngularInnovationStddev(h).cwiseAbs2());
   }
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
     EXPECT_NEAR(prior.usual().density[kind] / before.density[kind], 1.0, 1e-9);
@@ -91,7 +97,9 @@ TEST(MotionPrior, LearnsNothingWhereItIsNotAskedTo) {
   TrajectoryOptions options;
   options.estimate_densities = false;
   MotionPrior prior(options);
-  prior.Learn(Shaken(5.0, 8), 2, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  MotionNoise strong = prior.usual();
+  strong.density.fill(5.0);
+  prior.Learn(Shaken(strong, 8), 2, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   EXPECT_EQ(prior.usual().density, MotionNoise::Of(options).density);
 }
 

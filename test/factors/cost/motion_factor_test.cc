@@ -62,6 +62,41 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
   rotations.ExpectGradientsCorrect(*rotation_factor);
 }
 
+TEST(MotionFactor, InnovationsByHand) {
+  // Accelerations of 4, then 1 m/s^2 and 4, then 1 rad/s^2: three of them go on.
+  constexpr double kPersistence = 0.75;
+  TestBlocks positions, rotations;
+  const double a = kInterval * kInterval;
+  for (const double x : {0.0, 0.0, 4.0 * a, 9.0 * a}) {
+    positions.AddEuclidean(Eigen::Vector3d(0.0, x, 0.0));
+    rotations.AddRotation(Exp(Eigen::Vector3d(x, 0.0, 0.0)));
+  }
+  const auto position_factor =
+      CreatePositionInnovationFactor({1.0, 0.5, 1.0}, kPersistence, kInterval);
+  EXPECT_LT((positions.Residuals(*position_factor) - Eigen::Vector3d(0.0, -4.0, 0.0)).norm(),
+            1e-12);
+  positions.ExpectGradientsCorrect(*position_factor);
+  const auto rotation_factor =
+      CreateRotationInnovationFactor({0.5, 1.0, 1.0}, kPersistence, kInterval);
+  EXPECT_LT((rotations.Residuals(*rotation_factor) - Eigen::Vector3d(-4.0, 0.0, 0.0)).norm(),
+            1e-12);
+  rotations.ExpectGradientsCorrect(*rotation_factor);
+}
+
+TEST(MotionFactor, RotationInnovationFarRotations) {
+  TestRandom random(8);
+  for (const double step : {0.05, 1.0, 3.0}) {
+    TestBlocks blocks;
+    Eigen::Quaterniond q = random.Rotation(2.0);
+    for (int j = 0; j < 4; ++j) {
+      blocks.AddRotation(q);
+      q = random.Rotation(step) * q;
+    }
+    blocks.ExpectGradientsCorrect(
+        *CreateRotationInnovationFactor({10.0, 20.0, 5.0}, 0.6, kInterval));
+  }
+}
+
 TEST(MotionFactor, VelocitiesByHand) {
   TestBlocks positions, rotations, deactivated;
   positions.AddEuclidean(Eigen::Vector3d(1.0, 1.0, 1.0));
