@@ -1,7 +1,6 @@
 #include "core/check/check.h"
 
 #include <algorithm>
-#include <map>
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
@@ -11,15 +10,6 @@ namespace plumbline {
 namespace {
 
 constexpr double kMinNoise = 0.005;  // m, for segmentation: surfaces are no better
-
-std::map<std::string, RangeLimits> LimitsOf(const std::optional<Rig>& rig) {
-  std::map<std::string, RangeLimits> limits;
-  if (!rig) return limits;
-  for (const Scanner& scanner : rig->scanners) {
-    limits[scanner.topic] = {scanner.min_range_m, scanner.max_range_m};
-  }
-  return limits;
-}
 
 // Whether one scanner's correction makes most of its places agree that did not.
 bool IsMended(const std::vector<MountingCorrection>& corrections) {
@@ -137,7 +127,7 @@ void Judge(CheckReport* report) {
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig) {
   CheckReport report;
   report.rig = rig;
-  report.survey = SurveyRecording(path, LimitsOf(rig));
+  report.survey = SurveyRecording(path, rig ? &*rig : nullptr);
   std::vector<std::vector<SampledLine>> sample;
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     sample.push_back(SegmentSample(report.survey.sample[i],

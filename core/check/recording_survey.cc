@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "core/consistency/scanner_agreement.h"
@@ -28,7 +29,12 @@ class WindowSample {
     const bool is_frozen = fingerprint != 0 && fingerprint == last;
     last = fingerprint;
     if (is_frozen) return;  // it says nothing new, and shows what is not there any more
-    windows_[window].push_back(message.line);
+    std::vector<ScanLine>& lines = windows_[window];
+    lines.push_back(message.line);
+    for (size_t beam = 0; beam < message.is_at_stated_limit.size(); ++beam) {
+      if (!message.is_at_stated_limit[beam]) continue;
+      lines.back().ranges[beam] = std::numeric_limits<float>::quiet_NaN();
+    }
     num_beams_ += message.line.num_beams();
     while (num_beams_ > kMaxBeams && windows_.size() > 1) Thin();
   }
@@ -75,21 +81,30 @@ class WindowSample {
   std::map<int64_t, std::vector<ScanLine>> windows_;
 };
 
+std::map<std::string, RangeLimits> LimitsOf(const Rig* rig) {
+  std::map<std::string, RangeLimits> limits;
+  if (rig == nullptr) return limits;
+  for (const Scanner& scanner : rig->scanners) {
+    limits[scanner.topic] = {scanner.min_range_m, scanner.max_range_m};
+  }
+  return limits;
+}
+
 }  // namespace
 
 double RecordingSurvey::duration_s() const {
   return SecondsBetween(start_receipt_ns, end_receipt_ns);
 }
 
-RecordingSurvey SurveyRecording(const std::string& path,
-                                const std::map<std::string, RangeLimits>& limits) {
+RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
+  const std::map<std::string, RangeLimits> limits = LimitsOf(rig);
   RecordingSurvey survey;
   survey.path = path;
   WindowSample sample;
   std::vector<TopicSurveyor> surveyors;
   bool is_first = true;
   const RecordedTopics recorded =
-      ReadScans(path, [&](const RecordedTopic& topic, const ScanMessage& message) {
+      ReadScans(path, rig, [&](const RecordedTopic& topic, const ScanMessage& message) {
         if (is_first) survey.start_receipt_ns = message.receipt_ns;
         survey.end_receipt_ns = is_first ? message.receipt_ns
                                          : std::max(survey.end_receipt_ns, message.receipt_ns);

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 
 #include "core/check/topic_survey.h"
+#include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
 namespace plumbline {
@@ -26,9 +26,8 @@ struct RecordingSurvey {
   double duration_s() const;
 };
 
-// Reads a recording once. limits: by topic, as the rig file says. Throws Error where the file
-// is missing or no recording.
-RecordingSurvey SurveyRecording(const std::string& path,
-                                const std::map<std::string, RangeLimits>& limits);
+// Reads a recording once. rig: nullptr where there is none. Throws Error where the file is
+// missing or no recording.
+RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig);
 
 }  // namespace plumbline

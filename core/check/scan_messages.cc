@@ -1,10 +1,12 @@
 #include "core/check/scan_messages.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <vector>
 
 #include "core/recording/recording_source.h"
+#include "core/sensor/scan_header.h"
 
 namespace plumbline {
 namespace {
@@ -21,6 +23,12 @@ void Convert(const MessageRef& where, const ScanLineMessage& scan, ScanMessage* 
   line.angle_increment = scan.angle_increment;
   line.time_increment_s = scan.time_increment;
   line.ranges = scan.ranges;
+  message->is_at_stated_limit.clear();
+  for (size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!IsStatedLimit(scan, scan.ranges[beam])) continue;
+    message->is_at_stated_limit.resize(scan.ranges.size(), false);
+    message->is_at_stated_limit[beam] = true;
+  }
   line.angles = nullptr;
   if (!scan.angles.empty()) {
     line.angles =
@@ -30,7 +38,7 @@ void Convert(const MessageRef& where, const ScanLineMessage& scan, ScanMessage* 
 
 }  // namespace
 
-RecordedTopics ReadScans(const std::string& path, const ScanVisitor& visit) {
+RecordedTopics ReadScans(const std::string& path, const Rig* rig, const ScanVisitor& visit) {
   const std::unique_ptr<RecordingSource> source = OpenRecording(path);
   RecordedTopics recorded;
   std::map<std::string, size_t> indices;  // by name; several publishers may share a topic
@@ -44,8 +52,18 @@ RecordedTopics ReadScans(const std::string& path, const ScanVisitor& visit) {
   ScanMessage message;
   RecordingVisitor visitor;
   visitor.wants = [](const RecordingTopic& topic) { return topic.HasScanLines(); };
-  visitor.scan_line = [&](const MessageRef& where, const ScanLineMessage& scan) {
+  const auto scanner_of = [&](const std::string& topic) -> const Scanner* {
+    if (rig == nullptr) return nullptr;
+    const auto found = std::find_if(rig->scanners.begin(),
+                                    rig->scanners.end(),
+                                    [&](const Scanner& one) { return one.topic == topic; });
+    return found == rig->scanners.end() ? nullptr : &*found;
+  };
+  ScanLineMessage scan;
+  visitor.scan_line = [&](const MessageRef& where, const ScanLineMessage& as_sent) {
     const size_t index = index_of(source->topics()[where.topic_index]);
+    scan = as_sent;
+    CorrectHeader(scanner_of(recorded.topics[index].name), &scan);
     Convert(where, scan, &message);
     message.line.scanner_index = static_cast<int>(index);
     visit(recorded.topics[index], message);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
 namespace plumbline {
@@ -24,6 +25,8 @@ struct ScanMessage {
   // Limits as the driver states them, m; 0 where it states none.
   double stated_min_range_m = 0.0;
   double stated_max_range_m = 0.0;
+  // By beam; empty where no range is at the limit that the driver states.
+  std::vector<bool> is_at_stated_limit;
   ScanLine line;  // scanner_index: position of the topic in RecordedTopics
 };
 
@@ -38,8 +41,10 @@ struct RecordedTopics {
 // has the next free index.
 using ScanVisitor = std::function<void(const RecordedTopic&, const ScanMessage&)>;
 
-// Reads all scan lines of a recording, without a rig, in the order of the file.
-// Throws Error where the file is missing or no recording.
-RecordedTopics ReadScans(const std::string& path, const ScanVisitor& visit);
+// Reads all scan lines of a recording in the order of the file, whether the rig file names
+// their topics or not; of those that it names, with the headers that it states
+// (scan_header.h). rig: nullptr where there is none. Throws Error where the file is missing or
+// no recording.
+RecordedTopics ReadScans(const std::string& path, const Rig* rig, const ScanVisitor& visit);
 
 }  // namespace plumbline

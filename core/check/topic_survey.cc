@@ -137,10 +137,14 @@ void TopicSurveyor::Take(const ScanMessage& message) {
       std::abs(line.angle_increment - survey_.angle_increment) > 1e-9) {
     ++survey_.num_other_layouts;
   }
-  TakeRanges(line, second);
+  TakeRanges(message, second);
 }
 
-void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
+void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* second) {
+  const ScanLine& line = message.line;
+  const auto is_at_stated_limit = [&message](size_t beam) {
+    return beam < message.is_at_stated_limit.size() && message.is_at_stated_limit[beam];
+  };
   const auto spacing = std::max(
       1, static_cast<int>(std::lround(kTripleSpacing / std::abs(line.angle_increment))));
   const double twice_cosine = 2.0 * std::cos(spacing * line.angle_increment);
@@ -167,6 +171,10 @@ void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
       ++survey_.num_largest;
       if (counts != nullptr) ++counts->num_largest;
     }
+    if (is_return(range) && is_at_stated_limit(at)) {
+      ++survey_.num_at_limit;
+      continue;
+    }
     if (!is_return(range)) {
       ++(std::isnan(range)       ? survey_.num_nan
          : !std::isfinite(range) ? survey_.num_infinite
@@ -190,6 +198,10 @@ void TopicSurveyor::TakeRanges(const ScanLine& line, SurveyedSecond* second) {
     const double after =
         unit * static_cast<double>(line.ranges[at + static_cast<size_t>(spacing)]);
     if (!is_return(before) || !is_return(after)) continue;
+    if (is_at_stated_limit(at - static_cast<size_t>(spacing)) ||
+        is_at_stated_limit(at + static_cast<size_t>(spacing))) {
+      continue;
+    }
     // Along a straight line, 1 / range is a sinusoid of the angle.
     const double deviation = range - twice_cosine / (1.0 / before + 1.0 / after);
     ++second->num_triples;
@@ -212,7 +224,8 @@ TopicSurvey TopicSurveyor::Finish(const RecordedTopic& topic) {
   }
   survey_.period_s = QuantileOf(&periods_s, 0.5);
   const auto largest = static_cast<double>(survey_.num_largest);
-  if (survey_.largest_range_m <= survey_.limits.max_m &&
+  if (survey_.num_at_limit == 0 && survey_.largest_range_m > 0.0 &&
+      survey_.largest_range_m <= survey_.limits.max_m &&
       largest > kAtLimitShare * static_cast<double>(survey_.num_ranges) && largest > 20.0) {
     survey_.num_at_limit = survey_.num_largest;
     survey_.num_returns -= survey_.num_at_limit;

@@ -96,7 +96,7 @@ class TopicSurveyor {
  private:
   void DecideUnit();
   void Take(const ScanMessage& message);
-  void TakeRanges(const ScanLine& line, SurveyedSecond* second);
+  void TakeRanges(const ScanMessage& message, SurveyedSecond* second);
   SurveyedSecond* SecondOf(const ScanMessage& message);
 
   TopicSurvey survey_;

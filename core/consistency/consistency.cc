@@ -16,6 +16,7 @@
 #include "core/consistency/pose_jumps.h"
 #include "core/consistency/revisits.h"
 #include "core/consistency/sightings.h"
+#include "core/util/time.h"
 
 namespace plumbline {
 namespace {
@@ -162,9 +163,9 @@ std::string Percent(double share) {
 
 class Judge {
  public:
-  // span: the seconds of the recording that the map covers.
-  Judge(const Evidence& evidence, const std::pair<size_t, size_t>& span)
-      : evidence_(evidence), span_(span) {}
+  // span: the seconds since first_second that the map covers.
+  Judge(const Evidence& evidence, const std::pair<size_t, size_t>& span, int first_second)
+      : evidence_(evidence), span_(span), first_second_(first_second) {}
 
   ConsistencyReport Report(double variance_factor) {
     JudgeShares(evidence_.passages,
@@ -196,11 +197,21 @@ class Judge {
     std::sort(consistency.doubtful_intervals.begin(),
               consistency.doubtful_intervals.end(),
               [](const auto& a, const auto& b) { return a.start_s < b.start_s; });
+    CountFromTheRecordingsStart(&consistency.doubtful_intervals);
+    CountFromTheRecordingsStart(&consistency.degenerate_intervals);
     AddWarnings(variance_factor);
     return std::move(report_);
   }
 
  private:
+  template <typename Interval>
+  void CountFromTheRecordingsStart(std::vector<Interval>* intervals) const {
+    for (Interval& interval : *intervals) {
+      interval.start_s += first_second_;
+      interval.end_s += first_second_;
+    }
+  }
+
   void Raise(Verdict verdict) {
     report_.consistency.verdict = std::max(report_.consistency.verdict, verdict);
   }
@@ -314,6 +325,7 @@ class Judge {
 
   const Evidence& evidence_;
   std::pair<size_t, size_t> span_;
+  int first_second_;
   ConsistencyReport report_;
 };
 
@@ -323,9 +335,10 @@ ConsistencyReport JudgeConsistency(const Rig& rig,
                                    const FinishedMap& map,
                                    const ScannerActivity& activity,
                                    int64_t start_ns) {
-  const Evidence evidence = Collect(rig, map, activity, start_ns);
+  const int64_t map_start_ns = start_ns + NanosecondsFromSeconds(map.first_second);
+  const Evidence evidence = Collect(rig, map, activity, map_start_ns);
   LogEvidence(rig, map.state, evidence);
-  return Judge(evidence, activity.Span()).Report(map.variance_factor);
+  return Judge(evidence, activity.Span(), map.first_second).Report(map.variance_factor);
 }
 
 }  // namespace plumbline

@@ -22,7 +22,10 @@ struct FinishedMap {
   bool planar = false;
   const MapState& state;
   double variance_factor = 1.0;
-  // What is stated of the position, m, in the worst direction, by second of the recording.
+  // The second of the recording in which the map begins. All that is collected by second
+  // counts from there: a recording may have lasted for days before it.
+  int first_second = 0;
+  // What is stated of the position, m, in the worst direction, by second since first_second.
   std::vector<double> position_stddevs_m;
 };
 

@@ -105,15 +105,18 @@ std::string Percent(double share) {
 }
 
 // "from 3 to 8 s" for each run of marked seconds, at least min_length long; empty if none.
-std::string RunsInWords(const std::vector<bool>& marked, size_t min_length) {
+// first_second: of the first mark.
+std::string RunsInWords(const std::vector<bool>& marked,
+                        size_t min_length,
+                        size_t first_second) {
   std::string words;
   for (size_t first = 0; first < marked.size(); ++first) {
     if (!marked[first]) continue;
     size_t last = first;
     while (last < marked.size() && marked[last]) ++last;
     if (last - first >= min_length) {
-      words += (words.empty() ? "from " : ", from ") + std::to_string(first) + " to " +
-               std::to_string(last) + " s";
+      words += (words.empty() ? "from " : ", from ") + std::to_string(first_second + first) +
+               " to " + std::to_string(first_second + last) + " s";
     }
     first = last;
   }
@@ -171,10 +174,11 @@ class FaultFinder {
       frozen.push_back(second.num_repeated > 1 &&
                        100 * second.num_repeated > kFrozenPercent * second.num_lines);
     }
-    const std::string when_silent = RunsInWords(silent, kMinSilent);
+    const auto first_second = static_cast<size_t>(activity_.first_second());
+    const std::string when_silent = RunsInWords(silent, kMinSilent, first_second);
     if (!when_silent.empty())
       Report(scanner, false, "returned next to nothing " + when_silent);
-    const std::string when_frozen = RunsInWords(frozen, 1);
+    const std::string when_frozen = RunsInWords(frozen, 1, first_second);
     if (!when_frozen.empty()) {
       Report(scanner,
              true,

@@ -15,7 +15,11 @@ namespace plumbline {
 // measures anew.
 class ScannerActivity {
  public:
-  // Takes in the next line of a scanner. num_used: of its points, on planes.
+  // first_second: of the recording, from which the seconds count.
+  explicit ScannerActivity(int first_second = 0) : first_second_(first_second) {}
+
+  // Takes in the next line of a scanner, taken time_s after first_second. num_used: of its
+  // points, on planes.
   void Add(int scanner_index,
            double time_s,
            int64_t num_points,
@@ -28,12 +32,14 @@ class ScannerActivity {
     int64_t num_points = 0;
     int64_t num_used = 0;
   };
-  // By scanner, by second.
+  int first_second() const { return first_second_; }
+  // By scanner, by second since first_second.
   const std::vector<std::vector<Second>>& seconds() const { return seconds_; }
   // The first second in which any scanner measures, and the one after the last.
   std::pair<size_t, size_t> Span() const;
 
  private:
+  int first_second_;
   std::vector<std::vector<Second>> seconds_;
   std::vector<uint64_t> last_fingerprints_;
 };

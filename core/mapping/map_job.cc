@@ -163,7 +163,8 @@ void LogWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) LOG(WARNING) << warning;
 }
 
-// The largest standard deviation of the position over all directions, by second.
+// The largest standard deviation of the position over all directions, by second since
+// start_ns.
 std::vector<double> PositionStddevs(const MapResult& result, int64_t start_ns) {
   std::vector<double> stddevs_m;
   for (const int64_t time_ns : result.scan_times_ns) {
@@ -185,10 +186,13 @@ void Judge(const Rig& rig,
            const PointReport& points,
            const RecordingReader& recording,
            Summary* summary) {
+  const int first_second = FirstSecond(result.state, recording.start_ns());
+  const int64_t map_start_ns = recording.start_ns() + NanosecondsFromSeconds(first_second);
   const FinishedMap map = {result.planar,
                            result.state,
                            result.batch.variance_factor,
-                           PositionStddevs(result, recording.start_ns())};
+                           first_second,
+                           PositionStddevs(result, map_start_ns)};
   const ConsistencyReport report =
       JudgeConsistency(rig, map, points.activity, recording.start_ns());
   LogWarnings(report.warnings);
@@ -392,12 +396,27 @@ void WriteFloorPlan(const MapJob& job,
   }
 }
 
+// A first rig file that was not filled in has all scanners at one pose, which no rig has.
+void CheckPoses(const MapJob& job, const Rig& rig) {
+  const Rigid3d& first = rig.scanners.front().body_from_scanner;
+  const bool is_one =
+      std::all_of(rig.scanners.begin(), rig.scanners.end(), [&first](const Scanner& scanner) {
+        const Rigid3d& pose = scanner.body_from_scanner;
+        return pose.translation == first.translation &&
+               pose.rotation.coeffs() == first.rotation.coeffs();
+      });
+  if (rig.scanners.size() < 2 || !is_one) return;
+  throw Error(job.rig + ": all " + std::to_string(rig.scanners.size()) +
+              " scanners sit at one pose: fill in body_from_scanner of each");
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
   auto total = std::make_unique<Stopwatch::Running>(&watches.total);
   CheckFormats(job);
   const Rig rig = ReadRig(job.rig);
+  CheckPoses(job, rig);
   const MapperOptions options = OptionsOf(job, rig);
   // Before the work, so that an output that can not be written shows first.
   ResultDirectory output(job.output, job.resume);

@@ -25,6 +25,9 @@ namespace {
 // went astray, segments no longer lie on the planes.
 class SupportOverTime {
  public:
+  // first_second: of the recording, from which the times count.
+  explicit SupportOverTime(int first_second) : first_second_(first_second) {}
+
   void Add(double time_s, int64_t num_points, int64_t num_on_planes) {
     const auto bin = static_cast<size_t>(std::max(0.0, time_s) / kBinSeconds);
     if (bin >= bins_.size()) bins_.resize(bin + 1);
@@ -50,8 +53,8 @@ class SupportOverTime {
           sizeof(text),
           "from %.2f to %.2f s less than half as many points as usual lie on planes: "
           "the pose is doubtful there",
-          static_cast<double>(first) * kBinSeconds,
-          static_cast<double>(i + 1) * kBinSeconds);
+          first_second_ + static_cast<double>(first) * kBinSeconds,
+          first_second_ + static_cast<double>(i + 1) * kBinSeconds);
       warnings.emplace_back(text);
     }
     return warnings;
@@ -68,6 +71,7 @@ class SupportOverTime {
     return 2 * bin.num_on_planes * total.num_points < bin.num_points * total.num_on_planes;
   }
 
+  int first_second_;
   std::vector<Bin> bins_;
 };
 
@@ -76,6 +80,7 @@ struct LineCount {
   int scanner_index = 0;
   uint64_t fingerprint = 0;
   double time_s = 0.0;     // of its middle, since the recording's start
+  bool is_during_map = false;
   int64_t num_points = 0;  // valid ranges
   int64_t num_placed = 0;  // within the map's time
   int64_t num_used = 0;
@@ -144,8 +149,9 @@ class LinePlacer {
     LineCount count;
     count.scanner_index = scan_line.scanner_index;
     count.fingerprint = FingerprintOf(scan_line.ranges);
-    count.time_s =
-        SecondsBetween(start_ns_, BeamInstant(scan_line, scan_line.num_beams() / 2, rig_));
+    const int64_t middle_ns = BeamInstant(scan_line, scan_line.num_beams() / 2, rig_);
+    count.time_s = SecondsBetween(start_ns_, middle_ns);
+    count.is_during_map = middle_ns >= state_.trajectory.start_ns() && middle_ns < map_end_ns;
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
@@ -196,6 +202,11 @@ class LinePlacer {
 
 }  // namespace
 
+int FirstSecond(const MapState& state, int64_t start_ns) {
+  const double start_s = SecondsBetween(start_ns, state.trajectory.start_ns());
+  return static_cast<int>(std::max(0.0, std::floor(start_s)));
+}
+
 PointReport ExportPoints(const Rig& rig,
                          const MapState& state,
                          const ProgressCallback& progress,
@@ -204,9 +215,11 @@ PointReport ExportPoints(const Rig& rig,
   std::vector<LandmarkView> planes;
   for (const Landmark& landmark : state.landmarks) planes.emplace_back(landmark);
   ScanLineBatchReader reader(recording, state);
-  SupportOverTime support;
+  const int first_second = FirstSecond(state, recording->start_ns());
+  SupportOverTime support(first_second);
   double sum_squares = 0.0;
   PointReport report;
+  report.activity = ScannerActivity(first_second);
   RunOrderedPipeline<Item>(
       [&](Item* item) { return reader.Next(&item->block); },
       [&](Item* item) {
@@ -224,15 +237,16 @@ PointReport ExportPoints(const Rig& rig,
           report.num_used += count.num_used;
           report.num_moving += count.num_moving;
           sum_squares += count.sum_squares;
-          if (count.num_placed > 0 || count.num_points == 0) {
+          const double time_s = count.time_s - first_second;
+          if (count.num_placed > 0 || (count.num_points == 0 && count.is_during_map)) {
             report.activity.Add(count.scanner_index,
-                                count.time_s,
+                                time_s,
                                 count.num_placed,
                                 count.num_used,
                                 count.fingerprint);
           }
           if (count.num_placed > 0) {
-            support.Add(count.time_s, count.num_placed, count.num_used);
+            support.Add(time_s, count.num_placed, count.num_used);
           }
         }
         progress(static_cast<double>(item->block.end_index) / recording->num_scan_lines());

@@ -23,6 +23,10 @@ struct PointReport {
   std::vector<std::string> warnings;
 };
 
+// The second of a recording that began at start_ns in which a map begins; what is collected by
+// second counts from there, since days may have passed before it.
+int FirstSecond(const MapState& state, int64_t start_ns);
+
 // Reads the recording once more and writes every valid point at its place in the map, so that
 // no points had to be kept. Works on the threads of the caller's tbb::task_arena.
 PointReport ExportPoints(const Rig& rig,

@@ -3,13 +3,8 @@
 #include <cmath>
 
 namespace plumbline {
-namespace {
 
-// No scanner takes longer for a scan line. Infinity and NaN fail the comparison too.
-constexpr float kMaxScanSeconds = 2.0f;
-
-}  // namespace
-
+// Infinity and NaN fail the comparison with kMaxScanSeconds too.
 bool ScanLineMessage::IsUsable() const {
   return num_beams > 0 && std::isfinite(angle_min) && std::isfinite(angle_increment) &&
          angle_increment != 0.0f && time_increment >= 0.0f &&

@@ -7,6 +7,9 @@
 
 namespace plumbline {
 
+// No scanner takes longer for a scan line.
+inline constexpr float kMaxScanSeconds = 2.0f;
+
 // ScanLineMessage is one revolution of one planar scanner as the recording holds it, whatever
 // its format: a sensor_msgs/LaserScan, the first echoes of a MultiEchoLaserScan, the points of
 // a PointCloud2, or a line of a CARMEN log.

@@ -144,12 +144,13 @@ OpenedFile OpenFile(const std::string& path,
               "; what can be read: " + kRecordingFormats);
 }
 
-// Opens a rosbag2 folder. What can not be opened of it is passed over, unless nothing can.
+// Opens a folder of files. What can not be opened of it is passed over, unless nothing can.
 std::unique_ptr<RecordingSource> OpenFolder(const std::string& path) {
   std::vector<std::unique_ptr<MessageFile>> files;
-  std::vector<std::string> warnings;
+  const FolderFiles folder = FilesOfFolder(path);
+  std::vector<std::string> warnings = folder.warnings;
   std::string first_error;
-  for (const std::string& file_path : FilesOfRosbag2Folder(path)) {
+  for (const std::string& file_path : folder.files) {
     try {
       OpenedFile opened = OpenFile(file_path, file_path, true);
       files.push_back(std::move(opened.file));

@@ -122,7 +122,7 @@ bool TakeLayout(SerialReader* reader, Layout* layout) {
          (!layout->time || fits(layout->time));
 }
 
-// Seconds after the stamp.
+// Seconds after the stamp, or since whenever the scanner's own clock began.
 double TimeOf(const Layout& layout, const uint8_t* point, int64_t stamp_ns) {
   if (!layout.time) return 0.0;
   const double value = ValueOf(*layout.time, point, layout.is_big_endian);
@@ -132,6 +132,17 @@ double TimeOf(const Layout& layout, const uint8_t* point, int64_t stamp_ns) {
   if (value > kYear2000S * 1e8) return (value - static_cast<double>(stamp_ns)) * 1e-9;
   if (value > kYear2000S) return value - static_cast<double>(stamp_ns) * 1e-9;
   return value;
+}
+
+// Times that lie further from the stamp than a scan line lasts are of another clock, such as
+// the scanner's uptime, which the stamp is not on: only the differences between them count.
+// Drivers stamp with the first point then.
+void CountFromFirst(std::vector<Point>* points) {
+  if (points->empty()) return;
+  double first_s = points->front().time_s;
+  for (const Point& point : *points) first_s = std::min(first_s, point.time_s);
+  if (std::abs(first_s) <= kMaxScanSeconds) return;
+  for (Point& point : *points) point.time_s -= first_s;
 }
 
 // The points with a return; false where they do not lie in the scan plane.
@@ -343,6 +354,7 @@ bool ReadPointCloud2(SerialReader reader, bool with_ranges, ScanLineMessage* mes
   message->num_beams = 0;
   std::vector<Point> points;
   message->is_planar = CollectPoints(layout, message->stamp_ns, &points);
+  CountFromFirst(&points);
   OrderPoints(layout.time.has_value(), &points);
   if (message->is_planar && points.size() >= 2) {
     SetBeams(points, layout.time.has_value(), with_ranges, message);

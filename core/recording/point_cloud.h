@@ -10,8 +10,9 @@ namespace plumbline {
 //
 // Points lie in the scanner's plane, z = 0 (is_planar). A field of one of the names time, t,
 // timestamp, time_offset, offset_time says when each was measured: integers count ns, floating
-// point numbers s, after the stamp or, where they are that large, since 1970. Without it all
-// count as measured at the stamp.
+// point numbers s, after the stamp or, where they are that large, since 1970. Times that lie
+// more than a scan line's longest duration from the stamp are of the scanner's own clock: the
+// first of them counts as the stamp. Without it all count as measured at the stamp.
 //
 // Beams come in the order of their times, else of their angles. Clouds lack the beams without
 // a return: where the others are regular in angle, or else in time, beams without a return are

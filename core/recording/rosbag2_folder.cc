@@ -12,10 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether the name is that of a file of a rosbag2 recording, packed or not.
-bool IsRosbag2Name(fs::path name) {
-  if (name.extension() == ".zstd") name = name.stem();
-  return name.extension() == ".mcap" || name.extension() == ".db3";
+// Whether the name is that of a file of a recording that was split, packed or not.
+bool IsRecordingName(fs::path name) {
+  if (name.extension() == ".zstd" || name.extension() == ".bz2") name = name.stem();
+  return name.extension() == ".mcap" || name.extension() == ".db3" ||
+         name.extension() == ".bag";
 }
 
 // By their numbers: recording_2 comes before recording_10.
@@ -24,8 +25,8 @@ bool ComesBefore(const std::string& a, const std::string& b) {
 }
 
 std::vector<std::string> FilesInMetadata(const fs::path& folder, const fs::path& metadata) {
-  const YamlNode root = YamlNode::ReadFile(metadata.string());
   std::vector<std::string> files;
+  const YamlNode root = YamlNode::ReadFile(metadata.string());
   for (const YamlNode& name :
        root["rosbag2_bagfile_information"]["relative_file_paths"].Elements()) {
     // Older recorders put the folder's name before it, which need not be the same any more.
@@ -36,25 +37,58 @@ std::vector<std::string> FilesInMetadata(const fs::path& folder, const fs::path&
 
 }  // namespace
 
-std::vector<std::string> FilesOfRosbag2Folder(const std::string& path) {
+FolderFiles FilesOfFolder(const std::string& path) {
   const fs::path metadata = fs::path(path) / "metadata.yaml";
-  std::vector<std::string> files;
-  if (fs::exists(metadata)) {
-    files = FilesInMetadata(path, metadata);
-  } else {
-    for (const auto& entry : fs::directory_iterator(path)) {
-      if (entry.is_regular_file() && IsRosbag2Name(entry.path().filename())) {
-        files.push_back(entry.path().string());
-      }
+  FolderFiles found;
+  std::vector<std::string> there;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    if (entry.is_regular_file() && IsRecordingName(entry.path().filename())) {
+      there.push_back(entry.path().string());
     }
-    std::sort(files.begin(), files.end(), ComesBefore);
   }
-  if (files.empty()) {
+  std::sort(there.begin(), there.end(), ComesBefore);
+  std::vector<std::string> named;
+  if (fs::exists(metadata)) {
+    try {
+      named = FilesInMetadata(path, metadata);
+    } catch (const Error& error) {
+      found.warnings.push_back(std::string(error.what()) +
+                               ": what it says of the files is not known; all are read");
+    }
+  }
+  const auto is_there = [&there](const std::string& file) {
+    return std::find(there.begin(), there.end(), file) != there.end();
+  };
+  // A file that has another name now, or that the recorder named and never wrote, is not
+  // there: what is there tells then, in the order of its numbers.
+  const bool all_there = std::all_of(
+      named.begin(), named.end(), [](const std::string& file) { return fs::exists(file); });
+  if (!named.empty() && (all_there || there.empty())) {
+    found.files = named;
+  } else {
+    found.files = there;
+    for (const std::string& file : named) {
+      if (is_there(file)) continue;
+      found.warnings.push_back(
+          "metadata.yaml names " + fs::path(file).filename().string() +
+          ", which is not in the folder; the files that are there are read");
+    }
+  }
+  for (const std::string& file : there) {
+    if (named.empty() || !all_there ||
+        std::find(named.begin(), named.end(), file) != named.end()) {
+      continue;
+    }
+    found.warnings.push_back("metadata.yaml does not name " +
+                             fs::path(file).filename().string() +
+                             ", which is in the folder; it is not read");
+  }
+  if (found.files.empty()) {
     throw Error(path +
                 ": is a folder without a recording: neither a metadata.yaml that names "
-                "files, nor files .mcap or .db3");
+                "files, nor files .mcap, .db3 or .bag");
   }
-  return files;
+  return found;
 }
 
 Rosbag2Folder::Rosbag2Folder(const std::string& path,
@@ -62,7 +96,8 @@ Rosbag2Folder::Rosbag2Folder(const std::string& path,
     : path_(path), files_(std::move(files)) {}
 
 std::string Rosbag2Folder::format() const {
-  return "rosbag2 recording, " + files_.front()->format() +
+  const std::string format = files_.front()->format();
+  return (format == "ROS 1 bag" ? format : "rosbag2 recording, " + format) +
          (files_.size() == 1 ? "" : ", " + std::to_string(files_.size()) + " files");
 }
 

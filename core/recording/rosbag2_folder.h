@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-// A rosbag2 recording that was split into files: a folder with metadata.yaml, which names them
-// in their order, and the files. They are read one after the other.
+// A recording that was split into files: rosbag2's folder with metadata.yaml, which names them
+// in their order, and the files; or a folder of ROS 1 bags. They are read one after the other.
 class Rosbag2Folder : public MessageFile {
  public:
   Rosbag2Folder(const std::string& path, std::vector<std::unique_ptr<MessageFile>> files);
@@ -30,9 +30,15 @@ class Rosbag2Folder : public MessageFile {
   std::vector<std::string> warnings_;
 };
 
-// The files of a rosbag2 folder, in the order in which they were recorded: those that its
-// metadata.yaml names, or all that look like one where there is no such file. Throws Error
-// where there are none.
-std::vector<std::string> FilesOfRosbag2Folder(const std::string& path);
+// The files of a folder, in the order in which they were recorded.
+struct FolderFiles {
+  std::vector<std::string> files;
+  std::vector<std::string> warnings;  // where metadata.yaml does not fit what is there
+};
+
+// Returns the files that the folder's metadata.yaml names, or all that look like recordings
+// where there is no such file, it can not be read, or it names files that are not there.
+// Throws Error where there are none.
+FolderFiles FilesOfFolder(const std::string& path);
 
 }  // namespace plumbline

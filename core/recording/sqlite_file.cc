@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <cstdio>
+#include <filesystem>
 #include <limits>
 
 #include "core/recording/decode.h"
@@ -12,6 +14,21 @@ namespace {
 
 // No row is longer; a scan line of 16 million beams.
 constexpr int kMaxRowBytes = 64 << 20;
+
+// A name of the file by which SQLite takes it as never to change.
+std::string ImmutableUri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      char text[8];
+      std::snprintf(text, sizeof(text), "%%%02x", static_cast<unsigned>(c));
+      uri += text;
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
 
 std::string TextAt(sqlite3_stmt* statement, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
@@ -44,6 +61,20 @@ SqliteFile::SqliteFile(const std::string& path, const std::string& file_path) : 
       file_path.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
   database_.reset(database);
   if (outcome != SQLITE_OK) Fail();
+  // A database in the mode of a write-ahead log wants to write beside itself even when it is
+  // read, which a read-only folder does not allow. Where the log has nothing left, the file as
+  // it stands is all.
+  if (sqlite3_exec(
+          database, "SELECT count(*) FROM sqlite_schema", nullptr, nullptr, nullptr) ==
+          SQLITE_CANTOPEN &&
+      !std::filesystem::exists(file_path + "-wal")) {
+    database_.reset();
+    sqlite3_open_v2(ImmutableUri(file_path).c_str(),
+                    &database,
+                    SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI,
+                    nullptr);
+    database_.reset(database);
+  }
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
   // A database that was made to do harm must not run anything of its own.
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);

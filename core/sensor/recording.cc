@@ -1,13 +1,16 @@
 #include "core/sensor/recording.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
 #include <utility>
 
 #include "core/recording/recording_source.h"
+#include "core/sensor/scan_header.h"
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
@@ -111,9 +114,11 @@ struct LostMessages {
 }  // namespace
 
 struct RecordingReader::Impl {
-  explicit Impl(const std::string& path) : source(OpenRecording(path)) {}
+  Impl(const std::string& path, const Rig& rig)
+      : source(OpenRecording(path)), scanners(rig.scanners) {}
 
   std::unique_ptr<RecordingSource> source;
+  std::vector<Scanner> scanners;
   std::vector<MessageRef> messages;  // by position: in the order of their receipt
   std::vector<ScanStamp> stamps;     // by position
   std::vector<int64_t> orders;       // by position; -1: passed over
@@ -122,7 +127,10 @@ struct RecordingReader::Impl {
   std::vector<LostMessages> off_plane;    // by scanner
   std::vector<OdometrySample> samples;    // until they have all been read
   std::shared_ptr<const Odometry> odometry;
+  std::string odometry_fault;
   int num_odometry_lost = 0;  // messages that can not be decoded
+  int num_without_orientation = 0;  // odometry whose quaternion is none, such as all zero
+  bool wheels_turn = false;         // the odometry's velocities say that the body moves
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -136,6 +144,7 @@ struct RecordingReader::Impl {
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig);
   void TakeOdometry(const Rig& rig);
+  std::string OdometryFault() const;
   void SortByReceipt();
   void CollectWarnings(const Rig& rig);
   std::string DamageText() const;
@@ -204,17 +213,31 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
            (topic.HasOdometry() && topic.name == rig.odometry_topic);
   };
   visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
+    double norm2 = 0.0;
+    for (const double value : message.orientation) norm2 += value * value;
+    if (!(norm2 > 0.5)) ++num_without_orientation;
+    const auto is_motion = [](double value) { return std::abs(value) > 0.01; };
+    wheels_turn =
+        wheels_turn ||
+        std::any_of(
+            message.linear_velocity.begin(), message.linear_velocity.end(), is_motion) ||
+        is_motion(message.angular_velocity[2]);
     samples.push_back({message.stamp_ns + NanosecondsFromSeconds(rig.odometry_time_offset_s),
                        {message.position[0], message.position[1]},
                        message.Yaw()});
   };
-  visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& scan) {
+  visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& as_sent) {
+    ScanLineMessage scan = as_sent;  // without ranges
+    CorrectHeader(&rig.scanners[static_cast<size_t>(scanner_of(ref))], &scan);
     if (!scan.is_planar) {
       off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
       return;
     }
     messages.push_back(ref);
-    stamps.push_back({scan.stamp_ns, scanner_of(ref), scan.IsUsable()});
+    stamps.push_back({scan.stamp_ns,
+                      scanner_of(ref),
+                      scan.IsUsable(),
+                      static_cast<int64_t>(ref.receipt_ns)});
   };
   visitor.undecodable = [&](const MessageRef& ref) {
     if (source->topics()[ref.topic_index].HasOdometry()) {
@@ -246,7 +269,27 @@ void RecordingReader::Impl::TakeOdometry(const Rig& rig) {
                 " that the rig names; topics with odometry in this recording:" +
                 TopicsText(topics) + DamageText());
   }
+  odometry_fault = OdometryFault();
+  if (!odometry_fault.empty()) return;
   odometry = std::make_shared<const Odometry>(std::move(samples));
+}
+
+// Why the odometry says nothing of the motion; empty where it may.
+std::string RecordingReader::Impl::OdometryFault() const {
+  if (num_without_orientation > 0) {
+    return std::to_string(num_without_orientation) + " of " + std::to_string(samples.size()) +
+           " messages have no orientation (their quaternion is not of length 1)";
+  }
+  const bool is_frozen =
+      samples.size() > 1 &&
+      std::all_of(samples.begin(), samples.end(), [this](const OdometrySample& sample) {
+        return sample.position == samples.front().position &&
+               sample.heading == samples.front().heading;
+      });
+  if (is_frozen && wheels_turn) {
+    return "its pose never changes, while its velocities say that the rig moves";
+  }
+  return "";
 }
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
@@ -278,6 +321,9 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
     off_plane[i].WarnOf(
         name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
   }
+  if (!odometry_fault.empty()) {
+    warnings.push_back("odometry: is left out: " + odometry_fault);
+  }
   if (num_odometry_lost > 0) {
     warnings.push_back("odometry: " + std::to_string(num_odometry_lost) +
                        (num_odometry_lost == 1 ? " message is lost" : " messages are lost") +
@@ -293,8 +339,12 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
   std::swap(message.ranges, scan_line->ranges);  // whose memory is used again
   source->ReadScanLine(messages[position], &message);
+  CorrectHeader(&scanners[static_cast<size_t>(stamps[position].scanner_index)], &message);
   if (message.stamp_ns != stamps[position].stamp_ns) {
     throw Error(path() + ": has changed while it was read");
+  }
+  for (float& range : message.ranges) {
+    if (IsStatedLimit(message, range)) range = std::numeric_limits<float>::quiet_NaN();
   }
   std::swap(message.ranges, scan_line->ranges);
   scan_line->scanner_index = stamps[position].scanner_index;
@@ -334,7 +384,7 @@ bool RecordingReader::Impl::Next(ScanLine* scan_line) {
 }
 
 RecordingReader::RecordingReader(const std::string& path, const Rig& rig)
-    : impl_(std::make_unique<Impl>(path)) {
+    : impl_(std::make_unique<Impl>(path, rig)) {
   impl_->directions.resize(rig.scanners.size());
   impl_->IndexMessages(rig);
   impl_->CollectWarnings(rig);

@@ -26,6 +26,21 @@ Rigid3d ReadRigid(const YamlNode& node) {
       Eigen::Vector3d(t[0], t[1], t[2])};
 }
 
+// What replaces the headers of the messages.
+void ReadHeader(const YamlNode& node, Scanner* scanner) {
+  if (node.Has("time_increment_s")) {
+    scanner->time_increment_s = node["time_increment_s"].AsDouble(-1.0, 1.0);
+  }
+  if (node.Has("angle_min_deg")) {
+    scanner->angle_min_rad = node["angle_min_deg"].AsDouble(-360.0, 360.0) * kRadiansPerDegree;
+  }
+  if (node.Has("angle_increment_deg")) {
+    const double degrees = node["angle_increment_deg"].AsDouble(-90.0, 90.0);
+    if (degrees == 0.0) node["angle_increment_deg"].Fail("must not be 0");
+    scanner->angle_increment_rad = degrees * kRadiansPerDegree;
+  }
+}
+
 Scanner ReadScanner(const YamlNode& node) {
   Scanner scanner;
   scanner.name = node["name"].AsString();
@@ -41,6 +56,7 @@ Scanner ReadScanner(const YamlNode& node) {
   double angle_noise_deg = scanner.angle_noise_rad / kRadiansPerDegree;
   node.Optional("angle_noise_deg", &angle_noise_deg, 0.0, 10.0);
   scanner.angle_noise_rad = angle_noise_deg * kRadiansPerDegree;
+  ReadHeader(node, &scanner);
   node.Optional("beams", &scanner.beams, 2, 100000);
   node.Optional("field_of_view_deg", &scanner.field_of_view_deg, 0.1, 360.0);
   node.Optional("scan_rate_hz", &scanner.scan_rate_hz, 0.1, 1000.0);
@@ -73,6 +89,18 @@ std::string Quote(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string HeaderText(const Scanner& scanner) {
+  std::string text;
+  const auto add =
+      [&text](const std::string& name, const std::optional<double>& value, double unit) {
+        if (value) text += "    " + name + ": " + Format(*value / unit) + "\n";
+      };
+  add("time_increment_s", scanner.time_increment_s, 1.0);
+  add("angle_min_deg", scanner.angle_min_rad, kRadiansPerDegree);
+  add("angle_increment_deg", scanner.angle_increment_rad, kRadiansPerDegree);
+  return text;
+}
+
 void WriteScanner(const Scanner& scanner, std::ostream& out) {
   const Rigid3d& pose = scanner.body_from_scanner;
   out << "  - name: " << Quote(scanner.name) << "\n"
@@ -85,7 +113,7 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
       << "    time_offset_s: " << Format(scanner.time_offset_s) << "\n"
-      << "    beams: " << scanner.beams << "\n"
+      << HeaderText(scanner) << "    beams: " << scanner.beams << "\n"
       << "    field_of_view_deg: " << Format(scanner.field_of_view_deg) << "\n"
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";
 }

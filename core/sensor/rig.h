@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct Scanner {
   double min_range_m = 0.1;
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
+
+  // Instead of what the messages say, where a driver leaves it at 0 or has it wrong
+  // (core/sensor/scan_header.h). Of the last two, angle_min_deg and angle_increment_deg in the
+  // file. A negative time increment says that beam 0 was taken last.
+  std::optional<double> time_increment_s;
+  std::optional<double> angle_min_rad;
+  std::optional<double> angle_increment_rad;
 
   // Only the simulator needs these three; in a recording each message carries its own.
   int beams = 270;

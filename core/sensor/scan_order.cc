@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <iterator>
+#include <numeric>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "core/util/time.h"
 
@@ -14,6 +19,10 @@ constexpr double kMinGapS = 0.5;      // in which a walking rig leaves what it h
 constexpr double kMinAbsenceS = 1.0;  // drivers start one after the other
 constexpr double kMinPeriods = 10.0;  // slow scanners may lose some scan lines
 constexpr int kMaxGapWarnings = 10;   // more of them would bury the others
+constexpr double kMaxPauseS = 3600.0;  // in one recording, of all scanners
+// The least time between neighbouring lines of a scanner, of its period: any stamp that jumps
+// onto regular ones is nearer than half a period to one of them.
+constexpr double kMinSpacing = 0.6;
 
 std::string SecondsText(double seconds) {
   char text[64];
@@ -23,6 +32,15 @@ std::string SecondsText(double seconds) {
 
 std::string CountText(int count) {
   return std::to_string(count) + (count == 1 ? " scan line" : " scan lines");
+}
+
+// "1970-01-01 00:00:00 UTC"
+std::string DateText(int64_t time_ns) {
+  const auto seconds = static_cast<std::time_t>(time_ns / 1'000'000'000);
+  std::tm date = {};
+  gmtime_r(&seconds, &date);
+  char text[64];
+  return std::string(text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S UTC", &date));
 }
 
 double Median(std::vector<double>* values) {
@@ -75,14 +93,47 @@ struct ScannerStamps {
   PassedOver unusable;
   PassedOver repeated;  // first_ns: stamp of the scan line used before it
   PassedOver jumped;
+  PassedOver apart;  // first_ns: their own stamp
   double period_s = 0.0;
   int64_t first_ns = 0;
   int64_t last_ns = 0;
 };
 
-// Reduces positions and stamps to those with strictly increasing stamps.
+// Marks what was not kept and yet fills a place that the kept ones leave free: messages that
+// were held up on their way, or written in another order. stamps: one is kept.
+void KeepWhatFits(const std::vector<int64_t>& stamps, std::vector<bool>* kept) {
+  std::set<int64_t> known;
+  std::vector<int64_t> sorted = stamps;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  std::vector<double> periods_s;
+  for (size_t i = 1; i < sorted.size(); ++i) {
+    periods_s.push_back(SecondsBetween(sorted[i - 1], sorted[i]));
+  }
+  const double spacing_s = kMinSpacing * Median(&periods_s);
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    if ((*kept)[i]) known.insert(stamps[i]);
+  }
+  const int64_t margin_ns = NanosecondsFromSeconds(kMinGapS);
+  const int64_t first_ns = *known.begin() - margin_ns;
+  const int64_t last_ns = *known.rbegin() + margin_ns;
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    if ((*kept)[i] || stamps[i] < first_ns || stamps[i] > last_ns) continue;
+    const auto after = known.lower_bound(stamps[i]);
+    if (after != known.end() && SecondsBetween(stamps[i], *after) < spacing_s) continue;
+    if (after != known.begin() && SecondsBetween(*std::prev(after), stamps[i]) < spacing_s) {
+      continue;
+    }
+    (*kept)[i] = true;
+    known.insert(stamps[i]);
+  }
+}
+
+// Reduces positions and stamps to those with strictly increasing stamps, in their order.
 void KeepIncreasing(ScannerStamps* scanner) {
-  const std::vector<bool> kept = LongestIncreasingSubsequence(scanner->stamps);
+  if (scanner->stamps.empty()) return;
+  std::vector<bool> kept = LongestIncreasingSubsequence(scanner->stamps);
+  KeepWhatFits(scanner->stamps, &kept);
   ScannerStamps increasing = *scanner;
   increasing.positions.clear();
   increasing.stamps.clear();
@@ -99,7 +150,118 @@ void KeepIncreasing(ScannerStamps* scanner) {
       increasing.jumped.Add(previous_ns);
     }
   }
+  std::vector<size_t> order(increasing.stamps.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::sort(order.begin(), order.end(), [&increasing](size_t a, size_t b) {
+    return increasing.stamps[a] < increasing.stamps[b];
+  });
+  const ScannerStamps unsorted = increasing;
+  for (size_t i = 0; i < order.size(); ++i) {
+    increasing.positions[i] = unsorted.positions[order[i]];
+    increasing.stamps[i] = unsorted.stamps[order[i]];
+  }
   *scanner = std::move(increasing);
+}
+
+// A run of instants without a gap between them.
+struct Run {
+  size_t first = 0;
+  size_t last = 0;  // one past
+};
+
+// Marks the runs that last less than a second and are told by is_apart(before, after) to lie
+// apart, at each of their ends at which there are others. times_ns: sorted.
+template <typename IsApart>
+std::vector<bool> MarkShortRunsApart(const std::vector<int64_t>& times_ns,
+                                     double max_gap_s,
+                                     const IsApart& is_apart) {
+  std::vector<Run> runs;
+  for (size_t i = 0; i < times_ns.size(); ++i) {
+    if (i == 0 || SecondsBetween(times_ns[i - 1], times_ns[i]) > max_gap_s)
+      runs.push_back({i, i});
+    runs.back().last = i + 1;
+  }
+  std::vector<bool> is_marked(times_ns.size(), false);
+  for (size_t i = 0; i < runs.size() && runs.size() > 1; ++i) {
+    const auto [first, last] = runs[i];
+    if (SecondsBetween(times_ns[first], times_ns[last - 1]) >= kMinAbsenceS) continue;
+    if (i > 0 && !is_apart(first - 1, first)) continue;
+    if (i + 1 < runs.size() && !is_apart(last - 1, last)) continue;
+    std::fill(is_marked.begin() + static_cast<std::ptrdiff_t>(first),
+              is_marked.begin() + static_cast<std::ptrdiff_t>(last),
+              true);
+  }
+  // Nothing but such runs: there is no rest that they could lie apart from.
+  if (std::find(is_marked.begin(), is_marked.end(), false) == is_marked.end()) {
+    is_marked.assign(times_ns.size(), false);
+  }
+  return is_marked;
+}
+
+double MedianStep(const std::vector<int64_t>& times_ns) {
+  std::vector<double> steps_s;
+  for (size_t i = 1; i < times_ns.size(); ++i) {
+    steps_s.push_back(SecondsBetween(times_ns[i - 1], times_ns[i]));
+  }
+  return Median(&steps_s);
+}
+
+// Takes out runs of less than a second whose distance from the others the recorder's clock
+// does not confirm.
+void PassOverUnconfirmed(const std::vector<ScanStamp>& stamps, ScannerStamps* scanner) {
+  std::vector<int64_t> receipts_ns;
+  for (const size_t position : scanner->positions) {
+    receipts_ns.push_back(stamps[position].receipt_ns);
+  }
+  const double period_s = MedianStep(scanner->stamps);
+  const double received_s = MedianStep(receipts_ns);
+  // Recordings that were converted may say nothing of when a message was received.
+  if (received_s < 0.5 * period_s || received_s > 2.0 * period_s) return;
+  const double max_gap_s = std::max(kMinGapS, kMinPeriods * period_s);
+  const std::vector<bool> is_apart =
+      MarkShortRunsApart(scanner->stamps, max_gap_s, [&](size_t before, size_t after) {
+        const double gap_s = SecondsBetween(scanner->stamps[before], scanner->stamps[after]);
+        return SecondsBetween(receipts_ns[before], receipts_ns[after]) < 0.5 * gap_s;
+      });
+  size_t num_kept = 0;
+  for (size_t i = 0; i < is_apart.size(); ++i) {
+    if (is_apart[i]) {
+      scanner->apart.Add(scanner->stamps[i]);
+      continue;
+    }
+    scanner->positions[num_kept] = scanner->positions[i];
+    scanner->stamps[num_kept++] = scanner->stamps[i];
+  }
+  scanner->positions.resize(num_kept);
+  scanner->stamps.resize(num_kept);
+}
+
+// Takes out runs of less than a second that lie more than an hour from all other lines.
+void PassOverFarAway(std::vector<ScannerStamps>* scanners) {
+  std::vector<int64_t> times_ns;
+  for (const ScannerStamps& scanner : *scanners) {
+    times_ns.insert(times_ns.end(), scanner.stamps.begin(), scanner.stamps.end());
+  }
+  std::sort(times_ns.begin(), times_ns.end());
+  const std::vector<bool> is_apart =
+      MarkShortRunsApart(times_ns, kMaxPauseS, [](size_t, size_t) { return true; });
+  std::set<int64_t> far_ns;
+  for (size_t i = 0; i < is_apart.size(); ++i) {
+    if (is_apart[i]) far_ns.insert(times_ns[i]);
+  }
+  for (ScannerStamps& scanner : *scanners) {
+    size_t num_kept = 0;
+    for (size_t i = 0; i < scanner.stamps.size(); ++i) {
+      if (far_ns.count(scanner.stamps[i]) > 0) {
+        scanner.apart.Add(scanner.stamps[i]);
+        continue;
+      }
+      scanner.positions[num_kept] = scanner.positions[i];
+      scanner.stamps[num_kept++] = scanner.stamps[i];
+    }
+    scanner.positions.resize(num_kept);
+    scanner.stamps.resize(num_kept);
+  }
 }
 
 void FindPeriod(ScannerStamps* scanner, std::vector<double>* all_periods_s) {
@@ -127,6 +289,11 @@ void WarnOfPassedOver(const std::string& name,
   warn(scanner.unusable, "no ranges, or angles or time increments that make no sense");
   warn(scanner.repeated, "time stamps repeated");
   warn(scanner.jumped, "time stamps that jump against the others");
+  if (scanner.apart.count == 0) return;
+  warnings->push_back("scanner '" + name + "': " + CountText(scanner.apart.count) +
+                      " passed over: time stamps that lie apart from all others, such as " +
+                      DateText(scanner.apart.first_ns) +
+                      "; the clock was not set when they were taken");
 }
 
 void WarnOfAbsence(const std::string& name,
@@ -188,6 +355,10 @@ ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
   std::vector<double> periods_s;
   for (ScannerStamps& scanner : scanners) {
     KeepIncreasing(&scanner);
+    PassOverUnconfirmed(stamps, &scanner);
+  }
+  PassOverFarAway(&scanners);
+  for (ScannerStamps& scanner : scanners) {
     FindPeriod(&scanner, &periods_s);
     order.positions.insert(
         order.positions.end(), scanner.positions.begin(), scanner.positions.end());

@@ -14,6 +14,7 @@ struct ScanStamp {
   int64_t stamp_ns = 0;
   int scanner_index = 0;
   bool usable = true;  // false: no ranges, or angles or times that make no sense
+  int64_t receipt_ns = 0;  // when the recorder received it
 };
 
 // ScanOrder says which messages of a recording to use, and in which order.
@@ -25,8 +26,12 @@ struct ScanOrder {
   std::vector<std::string> warnings;
 };
 
-// Orders the messages of a recording (given in the order of the recording), leaves out those
-// that are not usable or whose stamps repeat or jump back, and warns of those and of gaps:
+// Orders the messages of a recording (given in the order of the recording) by their stamps.
+// A message that comes out of turn is sorted in where its stamp fills a place that the others
+// leave free. Left out, and warned of, are messages that are not usable, whose stamps repeat
+// or jump back onto others, and whose stamps lie apart from all others: less than a second of
+// them, where the recorder received them without that gap, or more than an hour away (a clock
+// that was not yet set says 1970). Warns of gaps, too:
 //   - a scanner without any scan line, one that starts late or stops early: by more than 1 s
 //     and 10 of its periods;
 //   - a gap in all scanners at once: more than 0.5 s and 10 periods.

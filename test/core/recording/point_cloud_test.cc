@@ -159,6 +159,20 @@ TEST(PointCloudTest, TimesBeforeTheStampMoveIt) {
   EXPECT_NEAR(static_cast<double>(message.stamp_ns - kStampNs), -19e6, 1000.0);
 }
 
+// The scanner's uptime, or a simulator's time: another clock than the stamp's.
+TEST(PointCloudTest, TimesOfAnotherClockCountFromTheFirst) {
+  for (const double clock_s : {37.0, 5000.0, 86'400.0}) {
+    Cloud cloud = RegularCloud(20);
+    cloud.time_name = "timestamp";
+    cloud.time_type = kFloat64;
+    cloud.time_as_written = [clock_s](double time_s) { return clock_s + time_s; };
+    ScanLineMessage message;
+    ASSERT_TRUE(Read(cloud, &message));
+    EXPECT_NEAR(static_cast<double>(message.stamp_ns - kStampNs), 0.0, 1e3);
+    EXPECT_NEAR(message.time_increment, 0.001, 1e-6);
+  }
+}
+
 TEST(PointCloudTest, PointsMayComeInAnyOrder) {
   for (const char* time_name : {"", "time"}) {
     Cloud cloud = RegularCloud(20, {3});

@@ -328,9 +328,25 @@ TEST_F(OpenRecordingTest, FolderIsReadWithoutAFileThatIsGone) {
   fs::remove(directory_ / "recording_1.db3.zstd");
   const RecordingDump dump = Dump(directory_.string());
   EXPECT_EQ(dump.messages.size(), 5u * kNumMessages / 2);
-  EXPECT_THAT(dump.warnings,
-              ElementsAre(AllOf(HasSubstr("a file of the recording was passed over: "),
-                                HasSubstr("recording_1.db3.zstd: no such file"))));
+  EXPECT_THAT(
+      dump.warnings,
+      ElementsAre(HasSubstr("metadata.yaml names recording_1.db3.zstd, which is not in "
+                            "the folder")));
+}
+
+TEST_F(OpenRecordingTest, FolderWhoseFilesHaveOtherNamesIsRead) {
+  fs::copy(PathOf("folder"), directory_, fs::copy_options::recursive);
+  const size_t num_messages = Dump(directory_.string()).messages.size();
+  WriteBytes(
+      directory_ / "metadata.yaml",
+      "rosbag2_bagfile_information:\n  relative_file_paths: [walk_0.db3, walk_1.db3]\n");
+  const RecordingDump renamed = Dump(directory_.string());
+  EXPECT_EQ(renamed.messages.size(), num_messages);
+  EXPECT_THAT(renamed.warnings, Contains(HasSubstr("metadata.yaml names walk_0.db3")));
+  WriteBytes(directory_ / "metadata.yaml", "");
+  const RecordingDump empty = Dump(directory_.string());
+  EXPECT_EQ(empty.messages.size(), num_messages);
+  EXPECT_THAT(empty.warnings, Contains(HasSubstr("all are read")));
 }
 
 // What a recorder leaves that is killed has no metadata.yaml yet.

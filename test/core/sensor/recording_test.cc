@@ -239,7 +239,7 @@ TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
       [](auto* message) { message->angle_increment = 0.0f; },
       [nan](auto* message) { message->angle_increment = nan; },
       [nan](auto* message) { message->angle_min = nan; },
-      [](auto* message) { message->time_increment = -1e-5f; },
+      [](auto* message) { message->time_increment = -1.0f; },
       [nan](auto* message) { message->time_increment = nan; },
       [](auto* message) { message->time_increment = 1.0f; },
   };
@@ -259,6 +259,58 @@ TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
   EXPECT_THAT(reader.warnings(),
               ElementsAre("scanner 'top': 7 scan lines passed over: no ranges, or angles or "
                           "time increments that make no sense, first at 0.025 s"));
+}
+
+TEST_F(RecordingTest, RangesAtTheStatedLimitAreNoReturns) {
+  for (const float limit : {4.0f, 30.0f}) {
+    {
+      rosbag::Bag bag(path_, rosbag::bagmode::Write);
+      sensor_msgs::LaserScan message = MakeMessage(kStart);
+      message.range_max = limit;
+      message.ranges = {limit, 0.5f * limit, 0.9995f * limit, 2.0f * limit};
+      Record(&bag, "/top_scan", message);
+    }
+    RecordingReader reader(path_, MakeRig({"top"}));
+    const std::vector<ScanLine> lines = ReadAll(&reader);
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_TRUE(std::isnan(lines[0].ranges[0]));
+    EXPECT_EQ(lines[0].ranges[1], 0.5f * limit);
+    EXPECT_EQ(lines[0].ranges[2], 0.9995f * limit);
+    EXPECT_EQ(lines[0].ranges[3], 2.0f * limit);  // who states too little is believed
+  }
+}
+
+TEST_F(RecordingTest, TheRigFileReplacesHeaders) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.time_increment = 1e6f;  // in ns
+    Record(&bag, "/top_scan", message);
+  }
+  Rig rig = MakeRig({"top"});
+  rig.scanners[0].time_increment_s = 0.002;
+  rig.scanners[0].angle_min_rad = -1.5;
+  rig.scanners[0].angle_increment_rad = 0.5;
+  RecordingReader reader(path_, rig);
+  const std::vector<ScanLine> lines = ReadAll(&reader);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NEAR(lines[0].time_increment_s, 0.002, 1e-9);
+  EXPECT_NEAR(lines[0].BeamAngle(0), -1.5, 1e-6);
+  EXPECT_NEAR(lines[0].BeamAngle(2), -0.5, 1e-6);
+}
+
+TEST_F(RecordingTest, BeamsTakenInReverseAreTurnedRound) {
+  RecordStamps({0});
+  Rig rig = MakeRig({"top"});
+  rig.scanners[0].time_increment_s = -0.001;
+  RecordingReader reader(path_, rig);
+  const std::vector<ScanLine> lines = ReadAll(&reader);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].stamp_ns, kStart - 2 * kMillisecond);
+  EXPECT_EQ(lines[0].ranges, (std::vector<float>{3.0f, 2.0f, 1.0f}));
+  EXPECT_NEAR(lines[0].BeamAngle(0), 0.0, 1e-6);
+  EXPECT_NEAR(lines[0].BeamAngle(2), -0.5, 1e-6);
+  EXPECT_NEAR(lines[0].time_increment_s, 0.001, 1e-9);
 }
 
 TEST_F(RecordingTest, PassesRangesThroughAsTheyAre) {

@@ -7,6 +7,7 @@
 #include <sensor_msgs/LaserScan.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "core/sensor/recording.h"
@@ -56,7 +57,15 @@ TEST(RobotRecordingTest, ScanLinesAreThoseThatRosReads) {
     ASSERT_EQ(scan_line.angle_min, scan.angle_min);
     ASSERT_EQ(scan_line.angle_increment, scan.angle_increment);
     ASSERT_EQ(scan_line.time_increment_s, scan.time_increment);
-    ASSERT_TRUE(scan_line.ranges == scan.ranges);
+    ASSERT_EQ(scan_line.ranges.size(), scan.ranges.size());
+    for (size_t i = 0; i < scan.ranges.size(); ++i) {
+      // The robot's driver gives the stated limit where there is no return.
+      if (scan.ranges[i] == scan.range_max) {
+        ASSERT_TRUE(std::isnan(scan_line.ranges[i]));
+      } else {
+        ASSERT_EQ(scan_line.ranges[i], scan.ranges[i]);
+      }
+    }
   }
   ScanLine scan_line;
   EXPECT_FALSE(reader.Next(&scan_line));
