@@ -76,16 +76,16 @@ class EvidenceCollector {
 
  private:
   // The level of a height in the band; kNumLevels or more above it, negative below.
-  int Level(double z) const {
+  static int Level(const StoreyHeights& storey, double z) {
     const double height =
-        (z - storey_.band_low_m()) / (storey_.band_high_m() - storey_.band_low_m());
+        (z - storey.band_low_m()) / (storey.band_high_m() - storey.band_low_m());
     return static_cast<int>(std::floor(height * static_cast<double>(WallColumn::kNumLevels)));
   }
 
   // Of a height above the band, its level from there up to the ceiling.
-  size_t HighLevel(double z) const {
+  static size_t HighLevel(const StoreyHeights& storey, double z) {
     const double share =
-        (z - storey_.band_high_m()) / std::max(1e-3, storey_.top_m - storey_.band_high_m());
+        (z - storey.band_high_m()) / std::max(1e-3, storey.top_m - storey.band_high_m());
     constexpr auto kNum = static_cast<double>(WallColumn::kNumHigh);
     return static_cast<size_t>(std::clamp(std::floor(share * kNum), 0.0, kNum - 1.0));
   }
@@ -103,13 +103,14 @@ class EvidenceCollector {
     WallFace& face = faces_[of_plane.face];
     const double s = face.curve.Parameter(hit.head<2>());
     const int at = face.ColumnOf(s);
-    const int level = Level(hit.z());
-    if (at < 0 || level < 0 || hit.z() > std::max(storey_.top_m, storey_.band_high_m()))
+    const StoreyHeights heights = HeightsBefore(face.curve, hit.head<2>(), storey_);
+    const int level = Level(heights, hit.z());
+    if (at < 0 || level < 0 || hit.z() > std::max(heights.top_m, heights.band_high_m()))
       return;
     const auto column = static_cast<size_t>(at);
     if (level >= static_cast<int>(WallColumn::kNumLevels)) {
       Increase(&face.columns[column].hits_above);
-      Increase(&face.columns[column].high_hits[HighLevel(hit.z())]);
+      Increase(&face.columns[column].high_hits[HighLevel(heights, hit.z())]);
       above_ends_[of_plane.face][column].Extend(s);
       ++above_hits_[of_plane.face][of_plane.member][column];
       AddPassesAbove(origin, hit, of_plane.face);
@@ -139,8 +140,10 @@ class EvidenceCollector {
       face.curve.ForEachCrossing(origin.head<2>(), hit.head<2>(), [&](double share, double s) {
         const int column = face.ColumnOf(s);
         const double z = origin.z() + share * (hit.z() - origin.z());
-        if (column < 0 || z < storey_.band_high_m()) return;
-        Increase(&face.columns[static_cast<size_t>(column)].high_passes[HighLevel(z)]);
+        const StoreyHeights heights = HeightsBefore(face.curve, face.curve.At(s), storey_);
+        if (column < 0 || z < heights.band_high_m()) return;
+        Increase(
+            &face.columns[static_cast<size_t>(column)].high_passes[HighLevel(heights, z)]);
       });
     }
   }
@@ -149,17 +152,23 @@ class EvidenceCollector {
     const double length = (end - origin).norm();
     if (length <= margin_m_) return;
     const Eigen::Vector3d last = origin + (end - origin) * (1.0 - margin_m_ / length);
-    // The part of the beam within the band.
+    // The part of the beam within the band, that of the lowest floor to that of the highest.
+    StoreyHeights lowest = storey_;
+    StoreyHeights highest = storey_;
+    if (storey_.floors != nullptr) {
+      lowest.floor_m = storey_.floors->lowest_m();
+      highest.floor_m = storey_.floors->highest_m();
+    }
     const double rise = last.z() - origin.z();
     double from = 0.0;
     double to = 1.0;
     if (std::abs(rise) > 1e-9) {
-      const double a = (storey_.band_low_m() - origin.z()) / rise;
-      const double b = (storey_.band_high_m() - origin.z()) / rise;
+      const double a = (lowest.band_low_m() - origin.z()) / rise;
+      const double b = (highest.band_high_m() - origin.z()) / rise;
       from = std::max(from, std::min(a, b));
       to = std::min(to, std::max(a, b));
-    } else if (Level(origin.z()) < 0 ||
-               Level(origin.z()) >= static_cast<int>(WallColumn::kNumLevels)) {
+    } else if (Level(lowest, origin.z()) < 0 ||
+               Level(highest, origin.z()) >= static_cast<int>(WallColumn::kNumLevels)) {
       return;
     }
     if (from >= to) return;
@@ -167,7 +176,7 @@ class EvidenceCollector {
     const Eigen::Vector3d last_in = origin + to * (last - origin);
     const Eigen::Vector2d a = first_in.head<2>();
     const Eigen::Vector2d b = last_in.head<2>();
-    grid_.AddBeam(a, b);
+    AddFree(first_in, last_in);
     for (size_t i = 0; i < faces_.size(); ++i) {
       if (i == own) continue;
       WallFace& face = faces_[i];
@@ -176,7 +185,8 @@ class EvidenceCollector {
       };
       face.curve.ForEachCrossing(a, b, [&](double share, double s) {
         const int column = face.ColumnOf(s);
-        const int level = Level(first_in.z() + share * (last_in.z() - first_in.z()));
+        const int level = Level(HeightsBefore(face.curve, face.curve.At(s), storey_),
+                                first_in.z() + share * (last_in.z() - first_in.z()));
         if (column < 0 || level < 0 || level >= static_cast<int>(WallColumn::kNumLevels))
           return;
         Increase(
@@ -186,6 +196,30 @@ class EvidenceCollector {
           Increase(&face.columns[static_cast<size_t>(column)].deep_passes);
         }
       });
+    }
+  }
+
+  // Counts the squares over which a piece of a beam is within the band of the floor below it.
+  void AddFree(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    if (storey_.floors == nullptr) {
+      grid_.AddBeam(from.head<2>(), to.head<2>());
+      return;
+    }
+    const int steps =
+        static_cast<int>((to - from).head<2>().norm() / FreeGrid::kCellM) + 1;
+    const Eigen::Vector3d step = (to - from) / steps;
+    for (int i = 0; i < steps;) {
+      const auto is_in_band = [&](int at) {
+        const Eigen::Vector3d p = from + (at + 0.5) * step;
+        const int level = Level(storey_.At(p.head<2>()), p.z());
+        return level >= 0 && level < static_cast<int>(WallColumn::kNumLevels);
+      };
+      int end = i;
+      while (end < steps && is_in_band(end)) ++end;
+      if (end > i) {
+        grid_.AddBeam((from + i * step).head<2>(), (from + end * step).head<2>());
+      }
+      i = end + 1;
     }
   }
 

@@ -24,7 +24,10 @@ std::vector<Eigen::Vector2d> PosesIn(const StoreyLevel& level,
   std::vector<Eigen::Vector2d> in_storey;
   for (const StampedPose& pose : poses) {
     const Eigen::Vector3d& p = pose.world_from_body.translation;
-    if (level.has_floor && (p.z() < level.floor_m + kLowestM || p.z() > level.top_m)) continue;
+    const StoreyHeights heights = level.At(p.head<2>());
+    if (level.has_floor && (p.z() < heights.floor_m + kLowestM || p.z() > heights.top_m)) {
+      continue;
+    }
     in_storey.push_back(p.head<2>());
   }
   return in_storey;
@@ -113,7 +116,8 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
 FloorPlans MakeFloorPlan(const FloorPlanInput& input) {
   const BeamOrigins origins(input.rig, input.poses, input.start_ns);
   FloorPlans plan;
-  for (const StoreyLevel& level : FindStoreys(input.planes.planes(), input.poses)) {
+  for (const StoreyLevel& level : 
+       FindStoreys(input.planes.planes(), input.poses, input.points)) {
     StoreyPlan storey = PlanOf(input, origins, level);
     if (!storey.rooms.empty()) plan.storeys.push_back(std::move(storey));
   }

@@ -60,8 +60,9 @@ struct PlanDoor {
   double depth_m = 0.0;                               // of the wall; 0: not known
   double width_m = 0.0;
   double width_stddev_m = 0.0;
+  bool has_lintel = false;  // the wall was seen above it
   int plane_id = -1;
-  int rooms[2] = {0, 0};  // numbers; 0: none that is known
+  int rooms[2] = {0, 0};  // numbers; 0: none that is known. One room: a way round leads there
 };
 
 // WallPiece is a stretch of a wall that was seen from both sides, as four corners.

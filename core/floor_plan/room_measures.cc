@@ -147,16 +147,17 @@ void MeasureHeight(const PlaneCovariance& planes, const StoreyLevel& level, Room
   constexpr double kMinHeightM = 1.8;
   constexpr double kCeilingStepM = 0.5;  // above the storey's: rooms are not all as high
   if (!level.has_floor) return;
+  const StoreyHeights heights = level.At(room->label);
   const PlanePatch* floor = LevelSurface(planes.planes(),
                                          room->label,
                                          1.0,
-                                         level.floor_m - kFloorStepM,
-                                         level.floor_m + kFloorStepM);
+                                         heights.floor_m - kFloorStepM,
+                                         heights.floor_m + kFloorStepM);
   const PlanePatch* ceiling = LevelSurface(planes.planes(),
                                            room->label,
                                            -1.0,
-                                           level.floor_m + kMinHeightM,
-                                           level.top_m + kCeilingStepM);
+                                           heights.floor_m + kMinHeightM,
+                                           heights.top_m + kCeilingStepM);
   if (floor != nullptr) room->floor_m = floor->centre.z();
   if (ceiling != nullptr) room->ceiling_m = ceiling->centre.z();
   if (floor != nullptr && ceiling != nullptr) {

@@ -92,6 +92,9 @@ class SolidFinder {
     MarkEnclosed();
     MarkBetweenFaces();
     MarkCorners();
+    for (size_t i = 0; i < solid_.size(); ++i) {
+      if (regions_.rig_in_cell[i]) solid_[i] = false;
+    }
     return solid_;
   }
 
@@ -200,10 +203,12 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
     door.plane_id = planes[regions.faces[gap.face].planes.front()].id;
     door.width_m = (gap.to - gap.from).norm();
     door.width_stddev_m = gap.gap.stddev_m;
+    door.has_lintel = gap.gap.has_lintel;
     for (size_t k = i + 1; k < gaps.size(); ++k) {
       const double depth = DepthBetween(gap, gaps[k]);
       if (depth < 0.0 || gaps[k].is_used) continue;
       gaps[k].is_used = true;
+      door.has_lintel = door.has_lintel || gaps[k].gap.has_lintel;
       door.depth_m = depth;
       door.width_m = 0.5 * (door.width_m + (gaps[k].to - gaps[k].from).norm());
       door.width_stddev_m /= std::sqrt(2.0);
@@ -232,8 +237,12 @@ std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
                                 const std::vector<Room>& rooms) {
   std::vector<PlanDoor> doors;
   for (const PlanDoor& door : PairedGaps(regions, planes, rooms)) {
-    // A gap within one room is none between rooms: beside a pillar, say.
-    if (door.rooms[0] != door.rooms[1] && !IsWindow(door)) doors.push_back(door);
+    // Where one can walk round to the other side, both are one room, and the wall between still
+    // has its door. A gap in a single face, such as that beside a pillar, is none.
+    const bool is_in_wall = door.depth_m > 0.0 || door.has_lintel;
+    const bool is_door =
+        door.rooms[0] != door.rooms[1] || (door.rooms[0] != 0 && is_in_wall);
+    if (is_door && !IsWindow(door)) doors.push_back(door);
   }
   return doors;
 }

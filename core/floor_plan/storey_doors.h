@@ -8,7 +8,8 @@
 namespace plumbline {
 
 // The doors of a storey that lead into one of its rooms, and wide openings between two of
-// them. The gaps of the two faces of a wall are one door.
+// them. The gaps of the two faces of a wall are one door. Both sides of a door may be one room,
+// where there is another way round.
 std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
                                 const std::vector<PlanePatch>& planes,
                                 const std::vector<Room>& rooms);
@@ -20,8 +21,8 @@ std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
                                     const std::vector<Room>& rooms);
 
 // The outlines of what is solid: cells up to 0.6 m thick behind the walls of rooms, the
-// corners between such, and what rooms enclose. kept_rooms: of each room of the regions,
-// whether it is one of the plan.
+// corners between such, and what rooms enclose; never where the rig was. kept_rooms: of each
+// room of the regions, whether it is one of the plan.
 std::vector<std::vector<Eigen::Vector2d>> FindSolids(const std::vector<bool>& kept_rooms,
                                                      StoreyRegions regions,
                                                      const std::vector<PlanePatch>& planes,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <map>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -22,14 +24,19 @@ bool IsLevel(const PlanePatch& plane, double direction) {
          plane.outline.size() >= 3;
 }
 
+double HeightAt(const PlanePatch& plane, const Eigen::Vector2d& p) {
+  return LevelOrSlope{plane.normal, plane.distance}.HeightAt(p);
+}
+
 // The highest floor below the pose that is within reach of the rig, or null.
 const PlanePatch* FloorBelow(const std::vector<const PlanePatch*>& floors,
                              const Eigen::Vector3d& position) {
   const PlanePatch* below = nullptr;
   for (const PlanePatch* floor : floors) {
-    const double height = position.z() - floor->centre.z();
+    const double floor_m = HeightAt(*floor, position.head<2>());
+    const double height = position.z() - floor_m;
     if (height < 0.0 || height > kMaxRigHeightM) continue;
-    if (below != nullptr && floor->centre.z() < below->centre.z()) continue;
+    if (below != nullptr && floor_m < HeightAt(*below, position.head<2>())) continue;
     if (CoversInPlan(floor->outline, position.head<2>(), kOutlineMarginM)) below = floor;
   }
   return below;
@@ -49,7 +56,148 @@ const PlanePatch* CeilingBetween(const std::vector<PlanePatch>& planes,
   return found;
 }
 
+// The way over floors: its length, and where it was.
+struct WayOver {
+  double length_m = 0.0;
+  std::vector<Eigen::Vector2d> places;
+  std::vector<double> rig_heights_m;  // above the floor, at these
+
+  void Add(const PlanePatch& floor, const Eigen::Vector3d& position, double step_m) {
+    length_m += step_m;
+    places.emplace_back(position.head<2>());
+    rig_heights_m.push_back(position.z() - HeightAt(floor, position.head<2>()));
+  }
+  double RigHeight() const {
+    std::vector<double> sorted = rig_heights_m;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return *middle;
+  }
+};
+
+using Floors = std::vector<const PlanePatch*>;
+using Ways = std::map<const PlanePatch*, WayOver>;
+
+Ways WaysOverHighest(const Floors& floors, const std::vector<StampedPose>& poses) {
+  Ways ways;
+  for (size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Vector3d& position = poses[i].world_from_body.translation;
+    const PlanePatch* floor = FloorBelow(floors, position);
+    if (floor == nullptr) continue;
+    ways[floor].Add(
+        *floor, position, (position - poses[i - 1].world_from_body.translation).norm());
+  }
+  return ways;
+}
+
+// The ways over floors above which the rig is as high as it is elsewhere: of those below a
+// pose, the one for which that holds best. Tables have none.
+Ways WaysAtRigHeight(const Floors& floors,
+                     const std::vector<StampedPose>& poses,
+                     double rig_height_m) {
+  constexpr double kSameHeightM = 0.3;  // a rig that is carried goes up and down
+  Ways ways;
+  for (size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Vector3d& position = poses[i].world_from_body.translation;
+    const PlanePatch* best = nullptr;
+    double least = kSameHeightM;
+    for (const PlanePatch* floor : floors) {
+      const double off =
+          std::abs(position.z() - HeightAt(*floor, position.head<2>()) - rig_height_m);
+      if (off >= least || !CoversInPlan(floor->outline, position.head<2>(), kOutlineMarginM)) {
+        continue;
+      }
+      least = off;
+      best = floor;
+    }
+    if (best == nullptr) continue;
+    ways[best].Add(
+        *best, position, (position - poses[i - 1].world_from_body.translation).norm());
+  }
+  return ways;
+}
+
+// The ceiling over these places of a floor: of those over most of them, the lowest one.
+std::optional<LevelOrSlope> CeilingOver(const std::vector<PlanePatch>& planes,
+                                        const LevelOrSlope& floor,
+                                        const std::vector<Eigen::Vector2d>& places) {
+  struct Candidate {
+    LevelOrSlope ceiling;
+    double clear_m = 0.0;  // above the floor, on average
+    size_t num_places = 0;
+  };
+  std::vector<Candidate> candidates;
+  size_t most = 0;
+  for (const PlanePatch& plane : planes) {
+    if (!IsLevel(plane, -1.0)) continue;
+    Candidate candidate = {{plane.normal, plane.distance}, 0.0, 0};
+    for (const Eigen::Vector2d& p : places) {
+      const double clear_m = HeightAt(plane, p) - floor.HeightAt(p);
+      if (clear_m < kMinCeilingM || clear_m > kMaxCeilingM) continue;
+      if (!CoversInPlan(plane.outline, p, 0.0)) continue;
+      ++candidate.num_places;
+      candidate.clear_m += clear_m;
+    }
+    if (candidate.num_places == 0) continue;
+    candidate.clear_m /= static_cast<double>(candidate.num_places);
+    most = std::max(most, candidate.num_places);
+    candidates.push_back(candidate);
+  }
+  std::optional<LevelOrSlope> best;
+  double least_m = std::numeric_limits<double>::max();
+  for (const Candidate& candidate : candidates) {
+    if (2 * candidate.num_places < most || candidate.clear_m >= least_m) continue;
+    least_m = candidate.clear_m;
+    best = candidate.ceiling;
+  }
+  return best;
+}
+
+// Gives the storey a map of its floors, where they are at several heights. members: its
+// floors, that of its own height first.
+void MapFloors(const std::vector<PlanePatch>& planes,
+               const Ways& ways,
+               const Floors& members,
+               const std::vector<CloudPoint>& points,
+               StoreyLevel* storey) {
+  constexpr double kMinStepM = 0.1;  // walls are looked at from so high above the floor
+  std::vector<FloorArea> areas;
+  std::map<int, size_t> area_of_plane;
+  bool is_level = true;
+  for (const PlanePatch* floor : members) {
+    const auto way = ways.find(floor);
+    if (way == ways.end()) continue;
+    area_of_plane[floor->id] = areas.size();
+    FloorArea& area = areas.emplace_back();
+    area.floor = {floor->normal, floor->distance};
+    area.ceiling = CeilingOver(planes, area.floor, way->second.places);
+    for (const Eigen::Vector2d& p : way->second.places) {
+      is_level = is_level && std::abs(HeightAt(*floor, p) - storey->floor_m) < kMinStepM;
+    }
+  }
+  if (is_level) return;
+  std::vector<FloorMap::Sighting> sightings;
+  for (const CloudPoint& point : points) {
+    const auto area = area_of_plane.find(point.plane_id);
+    if (area == area_of_plane.end()) continue;
+    sightings.push_back({point.p_world.head<2>().cast<double>(), area->second});
+  }
+  if (sightings.empty()) return;
+  storey->floors = std::make_shared<const FloorMap>(std::move(areas), sightings);
+}
+
 }  // namespace
+
+StoreyHeights StoreyLevel::At(const Eigen::Vector2d& p) const {
+  StoreyHeights heights = *this;
+  if (floors == nullptr) return heights;
+  const FloorArea& area = floors->At(p);
+  heights.floor_m = area.floor.HeightAt(p);
+  heights.has_ceiling = area.ceiling.has_value();
+  heights.top_m =
+      area.ceiling ? area.ceiling->HeightAt(p) : heights.floor_m + kDefaultCeilingM;
+  return heights;
+}
 
 bool CoversInPlan(const std::vector<Eigen::Vector3d>& outline,
                   const Eigen::Vector2d& p,
@@ -72,50 +220,68 @@ bool CoversInPlan(const std::vector<Eigen::Vector3d>& outline,
 }
 
 std::vector<StoreyLevel> FindStoreys(const std::vector<PlanePatch>& planes,
-                                     const std::vector<StampedPose>& poses) {
-  std::vector<const PlanePatch*> floors;
+                                     const std::vector<StampedPose>& poses,
+                                     const std::vector<CloudPoint>& points) {
+  Floors floors;
   for (const PlanePatch& plane : planes) {
     if (IsLevel(plane, 1.0)) floors.push_back(&plane);
   }
-  std::map<const PlanePatch*, double> way_m;
-  for (size_t i = 1; i < poses.size(); ++i) {
-    const Eigen::Vector3d& position = poses[i].world_from_body.translation;
-    const PlanePatch* floor = FloorBelow(floors, position);
-    if (floor == nullptr) continue;
-    way_m[floor] += (position - poses[i - 1].world_from_body.translation).norm();
-  }
+  Ways ways = WaysOverHighest(floors, poses);
   std::sort(floors.begin(), floors.end(), [&](const PlanePatch* a, const PlanePatch* b) {
-    return way_m[a] != way_m[b] ? way_m[a] > way_m[b] : a->id < b->id;
+    return ways[a].length_m != ways[b].length_m ? ways[a].length_m > ways[b].length_m
+                                                : a->id < b->id;
   });
-  std::vector<StoreyLevel> storeys;
-  for (const PlanePatch* floor : floors) {
-    if (way_m[floor] < kMinWayM) continue;
-    const double z = floor->centre.z();
-    const bool is_new =
-        std::none_of(storeys.begin(), storeys.end(), [z](const StoreyLevel& storey) {
-          return std::abs(storey.floor_m - z) < kMinStoreyM;
-        });
-    if (!is_new) continue;
-    storeys.emplace_back().floor_m = z;
+  Ways at_rig_height;
+  if (!floors.empty() && ways[floors.front()].length_m >= kMinWayM) {
+    at_rig_height = WaysAtRigHeight(floors, poses, ways[floors.front()].RigHeight());
   }
-  if (storeys.empty()) {
-    StoreyLevel& only = storeys.emplace_back();
+  struct Storey {
+    StoreyLevel level;
+    Floors floors;
+  };
+  std::vector<Storey> found;
+  for (const PlanePatch* floor : floors) {
+    const double z = floor->centre.z();
+    const auto fits = [z](const PlanePatch* other) {
+      return std::abs(other->centre.z() - z) < kMinStoreyM;
+    };
+    Storey* nearest = nullptr;
+    for (Storey& storey : found) {
+      if (!std::all_of(storey.floors.begin(), storey.floors.end(), fits)) continue;
+      if (nearest == nullptr ||
+          std::abs(storey.level.floor_m - z) < std::abs(nearest->level.floor_m - z)) {
+        nearest = &storey;
+      }
+    }
+    if (nearest != nullptr) {
+      if (at_rig_height[floor].length_m >= kMinWayM) nearest->floors.push_back(floor);
+    } else if (ways[floor].length_m >= kMinWayM) {
+      Storey& storey = found.emplace_back();
+      storey.level.floor_m = z;
+      storey.floors = {floor};
+    }
+  }
+  if (found.empty()) {
+    StoreyLevel only;
     only.has_floor = false;
     if (!poses.empty()) only.floor_m = poses.front().world_from_body.translation.z();
+    only.top_m = only.floor_m + kDefaultCeilingM;
+    return {only};
   }
-  std::sort(storeys.begin(), storeys.end(), [](const StoreyLevel& a, const StoreyLevel& b) {
-    return a.floor_m < b.floor_m;
+  std::sort(found.begin(), found.end(), [](const Storey& a, const Storey& b) {
+    return a.level.floor_m < b.level.floor_m;
   });
-  for (size_t i = 0; i < storeys.size(); ++i) {
-    StoreyLevel& storey = storeys[i];
+  std::vector<StoreyLevel> storeys;
+  for (size_t i = 0; i < found.size(); ++i) {
+    StoreyLevel& storey = found[i].level;
     const double limit_m =
-        i + 1 < storeys.size() ? storeys[i + 1].floor_m : storey.floor_m + kMaxCeilingM;
-    const PlanePatch* ceiling =
-        storey.has_floor ? CeilingBetween(planes, storey.floor_m + kMinCeilingM, limit_m)
-                         : nullptr;
+        i + 1 < found.size() ? found[i + 1].level.floor_m : storey.floor_m + kMaxCeilingM;
+    const PlanePatch* ceiling = CeilingBetween(planes, storey.floor_m + kMinCeilingM, limit_m);
     storey.has_ceiling = ceiling != nullptr;
     storey.top_m = ceiling != nullptr ? ceiling->centre.z()
                                       : std::min(limit_m, storey.floor_m + kDefaultCeilingM);
+    MapFloors(planes, at_rig_height, found[i].floors, points, &storey);
+    storeys.push_back(std::move(storey));
   }
   return storeys;
 }

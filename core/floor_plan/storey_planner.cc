@@ -167,8 +167,7 @@ class SquareMap {
 // into which no wall looks. Beams go there through windows and open doors, and see the ground.
 // inside_m: of each cell, how much of walls' faces looks into it.
 std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
-                               const SquareMap& squares,
-                               const std::vector<Eigen::Vector2d>& way,
+                               const std::vector<bool>& rig_in_cell,
                                const std::vector<double>& inside_m) {
   constexpr double kMinWallM = 1.0;  // less are the jambs of windows
   std::vector<bool> outdoors(plan.cells.size(), false);
@@ -176,9 +175,8 @@ std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
     const auto cell = static_cast<size_t>(edge.cell);
     if (edge.label == kFrameLabel) outdoors[cell] = inside_m[cell] < kMinWallM;
   }
-  for (const Eigen::Vector2d& p : way) {
-    const int cell = squares.CellAt(p);
-    if (cell >= 0) outdoors[static_cast<size_t>(cell)] = false;
+  for (size_t i = 0; i < outdoors.size(); ++i) {
+    if (rig_in_cell[i]) outdoors[i] = false;
   }
   return outdoors;
 }
@@ -224,7 +222,6 @@ WallEvidence EvidenceOfWalls(const StoreyRegions& regions) {
 
 void LabelCells(const FreeGrid& free,
                 const SquareMap& squares,
-                const std::vector<Eigen::Vector2d>& way,
                 StoreyRegions* regions) {
   constexpr double kFreePerM2 = 4.0;
   constexpr double kUnseenPerM2 = 0.1;
@@ -235,7 +232,7 @@ void LabelCells(const FreeGrid& free,
   std::vector<CellCost>& cells = evidence.cells;
   std::vector<double> inside_m;
   for (const CellCost& cell : cells) inside_m.push_back(cell.solid);
-  const std::vector<bool> outdoors = OutdoorCells(plan, squares, way, inside_m);
+  const std::vector<bool> outdoors = OutdoorCells(plan, regions->rig_in_cell, inside_m);
   for (size_t i = 0; i < cells.size(); ++i) {
     if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
   }
@@ -335,7 +332,12 @@ StoreyRegions PlanStorey(std::vector<WallFace> faces,
   }
   regions.plan = Subdivide(segments);
   const SquareMap squares(regions.plan, free.box());
-  LabelCells(free, squares, way, &regions);
+  regions.rig_in_cell.assign(regions.plan.cells.size(), false);
+  for (const Eigen::Vector2d& p : way) {
+    const int cell = squares.CellAt(p);
+    if (cell >= 0) regions.rig_in_cell[static_cast<size_t>(cell)] = true;
+  }
+  LabelCells(free, squares, &regions);
   JoinRooms(&regions);
   return regions;
 }

@@ -19,6 +19,7 @@ struct StoreyRegions {
   std::vector<bool> is_free;         // of each cell
   std::vector<int> room_of_cell;     // -1: of none
   int num_rooms = 0;
+  std::vector<bool> rig_in_cell;     // of each cell, whether the rig was there
 
   // Of a half-edge on a face, the shares of its length that are solid, closed (solid, bridged
   // or a door), open and unseen; all zero off the faces.

@@ -30,10 +30,13 @@ struct Extent {
 // What the points of one surface say of it as a wall.
 struct SurfaceHits {
   size_t in_band = 0;
-  std::vector<float> heights_m;  // of all its points in the storey
+  std::vector<float> heights_m;  // above the floor, of all its points in the storey
+  double sum_clear_m = 0.0;      // of the heights of the ceilings above the floors there
   Extent in_band_extent;
   Extent extent;  // of all of them
 
+  // Of the ceiling above the floor.
+  double ClearHeight() const { return sum_clear_m / static_cast<double>(heights_m.size()); }
   // Where it is as a wall.
   const Extent& Wall() const { return in_band >= kMinHits ? in_band_extent : extent; }
 };
@@ -50,7 +53,7 @@ bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
   constexpr double kBelowCeilingM = 0.15;
   constexpr double kMinLengthM = 0.4;
   return storey.has_ceiling && hits.heights_m.size() >= kMinHits &&
-         top_m > storey.top_m - storey.floor_m - kBelowCeilingM &&
+         top_m > hits.ClearHeight() - kBelowCeilingM &&
          hits.extent.length_m() >= kMinLengthM;
 }
 
@@ -65,13 +68,13 @@ bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
   constexpr double kNarrowTopM = 1.7;
   if (hits->heights_m.empty()) return false;
   if (!storey.has_floor) return hits->in_band >= kMinHits;
-  const double bottom_m = Quantile(&hits->heights_m, 0.02) - storey.floor_m;
-  const double top_m = Quantile(&hits->heights_m, 0.98) - storey.floor_m;
+  const double bottom_m = Quantile(&hits->heights_m, 0.02);
+  const double top_m = Quantile(&hits->heights_m, 0.98);
   if (IsHigh(storey, top_m, *hits)) return true;
   if (hits->in_band < kMinHits) return false;
   double needed_m = kMinTopM;
   if (storey.has_ceiling) {
-    needed_m = std::min(storey.top_m - storey.floor_m - kBelowCeilingM, kMaxNeededM);
+    needed_m = std::min(hits->ClearHeight() - kBelowCeilingM, kMaxNeededM);
   }
   if (hits->in_band_extent.length_m() < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
   return bottom_m < kMaxBottomM && top_m > needed_m;
@@ -116,6 +119,14 @@ void AddColumns(const Eigen::AlignedBox2d& box, WallFace* face) {
 
 }  // namespace
 
+StoreyHeights HeightsBefore(const WallCurve& curve,
+                            const Eigen::Vector2d& p,
+                            const StoreyLevel& storey) {
+  constexpr double kBeforeM = 0.15;  // beyond the noise of points on the face
+  if (storey.floors == nullptr) return storey;
+  return storey.At(p + kBeforeM * curve.NormalAt(p));
+}
+
 std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
                                     const std::vector<CloudPoint>& points,
                                     const StoreyLevel& storey) {
@@ -131,12 +142,17 @@ std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
     const auto at = index_of_id.find(point.plane_id);
     if (at == index_of_id.end()) continue;
     const auto z = static_cast<double>(point.p_world.z());
-    if (z < storey.band_low_m() || z > std::max(storey.top_m, storey.band_high_m())) continue;
+    const Eigen::Vector2d p = point.p_world.head<2>().cast<double>();
+    const StoreyHeights heights = HeightsBefore(curves[at->second], p, storey);
+    if (z < heights.band_low_m() || z > std::max(heights.top_m, heights.band_high_m())) {
+      continue;
+    }
     SurfaceHits& of_plane = hits[at->second];
-    of_plane.heights_m.push_back(point.p_world.z());
-    const double s = curves[at->second].Parameter(point.p_world.head<2>().cast<double>());
+    of_plane.heights_m.push_back(static_cast<float>(z - heights.floor_m));
+    of_plane.sum_clear_m += heights.top_m - heights.floor_m;
+    const double s = curves[at->second].Parameter(p);
     of_plane.extent.Add(s);
-    if (z > storey.band_high_m()) continue;
+    if (z > heights.band_high_m()) continue;
     ++of_plane.in_band;
     of_plane.in_band_extent.Add(s);
   }

@@ -99,6 +99,11 @@ struct WallFace {
   }
 };
 
+// The heights of the storey at the foot of a face, on the side from which it was seen.
+StoreyHeights HeightsBefore(const WallCurve& curve,
+                            const Eigen::Vector2d& p,
+                            const StoreyLevel& storey);
+
 // The faces of a storey's walls: upright and leaning surfaces that are hit within the storey's
 // band and reach above it, or up to its ceiling, and those that begin higher and reach the
 // ceiling: lintels, and walls behind furniture. What ends lower is furniture or a parapet.

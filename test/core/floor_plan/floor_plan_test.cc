@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "core/floor_plan/plan_drawing.h"
 #include "core/floor_plan/room_outlines.h"
 #include "test/testing/made_up_rooms.h"
 #include "test/testing/temporary_directory.h"
@@ -170,6 +173,46 @@ TEST(FloorPlan, ACupboardInANicheIsNoWall) {
 
 TEST(FloorPlan, ACupboardBeforeAWallIsNone) {
   EXPECT_NEAR(AreaWithCupboard(false), 5.0 * 3.5 + 3.0 * 0.5, 0.01);
+}
+
+// Whether a drawing of the storey shows a wall at a place: a solid without a door.
+bool IsDrawnSolid(const StoreyPlan& storey, const Eigen::Vector2d& p) {
+  const auto is_in = [&p](const std::vector<Eigen::Vector2d>& corners) {
+    RoomLoop loop;
+    for (const Eigen::Vector2d& corner : corners) loop.push_back({corner, -1, 0.0});
+    return IsInside({loop}, p);
+  };
+  const bool in_door = std::any_of(
+      storey.doors.begin(), storey.doors.end(), [&](const PlanDoor& door) {
+        return is_in(GapCorners(door));
+      });
+  bool in_solid = false;
+  for (const auto& outline : storey.solids) in_solid ^= is_in(outline);
+  return in_solid && !in_door;
+}
+
+TEST(FloorPlan, AWallHasItsDoorWhereThereIsAWayRoundItToo) {
+  MadeUpRooms rooms;
+  rooms.AddBox({0, 0}, {8, 4.2});
+  // A wall of 0.2 m that ends 2 m before the north wall, with a door of 0.9 m.
+  rooms.AddFace({4, 0}, {4, 2.2}, 0.6, 1.5);
+  rooms.AddFace({4.2, 2.2}, {4.2, 0}, 0.7, 1.6);
+  rooms.AddFace({4, 2.2}, {4.2, 2.2});
+  rooms.AddWay({{1, 1}, {7, 1.05}, {7, 3.2}, {1, 3.2}, {1, 2}});
+  const FloorPlanInput input = rooms.Input();
+  const FloorPlans plan = MakeFloorPlan(input);
+  const StoreyPlan& storey = plan.storeys.at(0);
+  ASSERT_THAT(storey.rooms, SizeIs(1));
+  ASSERT_THAT(storey.doors, SizeIs(1));
+  EXPECT_NEAR(storey.doors[0].width_m, 0.9, 0.03);
+  EXPECT_EQ(storey.doors[0].rooms[0], 1);
+  EXPECT_EQ(storey.doors[0].rooms[1], 1);
+  EXPECT_TRUE(IsDrawnSolid(storey, {4.1, 0.3}));
+  EXPECT_TRUE(IsDrawnSolid(storey, {4.1, 1.9}));
+  for (const StampedPose& pose : input.poses) {
+    const Eigen::Vector2d p = pose.world_from_body.translation.head<2>();
+    EXPECT_FALSE(IsDrawnSolid(storey, p)) << p.transpose();
+  }
 }
 
 TEST(FloorPlan, AMapWithoutWallsHasNone) {
