@@ -8,6 +8,7 @@
 #include "apps/app.h"
 #include "apps/progress.h"
 #include "apps/terminal.h"
+#include "apps/version.h"
 #include "core/mapping/map_job.h"
 #include "core/result/closing_table.h"
 #include "core/result/result_reader.h"
@@ -94,6 +95,7 @@ plumbline::Summary Map() {
   job.rig = FLAGS_rig;
   job.config = FLAGS_config;
   job.output = FLAGS_output;
+  job.version = plumbline::Version();
   job.threads = FLAGS_threads;
   job.resume = FLAGS_resume;
   job.checkpoint_after_s = FLAGS_checkpoint_after_s;

@@ -11,7 +11,7 @@
 DEFINE_string(result,
               "",
               "directory that plumbline_map wrote; may also stand alone, without the flag");
-DEFINE_string(rig, "", "rig file (YAML) that the map was made with");
+DEFINE_string(rig, "", "rig file (YAML); without it, the one that the result holds");
 DEFINE_string(output, "", "directory for the plan; without it, that of the result");
 
 int main(int argc, char** argv) {
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
       "draws the floor plan of a map, one for each storey (SVG, DXF), and its rooms as "
       "CityJSON, with areas and their standard deviations (rooms.json)",
       __FILE__,
-      {"result", "rig"},
+      {"result"},
       [] {
         const std::string output = FLAGS_output.empty() ? FLAGS_result : FLAGS_output;
         const plumbline::FloorPlans plan =

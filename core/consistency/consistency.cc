@@ -11,6 +11,7 @@
 #include "core/consistency/degeneracy.h"
 #include "core/consistency/doubled_surfaces.h"
 #include "core/consistency/evidence.h"
+#include "core/consistency/likely_cause.h"
 #include "core/consistency/mounting.h"
 #include "core/consistency/passages.h"
 #include "core/consistency/pose_jumps.h"
@@ -164,25 +165,33 @@ std::string Percent(double share) {
 class Judge {
  public:
   // span: the seconds since first_second that the map covers.
-  Judge(const Evidence& evidence, const std::pair<size_t, size_t>& span, int first_second)
-      : evidence_(evidence), span_(span), first_second_(first_second) {}
+  Judge(const Rig& rig,
+        const Evidence& evidence,
+        const std::pair<size_t, size_t>& span,
+        int first_second)
+      : rig_(rig), evidence_(evidence), span_(span), first_second_(first_second) {}
 
   ConsistencyReport Report(double variance_factor) {
     JudgeShares(evidence_.passages,
                 kMinComparable,
+                kSlipped,
                 "beams pass through what were surfaces at other times");
     JudgeShares(evidence_.doubled.shares,
                 kMinDoubled,
+                kSlipped,
                 "surfaces stand twice: seen here and, at other times, beside it");
     JudgeRevisits();
     AddIntervals(evidence_.jumps,
+                 kLost,
                  "the pose jumps: the rig accelerates as it does nowhere else");
     AddIntervals(evidence_.unsupported_jumps,
-                 "the pose jumps where no wall, floor or ceiling shows it: it may follow "
-                 "somebody who walks, or take one tread for another");
+                 kLost,
+                 "the pose jumps where no wall, floor or ceiling shows it");
     AddIntervals(evidence_.glitches,
+                 kLost,
                  "for an instant segments lie off the planes, and the rig seems to jerk");
     AddIntervals(evidence_.bent.seconds,
+                 kBent,
                  "floor or ceiling bends here: a gentle ramp may have been taken for level");
     JudgeStatedDeviations();
     JudgeScanners();
@@ -199,6 +208,7 @@ class Judge {
               [](const auto& a, const auto& b) { return a.start_s < b.start_s; });
     CountFromTheRecordingsStart(&consistency.doubtful_intervals);
     CountFromTheRecordingsStart(&consistency.degenerate_intervals);
+    if (consistency.verdict != Verdict::kConsistent) report_.cause = LikeliestCause(candidates_);
     AddWarnings(variance_factor);
     return std::move(report_);
   }
@@ -216,16 +226,53 @@ class Judge {
     report_.consistency.verdict = std::max(report_.consistency.verdict, verdict);
   }
 
-  void AddIntervals(const std::vector<bool>& marked, const std::string& reason) {
+  // What doubtful seconds of one kind say of the cause, and what to do about it.
+  struct Kind {
+    CauseOrder order;
+    const char* name;
+    const char* next_step;
+  };
+  static constexpr Kind kSlipped = {
+      CauseOrder::kMap,
+      "the map has slipped",
+      "map the recording up to there alone; if that is consistent, look at what happens then"};
+  static constexpr Kind kLost = {
+      CauseOrder::kMotion,
+      "the rig was lost for a moment",
+      "look at what the scanners saw there: too few surfaces, a jerk, or people close by; move "
+      "slower there"};
+  static constexpr Kind kBent = {
+      CauseOrder::kMap,
+      "a gentle ramp may have been taken for a level floor",
+      "compare the heights at both ends of that floor with the building's"};
+  static constexpr Kind kOpen = {
+      CauseOrder::kMotion,
+      "the scans left a direction open",
+      "tilt a scanner, or go where an end of the space is in view"};
+
+  void AddIntervals(const std::vector<bool>& marked,
+                    const Kind& kind,
+                    const std::string& reason) {
     const std::vector<DoubtfulInterval> intervals = IntervalsOf(marked, kMaxGap, reason);
     if (intervals.empty()) return;
     Raise(Verdict::kDoubtful);
+    CauseCandidate& candidate = candidates_.emplace_back();
+    candidate.order = kind.order;
+    candidate.start_s = intervals.front().start_s + first_second_;
+    char text[80];
+    std::snprintf(text,
+                  sizeof(text),
+                  "from %.0f to %.0f s ",
+                  candidate.start_s,
+                  intervals.front().end_s + first_second_);
+    candidate.cause = {kind.name, "", text + reason, kind.next_step};
     auto& all = report_.consistency.doubtful_intervals;
     all.insert(all.end(), intervals.begin(), intervals.end());
   }
 
   void JudgeShares(const SharesOverTime& shares,
                    double min_comparable,
+                   const Kind& kind,
                    const std::string& reason) {
     std::vector<bool> marked;
     double largest = 0.0;
@@ -236,6 +283,7 @@ class Judge {
       if (counts) largest = std::max(largest, smooth.value());
     }
     AddIntervals(marked,
+                 kind,
                  reason + " (up to " + Percent(largest) + " of the places seen again)");
     if (largest > kContradictoryShare) Raise(Verdict::kContradictory);
   }
@@ -252,7 +300,7 @@ class Judge {
                   sizeof(text),
                   "the place lies up to %.0f cm off where an earlier visit saw it",
                   100.0 * largest);
-    AddIntervals(marked, text);
+    AddIntervals(marked, kSlipped, text);
   }
 
   // What the motion prior has bridged is stated honestly, and no map to rely on.
@@ -269,7 +317,7 @@ class Judge {
                   "the position against the map's start is known to %.2g m only: where the "
                   "scans left a direction open, the motion alone tells how far the rig went",
                   largest);
-    AddIntervals(marked, text);
+    AddIntervals(marked, kOpen, text);
   }
 
   void JudgeScanners() {
@@ -277,6 +325,14 @@ class Judge {
       report_.warnings.push_back(fault.sentence);
       if (fault.contradicts) {
         Raise(Verdict::kDoubtful);
+        const std::string& name = rig_.scanners[static_cast<size_t>(fault.scanner_index)].name;
+        CauseCandidate& candidate = candidates_.emplace_back();
+        candidate.order = CauseOrder::kScanner;
+        candidate.cause = {"scanner " + name + " is not as the rig file says",
+                           name,
+                           fault.sentence,
+                           "hold the recording against the rig file with plumbline_check, and "
+                           "measure again where " + name + " sits"};
         const auto [first, last] = span_;
         report_.consistency.doubtful_intervals.push_back(
             {static_cast<double>(first), static_cast<double>(last), fault.sentence});
@@ -323,9 +379,11 @@ class Judge {
     }
   }
 
+  const Rig& rig_;
   const Evidence& evidence_;
   std::pair<size_t, size_t> span_;
   int first_second_;
+  std::vector<CauseCandidate> candidates_;
   ConsistencyReport report_;
 };
 
@@ -338,7 +396,7 @@ ConsistencyReport JudgeConsistency(const Rig& rig,
   const int64_t map_start_ns = start_ns + NanosecondsFromSeconds(map.first_second);
   const Evidence evidence = Collect(rig, map, activity, map_start_ns);
   LogEvidence(rig, map.state, evidence);
-  return Judge(evidence, activity.Span(), map.first_second).Report(map.variance_factor);
+  return Judge(rig, evidence, activity.Span(), map.first_second).Report(map.variance_factor);
 }
 
 }  // namespace plumbline

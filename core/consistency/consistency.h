@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace plumbline {
 // The judgement on a finished map, and sentences for the user.
 struct ConsistencyReport {
   Consistency consistency;
+  std::optional<Cause> cause;  // none of a consistent map
   std::vector<std::string> warnings;
 };
 

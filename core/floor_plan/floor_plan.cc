@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "core/floor_plan/beam_evidence.h"
@@ -9,6 +10,7 @@
 #include "core/floor_plan/room_outlines.h"
 #include "core/floor_plan/storey_doors.h"
 #include "core/floor_plan/storey_planner.h"
+#include "core/result/result_files.h"
 #include "core/result/result_reader.h"
 #include "core/util/error.h"
 
@@ -105,7 +107,13 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
 FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file) {
   FloorPlanInput input;
-  input.rig = ReadRig(rig_file);
+  const std::string rig_used = result_directory + "/" + kRigUsed;
+  if (rig_file.empty() && !std::filesystem::exists(rig_used)) {
+    throw Error(rig_used + ": is missing: the map was made by an earlier version, name its " +
+                "rig file with --rig");
+  }
+  input.rig = ReadRig(rig_file.empty() ? rig_used : rig_file);
+  input.origin = ReadMapOrigin(result_directory + "/summary.json");
   input.start_ns = ReadStartTime(result_directory + "/summary.json");
   input.planes = ReadPlaneCovariance(result_directory);
   input.poses = ReadTrajectory(result_directory + "/trajectory.tum");
@@ -116,6 +124,7 @@ FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
 FloorPlans MakeFloorPlan(const FloorPlanInput& input) {
   const BeamOrigins origins(input.rig, input.poses, input.start_ns);
   FloorPlans plan;
+  plan.origin = input.origin;
   for (const StoreyLevel& level : 
        FindStoreys(input.planes.planes(), input.poses, input.points)) {
     StoreyPlan storey = PlanOf(input, origins, level);

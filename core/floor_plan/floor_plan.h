@@ -8,6 +8,7 @@
 #include "core/floor_plan/map_cloud.h"
 #include "core/floor_plan/storey_levels.h"
 #include "core/result/plane_covariance.h"
+#include "core/result/result_reader.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
 
@@ -92,6 +93,7 @@ struct StoreyPlan {
 
 struct FloorPlans {
   std::vector<StoreyPlan> storeys;  // from the lowest up
+  MapOrigin origin;                 // of the map
 };
 
 // What a floor plan is made of.
@@ -100,11 +102,12 @@ struct FloorPlanInput {
   std::vector<StampedPose> poses;
   std::vector<CloudPoint> points;
   int64_t start_ns = 0;  // the instant from which the points' times count
+  MapOrigin origin;
   Rig rig;
 };
 
 // Reads summary.json, planes.json, plane_covariance.csv, trajectory.tum and map.ply of a
-// result, and its rig file. Throws Error.
+// result, and the rig file; where that is empty, the one that the result holds. Throws Error.
 FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file);
 

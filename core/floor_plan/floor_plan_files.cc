@@ -33,7 +33,7 @@ std::vector<PlanFile> FloorPlanFiles(const FloorPlans& plan) {
                                  {"building.city.json", FormatCityJson(plan)}};
   for (size_t i = 0; i < plan.storeys.size(); ++i) {
     files.push_back({StoreyFileName(i, "svg"), FormatSvg(plan, i)});
-    files.push_back({StoreyFileName(i, "dxf"), FormatDxf(plan.storeys[i])});
+    files.push_back({StoreyFileName(i, "dxf"), FormatDxf(plan.storeys[i], plan.origin)});
   }
   return files;
 }

@@ -135,7 +135,12 @@ Json RoomJson(const Room& room, double floor_m, const std::string& storey, CityM
 std::string FormatCityJson(const FloorPlans& plan) {
   CityModel model;
   Json objects = Json::object();
-  objects["building"] = {{"type", "Building"}, {"children", Json::array()}};
+  objects["building"] = {{"type", "Building"},
+                         {"attributes",
+                          {{"verdict", plan.origin.verdict},
+                           {"recording", plan.origin.recording},
+                           {"version", plan.origin.version}}},
+                         {"children", Json::array()}};
   for (size_t i = 0; i < plan.storeys.size(); ++i) {
     const StoreyPlan& storey = plan.storeys[i];
     const std::string storey_name = "storey_" + std::to_string(i + 1);
@@ -148,14 +153,17 @@ std::string FormatCityJson(const FloorPlans& plan) {
       objects[name] = RoomJson(room, storey.level.floor_m, storey_name, &model);
     }
   }
+  Json metadata = {{"geographicalExtent", model.ExtentJson()}};
+  if (!plan.origin.date.empty()) metadata["referenceDate"] = plan.origin.date;
   const Json json = {
       {"type", "CityJSON"},
       {"version", "2.0"},
       {"transform", {{"scale", {kUnitM, kUnitM, kUnitM}}, {"translate", {0.0, 0.0, 0.0}}}},
-      {"metadata", {{"geographicalExtent", model.ExtentJson()}}},
+      {"metadata", metadata},
       {"CityObjects", objects},
       {"vertices", model.VerticesJson()}};
-  return json.dump() + "\n";
+  // The recording's name need not be UTF-8.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace plumbline

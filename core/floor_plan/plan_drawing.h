@@ -20,6 +20,12 @@ std::string DoorWidthText(double width_m);  // "0.92"
 std::string LengthText(double length_m);
 std::string StddevText(double stddev_m);
 
+// "Map of office.bag, 2026-11-27: consistent. plumbline 0.1.0", as far as it is known, in ASCII.
+std::string OriginText(const MapOrigin& origin);
+// What to say across the drawing of a map that is not consistent; empty where it is, or where
+// nothing is known.
+std::string WarningText(const MapOrigin& origin);
+
 // The four corners of a door's gap in the wall, from the first face to behind the second.
 std::vector<Eigen::Vector2d> GapCorners(const PlanDoor& door);
 

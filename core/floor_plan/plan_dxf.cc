@@ -1,5 +1,8 @@
 #include "core/floor_plan/plan_dxf.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <optional>
@@ -23,7 +26,7 @@ struct Layer {
   int colour;  // AutoCAD colour index
 };
 constexpr Layer kLayers[] = {
-    {"WALLS", 7}, {"ROOMS", 5}, {"DOORS", 1}, {"WINDOWS", 4}, {"DIMENSIONS", 8}, {"TEXT", 7}};
+    {"WALLS", 7}, {"ROOMS", 5}, {"DOORS", 1}, {"WINDOWS", 4}, {"DIMENSIONS", 8}, {"TEXT", 7}, {"WARNING", 1}};
 
 // DxfText writes pairs of a group code and a value, a line each.
 class DxfText {
@@ -48,6 +51,8 @@ class DxfText {
     Add(2, "HEADER");
     Add(9, "$ACADVER");
     Add(1, "AC1009");
+    Add(9, "$INSUNITS");
+    Add(70, 6);  // metres
     Add(0, "ENDSEC");
     Add(0, "SECTION");
     Add(2, "TABLES");
@@ -193,18 +198,80 @@ void AddTexts(const StoreyPlan& storey, DxfText* dxf) {
   }
 }
 
+// The parts of an edge's length between doors, as distances from its begin.
+std::vector<std::pair<double, double>> WallParts(const Eigen::Vector2d& from,
+                                                 const Eigen::Vector2d& to,
+                                                 const std::vector<PlanDoor>& doors) {
+  constexpr double kSameLineM = 0.06;  // surfaces of one face lie up to 5 cm off its line
+  const double length = (to - from).norm();
+  const Eigen::Vector2d along = (to - from) / length;
+  const Eigen::Vector2d across(-along.y(), along.x());
+  std::vector<std::pair<double, double>> gaps;
+  for (const PlanDoor& door : doors) {
+    const std::vector<Eigen::Vector2d> corners = GapCorners(door);
+    for (const auto& [a, b] : {std::pair(corners[0], corners[1]), {corners[3], corners[2]}}) {
+      if (std::abs(across.dot(a - from)) > kSameLineM) continue;
+      if (std::abs(across.dot(b - from)) > kSameLineM) continue;
+      gaps.push_back(std::minmax(along.dot(a - from), along.dot(b - from)));
+    }
+  }
+  std::sort(gaps.begin(), gaps.end());
+  std::vector<std::pair<double, double>> parts;
+  double at = 0.0;
+  for (const auto& [begin, end] : gaps) {
+    if (begin > at && at < length) parts.emplace_back(at, std::min(begin, length));
+    at = std::max(at, end);
+  }
+  if (at < length) parts.emplace_back(at, length);
+  return parts;
+}
+
+// The faces of walls that look into a room: of walls seen from one side, all that is known.
+void AddWallFaces(const Room& room, const std::vector<PlanDoor>& doors, DxfText* dxf) {
+  for (const RoomLoop& loop : room.loops) {
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const Eigen::Vector2d& from = loop[i].from;
+      const Eigen::Vector2d& to = loop[(i + 1) % loop.size()].from;
+      if (loop[i].plane_id < 0 || from == to) continue;
+      const Eigen::Vector2d along = (to - from).normalized();
+      for (const auto& [begin, end] : WallParts(from, to, doors)) {
+        dxf->Line("WALLS", from + begin * along, from + end * along);
+      }
+    }
+  }
+}
+
+// Below the drawing: of what map it is, and whether that may be trusted.
+void AddOrigin(const StoreyPlan& storey, const MapOrigin& origin, DxfText* dxf) {
+  Eigen::AlignedBox2d box;
+  for (const Room& room : storey.rooms) {
+    for (const RoomEdge& edge : room.loops.front()) box.extend(edge.from);
+  }
+  if (box.isEmpty()) return;
+  const double line_m = 2.0 * kMPerMm * kRoomTextMm;
+  const Eigen::Vector2d at(box.center().x(), box.min().y() - 2.0 * line_m);
+  dxf->Text("TEXT", at, kSmallTextMm, 0.0, OriginText(origin));
+  const std::string warning = WarningText(origin);
+  if (warning.empty()) return;
+  dxf->Text("WARNING", at - Eigen::Vector2d(0.0, line_m), kRoomTextMm, 0.0, warning);
+}
+
 }  // namespace
 
-std::string FormatDxf(const StoreyPlan& storey) {
+std::string FormatDxf(const StoreyPlan& storey, const MapOrigin& origin) {
   DxfText dxf;
   dxf.Header();
   for (const auto& outline : storey.solids) dxf.ClosedLine("WALLS", outline);
-  for (const Room& room : storey.rooms) AddRoom(room, &dxf);
+  for (const Room& room : storey.rooms) {
+    AddWallFaces(room, storey.doors, &dxf);
+    AddRoom(room, &dxf);
+  }
   for (const PlanDoor& door : storey.doors) {
     dxf.ClosedLine("DOORS", GapCorners(door));
   }
   for (const PlanWindow& window : storey.windows) dxf.Line("WINDOWS", window.from, window.to);
   AddTexts(storey, &dxf);
+  AddOrigin(storey, origin, &dxf);
   return dxf.Finish();
 }
 

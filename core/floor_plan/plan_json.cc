@@ -85,6 +85,16 @@ Json WallJson(const WallPiece& wall) {
           {"sigma_m", Rounded(wall.stddev_m)}};
 }
 
+Json OriginJson(const MapOrigin& origin) {
+  const auto text = [](const std::string& value) {
+    return value.empty() ? Json(nullptr) : Json(value);
+  };
+  return {{"verdict", text(origin.verdict)},
+          {"recording", text(origin.recording)},
+          {"version", text(origin.version)},
+          {"date", text(origin.date)}};
+}
+
 }  // namespace
 
 std::string FormatRooms(const FloorPlans& plan) {
@@ -110,7 +120,10 @@ std::string FormatRooms(const FloorPlans& plan) {
     for (const WallPiece& wall : storey.walls) json["walls"].push_back(WallJson(wall));
     storeys.push_back(std::move(json));
   }
-  return Json({{"storeys", storeys}}).dump(1) + "\n";
+  Json json = OriginJson(plan.origin);
+  json["storeys"] = storeys;
+  // The recording's name need not be UTF-8.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #include "core/floor_plan/plan_svg.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -345,6 +346,38 @@ void DrawFoot(const FloorPlans& plan, size_t storey, const Paper& paper, SvgText
 
 }  // namespace
 
+namespace {
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  }
+  return escaped;
+}
+
+// A red band over the drawing of a map that is not consistent, within the margin.
+void DrawWarning(const MapOrigin& origin, const Paper& paper, SvgText* svg) {
+  const std::string warning = WarningText(origin);
+  if (warning.empty()) return;
+  constexpr double kBandMm = 0.5 * Paper::kMarginMm;
+  // A narrow sheet takes the text smaller.
+  const double size = std::min(
+      kRoomTextMm,
+      kRoomTextMm * (paper.width_mm() - 2.0) / TextWidth(warning, kRoomTextMm));
+  svg->Open("id=\"warning\"");
+  svg->Add("<rect x=\"0\" y=\"0\" width=\"" + Number(paper.width_mm()) + "\" height=\"" +
+           Number(kBandMm) + "\" fill=\"#c81e1e\"/>");
+  svg->AddText({0.5 * paper.width_mm(), 0.5 * kBandMm + 0.36 * size},
+               size,
+               0.0,
+               warning,
+               "fill=\"#ffffff\" font-weight=\"bold\"");
+  svg->Close();
+}
+
+}  // namespace
+
 std::string FormatSvg(const FloorPlans& plan, size_t storey) {
   const Paper paper(plan);
   SvgText svg(paper);
@@ -352,6 +385,12 @@ std::string FormatSvg(const FloorPlans& plan, size_t storey) {
   DrawDoorsAndWindows(plan.storeys[storey], &svg);
   DrawTexts(plan.storeys[storey], paper, &svg);
   DrawFoot(plan, storey, paper, &svg);
+  svg.AddText({Paper::kMarginMm, paper.height_mm() - 1.6},
+              kSmallTextMm,
+              0.0,
+              Escaped(OriginText(plan.origin)),
+              "style=\"text-anchor:start\"");
+  DrawWarning(plan.origin, paper, &svg);
   return svg.Finish();
 }
 

@@ -197,6 +197,7 @@ void Judge(const Rig& rig,
       JudgeConsistency(rig, map, points.activity, recording.start_ns());
   LogWarnings(report.warnings);
   summary->consistency = report.consistency;
+  summary->cause = report.cause;
   if (!result.ended_by.empty()) summary->consistency.ends_at_s = result.end_s;
   summary->warnings.insert(
       summary->warnings.end(), report.warnings.begin(), report.warnings.end());
@@ -451,6 +452,11 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   }
   std::vector<Summary> summaries =
       WriteParts(rig, options, parts, progress, &recording, &writers, &watches.judging);
+  for (Summary& of_part : summaries) {
+    of_part.recording =
+        std::filesystem::path(job.recording).lexically_normal().filename().string();
+    of_part.version = job.version;
+  }
   Summary& summary = summaries[longest];
   for (size_t i = 0; i < parts.size() && parts.size() > 1; ++i) {
     summary.parts.push_back({folders[i].empty() ? "." : folders[i],
@@ -468,6 +474,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   for (size_t i = 0; i < parts.size(); ++i) {
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();
+    WriteRig(rig, output.Folder(folders[i]) + "/" + kRigUsed);
     if (job.floor_plan) WriteFloorPlan(job, output, folders[i]);
   }
   for (const std::string& folder : folders) {

@@ -14,6 +14,7 @@ struct MapJob {
   std::string recording;  // ROS 1 bag
   std::string rig;        // YAML
   std::string config;     // YAML, empty: defaults
+  std::string version;  // of the program, for summary.json
   std::string output;     // directory
   int threads = 1;        // 0: as many as the machine has
   // Goes on where a run with the same inputs and output was killed after it had followed the

@@ -51,6 +51,22 @@ std::string Deviations(std::vector<double> sigmas, const char* unit) {
   return text;
 }
 
+// Whether doubtful intervals cover nearly all of the recording.
+bool IsDoubtfulThroughout(const Summary& summary) {
+  constexpr double kNearlyAll = 0.9;
+  std::vector<DoubtfulInterval> intervals = summary.consistency.doubtful_intervals;
+  std::sort(intervals.begin(), intervals.end(), [](const auto& a, const auto& b) {
+    return a.start_s < b.start_s;
+  });
+  double covered_s = 0.0;
+  double until_s = 0.0;
+  for (const DoubtfulInterval& interval : intervals) {
+    covered_s += std::max(0.0, interval.end_s - std::max(until_s, interval.start_s));
+    until_s = std::max(until_s, interval.end_s);
+  }
+  return covered_s >= kNearlyAll * summary.duration_s;
+}
+
 double Length(const std::vector<StampedPose>& trajectory) {
   double length_m = 0.0;
   for (size_t i = 1; i < trajectory.size(); ++i) {
@@ -94,9 +110,18 @@ std::string ClosingTable(const Summary& summary,
     angles_deg.push_back(plane.sigma_angle_rad * kDegreesPerRadian);
     if (plane.IsCurved()) radii_mm.push_back(1e3 * plane.sigma_radius_m);
   }
-  AppendRow(&text, "  along their normals", "", "", Deviations(distances_mm, "mm"));
-  AppendRow(&text, "  of their normals", "", "", Deviations(angles_deg, "deg"));
-  if (!radii_mm.empty()) AppendRow(&text, "  radii", "", "", Deviations(radii_mm, "mm"));
+  if (summary.consistency.verdict == Verdict::kConsistent) {
+    AppendRow(&text, "  along their normals", "", "", Deviations(distances_mm, "mm"));
+    AppendRow(&text, "  of their normals", "", "", Deviations(angles_deg, "deg"));
+    if (!radii_mm.empty()) AppendRow(&text, "  radii", "", "", Deviations(radii_mm, "mm"));
+  } else {
+    // Deviations count on every surface and pose being what the map takes it for.
+    AppendRow(&text,
+              "  how well known",
+              "",
+              "",
+              "not stated: the map is " + VerdictName(summary.consistency.verdict));
+  }
   AppendRow(&text, "residuals, RMS", Number(1e3 * summary.residual_rms_m, 1), "mm", "");
   if (summary.parts.size() > 1) {
     AppendRow(&text, "parts", std::to_string(summary.parts.size()), "", "this is the longest");
@@ -105,11 +130,19 @@ std::string ClosingTable(const Summary& summary,
   if (!summary.warnings.empty()) {
     Append(&text, ", %zu warnings (summary.json)", summary.warnings.size());
   }
+  if (summary.cause) {
+    const Cause& cause = *summary.cause;
+    text += "\nLikeliest cause: " + cause.name + "\n  what speaks for it: " + cause.evidence +
+            "\n  what to do: " + cause.next_step;
+  }
   Append(
       &text,
       "\nWritten to %s: map.* (points), planes.ply and planes.json (surfaces), "
       "trajectory.tum, summary.json\n",
       directory.c_str());
+  if (summary.consistency.verdict == Verdict::kDoubtful && IsDoubtfulThroughout(summary)) {
+    text += "The map is doubtful from end to end: check it before it is used\n";
+  }
   return text;
 }
 

@@ -43,6 +43,7 @@ bool IsResultFile(const std::string& name) {
                                        "planes.json",
                                        "planes.ply",
                                        "report.html",
+                                       "rig_used.yaml",
                                        "rooms.json",
                                        "summary.json",
                                        "trajectory.tum",

@@ -9,6 +9,9 @@ namespace plumbline {
 // these names belong to the result, and everything else to the user.
 bool IsResultFile(const std::string& name);
 
+// The rig file that the map was made with.
+inline constexpr char kRigUsed[] = "rig_used.yaml";
+
 // Of the directory of the part'th part of a recording, from 1: "part_<part>".
 std::string PartName(size_t part);
 bool IsPartName(const std::string& name);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -243,6 +244,47 @@ int64_t ReadStartTime(const std::string& path) {
   const std::optional<int64_t> time_ns = ParseTime(*field);
   if (!time_ns) throw Error(path + ": 'start_time' must be a time in seconds");
   return *time_ns;
+}
+
+namespace {
+
+// Empty before 2000, where clocks begin that nobody has set.
+std::string DateText(int64_t time_ns) {
+  constexpr int64_t kYear2000S = 946'684'800;
+  const std::time_t seconds = time_ns / 1'000'000'000;
+  std::tm date{};
+  char text[32];
+  if (seconds < kYear2000S || gmtime_r(&seconds, &date) == nullptr ||
+      std::strftime(text, sizeof(text), "%Y-%m-%d", &date) == 0) {
+    return "";
+  }
+  return text;
+}
+
+std::string TextOr(const Json& json, const char* key) {
+  const auto field = json.find(key);
+  return field != json.end() && field->is_string() ? field->get<std::string>() : "";
+}
+
+}  // namespace
+
+MapOrigin ReadMapOrigin(const std::string& path) {
+  const Json json = ParseJson(path);
+  if (!json.is_object()) throw Error(path + ": is not an object");
+  MapOrigin origin;
+  origin.recording = TextOr(json, "recording");
+  origin.version = TextOr(json, "version");
+  const auto consistency = json.find("consistency");
+  if (consistency != json.end() && consistency->is_object()) {
+    origin.verdict = TextOr(*consistency, "verdict");
+  }
+  const auto start = json.find("start_time");
+  if (start != json.end()) {
+    if (const std::optional<int64_t> time_ns = ParseTime(*start)) {
+      origin.date = DateText(*time_ns);
+    }
+  }
+  return origin;
 }
 
 PlaneCovariance ReadPlaneCovariance(const std::string& result_directory) {

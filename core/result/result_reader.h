@@ -19,6 +19,19 @@ std::vector<PlanePatch> ReadPlanes(const std::string& path);       // planes.jso
 // results of earlier versions.
 int64_t ReadStartTime(const std::string& path);
 
+// MapOrigin says of what a map was made, and how far it may be trusted, as summary.json has it.
+// Texts are empty where it does not say: maps of earlier versions, and dates of clocks that
+// were not set.
+struct MapOrigin {
+  std::string verdict;    // "consistent", "doubtful", "contradictory"
+  std::string recording;  // file name
+  std::string version;    // of the program that made the map
+  std::string date;       // of the recording's start, UTC: "2026-11-27"
+
+  bool IsTrusted() const { return verdict == "consistent"; }
+};
+MapOrigin ReadMapOrigin(const std::string& path);
+
 // Reads planes.json and plane_covariance.csv.
 PlaneCovariance ReadPlaneCovariance(const std::string& result_directory);
 

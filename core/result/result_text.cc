@@ -270,6 +270,8 @@ nlohmann::ordered_json PartsJson(const std::vector<PartSummary>& parts) {
 
 std::string FormatSummary(const Summary& summary) {
   nlohmann::ordered_json json;
+  if (!summary.recording.empty()) json["recording"] = summary.recording;
+  if (!summary.version.empty()) json["version"] = summary.version;
   json["scanners"] = summary.scanners;
   json["scans"] = summary.scans;
   json["points"] = summary.points;
@@ -303,6 +305,14 @@ std::string FormatSummary(const Summary& summary) {
   }
   json["reference_plane_id"] = summary.reference_plane_id;
   json["consistency"] = ConsistencyJson(summary.consistency);
+  if (summary.cause) {
+    json["cause"] = {{"name", summary.cause->name},
+                     {"scanner", summary.cause->scanner.empty()
+                                     ? nlohmann::ordered_json(nullptr)
+                                     : nlohmann::ordered_json(summary.cause->scanner)},
+                     {"evidence", summary.cause->evidence},
+                     {"next_step", summary.cause->next_step}};
+  }
   for (const UnmappedInterval& gap : summary.gaps) {
     json["gaps"].push_back(
         {{"start_s", gap.start_s}, {"end_s", gap.end_s}, {"reason", gap.reason}});

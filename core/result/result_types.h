@@ -154,8 +154,18 @@ struct OdometrySummary {
   int motions = 0;  // from which this is known
 };
 
+// Cause is what most likely went wrong with a map that is not consistent.
+struct Cause {
+  std::string name;       // in a few words
+  std::string scanner;    // by its name, where it is one scanner's; else empty
+  std::string evidence;   // what speaks for it, a sentence
+  std::string next_step;  // what to do about it, a sentence
+};
+
 // Summary holds the figures of summary.json.
 struct Summary {
+  std::string recording;              // file name, without its directory
+  std::string version;                // of the program that made the map
   int64_t start_time_ns = 0;          // of the recording's first scan line
   std::vector<std::string> scanners;  // names, in the order in which points number them
   int scans = 0;
@@ -181,6 +191,7 @@ struct Summary {
   std::optional<OdometrySummary> odometry;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   Consistency consistency;
+  std::optional<Cause> cause;          // none of a consistent map
   std::vector<UnmappedInterval> gaps;  // between parts that were joined, in the order of time
   std::vector<PartSummary> parts;      // in the order of time; empty where there is one only
   std::vector<std::string> warnings;

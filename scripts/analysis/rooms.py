@@ -66,15 +66,20 @@ def with_arcs(corners):
     return points
 
 
-def plan_rooms(path):
-    """Rooms of a floor plan: doors count as closed."""
+def plan_rooms(path, floor):
+    """Rooms of a floor plan's storey whose floor lies nearest to a height: doors count as closed."""
     building = yaml.safe_load(path.read_text(encoding="utf-8"))
+    if "storeys" in building:
+        building = min(building["storeys"], key=lambda s: abs(s["floor_height_m"] - floor))
     space = unary_union([Polygon(with_arcs(o["corners"])) for o in building["outlines"]])
     solids = [Polygon(with_arcs(s["corners"])) for s in building.get("solids", [])]
     for wall in building.get("walls", []):
         line = LineString([wall["from"], wall["to"]])
         solids.append(line.buffer(wall["thickness_m"] / 2, cap_style=2))
-    return parts_of(space.difference(unary_union(solids)))
+    solids += [Polygon(with_arcs(o["corners"])) for o in building.get("floor_openings", [])]
+    ramps = [LineString([r["from"][:2], r["to"][:2]]).buffer(r["width_m"] / 2, cap_style=2)
+             for r in building.get("ramps", [])]
+    return parts_of(unary_union([space, *ramps]).difference(unary_union(solids)))
 
 
 def read_mesh(path):
@@ -183,7 +188,10 @@ def main():
         floor = (storey["floor_m"] or 0.0) + lift
         here = path[(path[:, 2] > floor + 0.3) & (path[:, 2] < floor + 2.0)]
         rooms = (mesh_rooms(building, floor + arguments.height) if building.suffix == ".ply"
-                 else plan_rooms(building))
+                 else plan_rooms(building, floor))
+        if not rooms:
+            sys.exit(f"rooms.py: {building}: no room is enclosed {floor + arguments.height:.2f} m "
+                     "high: set --height to where its walls have no openings, below the ceiling")
         rows, extra = compare(storey, rooms, turn, shift, [tuple(p[:2]) for p in here])
         figures.append({"storey": storey["storey"], "rooms": rows, "not_in_truth": extra})
         print(f"storey {storey['storey']}: true area, found, stated standard deviation, error, way in it")

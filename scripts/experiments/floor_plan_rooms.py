@@ -20,7 +20,7 @@ PROGRAMS = ("plumbline_simulate", "plumbline_map")
 ROOMS = job_runner.ROOT / "scripts" / "analysis" / "rooms.py"
 REQUIRED = ("rooms_and_truth.json", "result/rooms.json", "exit_codes.json")
 OPTIONAL = ("result/floor_plan*.svg", "result/building.city.json")
-CASES = ("office", "furniture", "people_and_doors", "fzk_ground", "duplex_a_stairs",
+CASES = ("office", "furniture", "people_and_doors", "fzk_ground", "duplex_a_stairs", "two_storeys",
          "curved_corridor", "round_room", "room")
 # Of the section through a mesh above the floor: above doors and windows, below the ceiling, m.
 SECTION_M = {"duplex.ply": 2.56}

@@ -67,6 +67,7 @@ class BadInputTest : public MappingTest {
   static constexpr const char* kFiles[] = {"trajectory.tum",
                                            "planes.json",
                                            "planes.ply",
+                                           "rig_used.yaml",
                                            "map.ply",
                                            "map.pcd",
                                            "summary.json",

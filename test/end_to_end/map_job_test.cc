@@ -126,6 +126,7 @@ TEST_F(MapJobTest, LeavesNothingButTheResult) {
                                    "plane_covariance.csv",
                                    "planes.json",
                                    "planes.ply",
+                                   "rig_used.yaml",
                                    "summary.json",
                                    "trajectory.tum",
                                    "trajectory_covariance.csv"}));

@@ -51,6 +51,48 @@ TEST(FloorPlanFiles, TheSamePlanGivesTheSameBytes) {
   for (const PlanFile& file : Files()) EXPECT_EQ(file.content, ContentOf(again, file.name));
 }
 
+// The files of a map with this verdict.
+std::vector<PlanFile> FilesOf(const std::string& verdict) {
+  FloorPlanInput input = TwoMadeUpRooms();
+  input.origin = {verdict, "a<b.bag", "1.2.3", "2026-11-27"};
+  return FloorPlanFiles(MakeFloorPlan(input));
+}
+
+TEST(FloorPlanFiles, SayOfWhatMapTheyAreAndWhetherItMayBeTrusted) {
+  const std::vector<PlanFile> files = FilesOf("contradictory");
+  const Json rooms = Json::parse(ContentOf(files, "rooms.json"));
+  EXPECT_EQ(rooms.at("verdict"), "contradictory");
+  EXPECT_EQ(rooms.at("recording"), "a<b.bag");
+  EXPECT_EQ(rooms.at("version"), "1.2.3");
+  EXPECT_EQ(rooms.at("date"), "2026-11-27");
+  const Json city = Json::parse(ContentOf(files, "building.city.json"));
+  EXPECT_EQ(city.at("metadata").at("referenceDate"), "2026-11-27");
+  const Json& building = city.at("CityObjects").at("building").at("attributes");
+  EXPECT_EQ(building.at("verdict"), "contradictory");
+  const std::string svg = ContentOf(files, "floor_plan.svg");
+  EXPECT_THAT(svg, HasSubstr("a&lt;b.bag, 2026-11-27: contradictory. plumbline 1.2.3"));
+  EXPECT_THAT(svg, HasSubstr("id=\"warning\""));
+  const std::string dxf = ContentOf(files, "floor_plan.dxf");
+  EXPECT_THAT(dxf, HasSubstr("a<b.bag, 2026-11-27: contradictory. plumbline 1.2.3"));
+  EXPECT_THAT(dxf, HasSubstr("do not use it"));
+}
+
+TEST(FloorPlanFiles, DoNotWarnOfAConsistentMap) {
+  const std::vector<PlanFile> files = FilesOf("consistent");
+  EXPECT_THAT(ContentOf(files, "floor_plan.svg"), HasSubstr(": consistent."));
+  EXPECT_THAT(ContentOf(files, "floor_plan.svg"), Not(HasSubstr("id=\"warning\"")));
+  EXPECT_THAT(ContentOf(files, "floor_plan.dxf"), Not(HasSubstr("do not use it")));
+}
+
+TEST(FloorPlanFiles, TheDrawingIsInMetresAndHasItsOuterWallsOnTheirLayer) {
+  const std::string dxf = ContentOf(Files(), "floor_plan.dxf");
+  EXPECT_THAT(dxf, HasSubstr("9\n$INSUNITS\n70\n6\n"));
+  // The west wall of the first room, of which one face was seen, from corner to corner.
+  EXPECT_THAT(dxf,
+              HasSubstr("0\nLINE\n8\nWALLS\n10\n0.0000\n20\n3.0000\n30\n0.0000\n11\n0.0000\n"
+                        "21\n0.0000\n"));
+}
+
 TEST(FloorPlanFiles, RoomsHoldAreasDimensionsAndDoors) {
   const Json json = Json::parse(ContentOf(Files(), "rooms.json"));
   const Json& storey = json.at("storeys").at(0);

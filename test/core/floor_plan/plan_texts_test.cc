@@ -148,7 +148,7 @@ TEST(Paper, ModelAtIsTheInverse) {
 }
 
 TEST(PlanTexts, TheDxfFileHasThemInItsOwnAlphabet) {
-  const std::string dxf = FormatDxf(NarrowRooms(3.0, 5.0, 1).storeys[0]);
+  const std::string dxf = FormatDxf(NarrowRooms(3.0, 5.0, 1).storeys[0], {});
   EXPECT_THAT(dxf, ::testing::HasSubstr("\n15.00 m2\n"));
   EXPECT_THAT(dxf, ::testing::HasSubstr("\n%%p0.001 m2\n"));
   EXPECT_THAT(dxf, ::testing::HasSubstr("\n5.000 %%p1.1 mm\n"));

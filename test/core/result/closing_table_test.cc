@@ -14,7 +14,6 @@ TEST(ClosingTableTest, StatesFiguresVerdictAndFiles) {
   summary.duration_s = 47.73;
   summary.real_time_factor = 13.42;
   summary.residual_rms_m = 0.0221;
-  summary.consistency.verdict = Verdict::kDoubtful;
   summary.warnings = {"a", "b"};
   std::vector<PlanePatch> planes(3);
   planes[0].type = PlaneType::kHorizontal;
@@ -36,9 +35,34 @@ TEST(ClosingTableTest, StatesFiguresVerdictAndFiles) {
   EXPECT_THAT(text, HasSubstr("2 mm median, 4 mm worst"));
   EXPECT_THAT(text, HasSubstr("0.02 deg median"));
   EXPECT_THAT(text, HasSubstr("radii"));
-  EXPECT_THAT(text, HasSubstr("Verdict: doubtful, 2 warnings"));
+  EXPECT_THAT(text, HasSubstr("Verdict: consistent, 2 warnings"));
   EXPECT_THAT(text, HasSubstr("Written to out/map: map.* (points)"));
   EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(ClosingTableTest, StatesNoDeviationsOfAMapThatIsNotConsistent) {
+  std::vector<PlanePatch> planes(1);
+  planes[0].sigma_distance_m = 0.00164;
+  Summary summary;
+  summary.duration_s = 20.0;
+  summary.consistency.verdict = Verdict::kDoubtful;
+  summary.consistency.doubtful_intervals = {{4.0, 6.0, "it jumps"}};
+  summary.cause = Cause{"the rig was lost", "", "it jumps from 4 to 6 s", "move slower"};
+  const std::string text = ClosingTable(summary, planes, {}, "out");
+  EXPECT_THAT(text, Not(HasSubstr("1.64")));
+  EXPECT_THAT(text, HasSubstr("not stated: the map is doubtful"));
+  EXPECT_THAT(text, HasSubstr("Likeliest cause: the rig was lost"));
+  EXPECT_THAT(text, HasSubstr("move slower"));
+  EXPECT_THAT(text, Not(HasSubstr("end to end")));
+}
+
+TEST(ClosingTableTest, TheLastLineSaysWhatIsDoubtfulThroughout) {
+  Summary summary;
+  summary.duration_s = 20.0;
+  summary.consistency.verdict = Verdict::kDoubtful;
+  summary.consistency.doubtful_intervals = {{0.0, 12.0, "a"}, {3.0, 5.0, "b"}, {11.0, 20.0, "c"}};
+  const std::string text = ClosingTable(summary, {}, {}, "out");
+  EXPECT_THAT(text, HasSubstr("doubtful from end to end: check it before it is used\n"));
 }
 
 TEST(ClosingTableTest, SaysWhereNothingIsStated) {
