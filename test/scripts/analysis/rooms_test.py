@@ -21,8 +21,16 @@ def box(x, y, width, depth):
 
 
 class TruthTest(unittest.TestCase):
+    def test_a_storey_has_its_own_rooms_without_the_opening_in_its_floor(self):
+        path = BUILDINGS / "two_storeys.yaml"
+        upper = sum(room.area for room in rooms.plan_rooms(path, 2.9))
+        # 10 m by 6 m without walls of 0.15 m, a pillar of 0.4 m, and the stair's opening.
+        walls = 7.0 * 0.15 + 0.15 * (6.0 - 1.575)
+        self.assertAlmostEqual(upper, 60.0 - walls - 0.16 - 3.8 * 1.2, places=2)
+        self.assertGreater(sum(room.area for room in rooms.plan_rooms(path, 0.0)), 57.0)
+
     def test_the_pillar_is_no_floor(self):
-        (room,) = rooms.plan_rooms(BUILDINGS / "room.yaml")
+        (room,) = rooms.plan_rooms(BUILDINGS / "room.yaml", 0.0)
         self.assertAlmostEqual(room.area, 53.51 / 2 - 0.2125, 3)
 
     def test_walls_part_rooms_where_their_doors_are(self):
@@ -31,7 +39,7 @@ class TruthTest(unittest.TestCase):
             path.write_text("outlines: [{corners: [[0, 0], [5, 0], [5, 3], [0, 3]]}]\n"
                             "walls: [{from: [2, 0], to: [2, 3], thickness_m: 0.2, openings: "
                             "[{position_m: 1, width_m: 0.9, height_m: 2}]}]\n")
-            areas = sorted(room.area for room in rooms.plan_rooms(path))
+            areas = sorted(room.area for room in rooms.plan_rooms(path, 0.0))
         self.assertAlmostEqual(areas[0], 1.9 * 3)
         self.assertAlmostEqual(areas[1], 2.9 * 3)
 
