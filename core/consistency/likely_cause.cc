@@ -10,8 +10,7 @@ std::optional<Cause> LikeliestCause(const std::vector<CauseCandidate>& candidate
       candidates.begin(),
       candidates.end(),
       [](const CauseCandidate& a, const CauseCandidate& b) {
-        return std::make_tuple(a.order, a.start_s, -a.strength) <
-               std::make_tuple(b.order, b.start_s, -b.strength);
+        return std::tie(a.order, a.start_s) < std::tie(b.order, b.start_s);
       });
   if (best == candidates.end()) return std::nullopt;
   return best->cause;

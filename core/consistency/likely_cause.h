@@ -10,22 +10,20 @@ namespace plumbline {
 // Where a cause lies: earlier ones bring forth evidence of the later ones, never the other way
 // round, so that they are believed first.
 enum class CauseOrder {
-  kRecording,  // stamps, increments, order, doublings, wheels
-  kScanner,    // a scanner that is not as the rig file says
-  kMotion,     // the pose was lost or hardly known somewhere
-  kMap,        // the map contradicts itself, for no reason that is known
+  kScanner,  // a scanner that is not as the rig file says
+  kMotion,   // the pose was lost or hardly known somewhere
+  kMap,      // the map contradicts itself, for no reason that is known
 };
 
 // CauseCandidate is something that may have gone wrong.
 struct CauseCandidate {
   CauseOrder order = CauseOrder::kMap;
-  double start_s = 0.0;   // since the recording's start, when it shows first
-  double strength = 0.0;  // of two that show at once: how far beyond what chance explains
+  double start_s = 0.0;  // since the recording's start, when it shows first
   Cause cause;
 };
 
 // The likeliest cause: of those earliest in order the one that shows first, since a map that has
-// slipped contradicts itself ever after; of these the strongest. None of no candidates.
+// slipped contradicts itself ever after. None of no candidates.
 std::optional<Cause> LikeliestCause(const std::vector<CauseCandidate>& candidates);
 
 }  // namespace plumbline

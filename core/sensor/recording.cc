@@ -322,7 +322,7 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
         name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
   }
   if (!odometry_fault.empty()) {
-    warnings.push_back("odometry: is left out: " + odometry_fault);
+    warnings.push_back("odometry is left out: " + odometry_fault);
   }
   if (num_odometry_lost > 0) {
     warnings.push_back("odometry: " + std::to_string(num_odometry_lost) +

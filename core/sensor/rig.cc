@@ -36,7 +36,7 @@ void ReadHeader(const YamlNode& node, Scanner* scanner) {
   }
   if (node.Has("angle_increment_deg")) {
     const double degrees = node["angle_increment_deg"].AsDouble(-90.0, 90.0);
-    if (degrees == 0.0) node["angle_increment_deg"].Fail("must not be 0");
+    if (degrees == 0.0) node["angle_increment_deg"].Fail("angle_increment_deg must not be 0");
     scanner->angle_increment_rad = degrees * kRadiansPerDegree;
   }
 }

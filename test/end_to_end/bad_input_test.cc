@@ -303,6 +303,15 @@ TEST_F(BadInputTest, BridgesScansWithoutReturns) {
 }
 
 // When nothing is in view for good, the estimate has to say so instead of guessing on.
+// The first rig file that plumbline_check writes, not filled in.
+TEST_F(BadInputTest, ScannersAtOnePoseAreAnError) {
+  SimulatedRecording recording = Record();
+  for (Scanner& scanner : recording.rig.scanners) scanner.body_from_scanner = Rigid3d();
+  WriteRecording(recording);
+  EXPECT_THAT(MapError(),
+              HasSubstr("rig.yaml: all 3 scanners sit at one pose: fill in body_from_scanner"));
+}
+
 // What was followed until the pose is open, half a second later, is too short for a map.
 TEST_F(BadInputTest, LosesTrackWhenAllScannersGoBlind) {
   SimulatedRecording recording = Record();

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
@@ -11,6 +12,9 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "simulation/sensing/recording_writer.h"
 #include "test/core/sensor/recording_fixture.h"
@@ -424,6 +428,66 @@ TEST_F(RecordingTest, DeliversInOrderOfStampsWhateverTheOrderInTheBag) {
     }
     EXPECT_THAT(reader.warnings(), IsEmpty());
   }
+}
+
+// Odometry beside a scanner's lines: where it is after so many messages, and its velocity.
+struct Wheels {
+  double step_m = 0.0;
+  double speed_m_s = 0.0;
+  double orientation_w = 1.0;
+};
+
+class OdometryFaultTest : public RecordingTest {
+ protected:
+  void Record(const Wheels& wheels) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 20; ++i) {
+      nav_msgs::Odometry message;
+      message.header.stamp.fromNSec(static_cast<uint64_t>(kStart + i * kPeriod));
+      message.pose.pose.position.x = i * wheels.step_m;
+      message.pose.pose.orientation.w = wheels.orientation_w;
+      message.twist.twist.linear.x = wheels.speed_m_s;
+      RecordingTest::Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
+      RecordingTest::Record(&bag, "/wheels", message);
+    }
+  }
+
+  // What is said of the odometry; whether it is used.
+  std::pair<std::vector<std::string>, bool> Read() {
+    Rig rig = MakeRig({"top"});
+    rig.odometry_topic = "/wheels";
+    const RecordingReader reader(path_, rig);
+    return {reader.warnings(), reader.odometry() != nullptr};
+  }
+};
+
+TEST_F(OdometryFaultTest, WheelsThatTurnOrStandAreUsed) {
+  for (const double step_m : {0.02, 0.0}) {
+    Record({step_m, step_m / 0.025});
+    const auto [warnings, is_used] = Read();
+    EXPECT_TRUE(is_used) << step_m;
+    EXPECT_TRUE(warnings.empty()) << warnings.front();
+  }
+}
+
+TEST_F(OdometryFaultTest, PosesWithoutOrientationAreLeftOut) {
+  Record({0.02, 0.8, 0.0});
+  const auto [warnings, is_used] = Read();
+  EXPECT_FALSE(is_used);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings.front(),
+            "odometry is left out: 20 of 20 messages have no orientation (their quaternion is "
+            "not of length 1)");
+}
+
+TEST_F(OdometryFaultTest, AFrozenPoseIsLeftOut) {
+  Record({0.0, 0.8});
+  const auto [warnings, is_used] = Read();
+  EXPECT_FALSE(is_used);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings.front(),
+            "odometry is left out: its pose never changes, while its velocities say that the "
+            "rig moves");
 }
 
 }  // namespace

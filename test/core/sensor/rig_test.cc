@@ -104,6 +104,11 @@ TEST(Rig, WrittenRigReadsBack) {
     scanner.beams = 541;
     scanner.field_of_view_deg = 190.5;
     scanner.scan_rate_hz = 25.0;
+    if (rig.scanners.empty()) {  // the others leave the headers of the messages as they are
+      scanner.time_increment_s = -0.0001;
+      scanner.angle_min_rad = -1.5;
+      scanner.angle_increment_rad = 0.0078125;
+    }
     rig.scanners.push_back(scanner);
   }
   rig.odometry_topic = "/wheels";
@@ -129,6 +134,13 @@ TEST(Rig, WrittenRigReadsBack) {
     EXPECT_EQ(scanner.beams, expected.beams);
     EXPECT_EQ(scanner.field_of_view_deg, expected.field_of_view_deg);
     EXPECT_EQ(scanner.scan_rate_hz, expected.scan_rate_hz);
+    EXPECT_EQ(scanner.time_increment_s, expected.time_increment_s);
+    ASSERT_EQ(scanner.angle_min_rad.has_value(), expected.angle_min_rad.has_value());
+    ASSERT_EQ(scanner.angle_increment_rad.has_value(),
+              expected.angle_increment_rad.has_value());
+    if (!expected.angle_min_rad) continue;
+    EXPECT_NEAR(*scanner.angle_min_rad, *expected.angle_min_rad, 1e-12);
+    EXPECT_NEAR(*scanner.angle_increment_rad, *expected.angle_increment_rad, 1e-15);
   }
 }
 
@@ -157,6 +169,8 @@ TEST(Rig, ErrorsNameTheLine) {
             ":9: topic '/top' belongs to a scanner above already");
   EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + "    colour: red\n"),
             ":8: unknown key 'colour'");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + "    angle_increment_deg: 0\n"),
+            ":8: angle_increment_deg must not be 0");
   std::string swapped = kScanner;
   swapped.replace(swapped.find("max_range_m: 30"), 15, "max_range_m: .1");
   EXPECT_EQ(ErrorOf("scanners:\n" + swapped), ":6: min_range_m must be less than max_range_m");
