@@ -430,23 +430,16 @@ TEST_F(RecordingTest, DeliversInOrderOfStampsWhateverTheOrderInTheBag) {
   }
 }
 
-// Odometry beside a scanner's lines: where it is after so many messages, and its velocity.
-struct Wheels {
-  double step_m = 0.0;
-  double speed_m_s = 0.0;
-  double orientation_w = 1.0;
-};
-
 class OdometryFaultTest : public RecordingTest {
  protected:
-  void Record(const Wheels& wheels) {
+  // Odometry that goes on by step_m from message to message, beside a scanner's lines.
+  void Record(double step_m, double orientation_w) {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
     for (int i = 0; i < 20; ++i) {
       nav_msgs::Odometry message;
       message.header.stamp.fromNSec(static_cast<uint64_t>(kStart + i * kPeriod));
-      message.pose.pose.position.x = i * wheels.step_m;
-      message.pose.pose.orientation.w = wheels.orientation_w;
-      message.twist.twist.linear.x = wheels.speed_m_s;
+      message.pose.pose.position.x = i * step_m;
+      message.pose.pose.orientation.w = orientation_w;
       RecordingTest::Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
       RecordingTest::Record(&bag, "/wheels", message);
     }
@@ -461,17 +454,15 @@ class OdometryFaultTest : public RecordingTest {
   }
 };
 
-TEST_F(OdometryFaultTest, WheelsThatTurnOrStandAreUsed) {
-  for (const double step_m : {0.02, 0.0}) {
-    Record({step_m, step_m / 0.025});
-    const auto [warnings, is_used] = Read();
-    EXPECT_TRUE(is_used) << step_m;
-    EXPECT_TRUE(warnings.empty()) << warnings.front();
-  }
+TEST_F(OdometryFaultTest, WheelsThatTurnAreUsed) {
+  Record(0.001, 1.0);
+  const auto [warnings, is_used] = Read();
+  EXPECT_TRUE(is_used);
+  EXPECT_THAT(warnings, IsEmpty());
 }
 
 TEST_F(OdometryFaultTest, PosesWithoutOrientationAreLeftOut) {
-  Record({0.02, 0.8, 0.0});
+  Record(0.02, 0.0);
   const auto [warnings, is_used] = Read();
   EXPECT_FALSE(is_used);
   ASSERT_EQ(warnings.size(), 1u);
@@ -481,13 +472,11 @@ TEST_F(OdometryFaultTest, PosesWithoutOrientationAreLeftOut) {
 }
 
 TEST_F(OdometryFaultTest, AFrozenPoseIsLeftOut) {
-  Record({0.0, 0.8});
+  Record(0.0, 1.0);
   const auto [warnings, is_used] = Read();
   EXPECT_FALSE(is_used);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings.front(),
-            "odometry is left out: its pose never changes, while its velocities say that the "
-            "rig moves");
+  EXPECT_EQ(warnings.front(), "odometry is left out: its pose never changes");
 }
 
 }  // namespace
