@@ -186,13 +186,20 @@ class RigJudge {
         "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
         ", by the places that it " +
         (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
-    Add(parts.is_large ? Severity::kStop : Severity::kWarning,
+    // Beams without times of their own make a rig that turns look mounted otherwise.
+    const bool beams_have_times = std::none_of(
+        report_->survey.topics.begin(), report_->survey.topics.end(), [](const auto& topic) {
+          return topic.time_increment_s == 0.0;
+        });
+    Add(parts.is_large && beams_have_times ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +
             " of them " + "agree to 1.5 cm, as it is " +
             PercentOf(corrections[worst].near_share),
-        parts.advice.empty() ? "calibrate its ranges"
-                             : "in the rig file: " + Enumerate(parts.advice));
+        !beams_have_times      ? "first give the beams their times (time_increment, or "
+                                 "time_increment_s in the rig file)"
+        : parts.advice.empty() ? "calibrate its ranges"
+                               : "in the rig file: " + Enumerate(parts.advice));
     return true;
   }
 

@@ -125,6 +125,7 @@ struct RecordingReader::Impl {
   ScanOrder order;
   std::vector<LostMessages> undecodable;  // by scanner
   std::vector<LostMessages> off_plane;    // by scanner
+  std::vector<int> num_without_times;     // by scanner: messages whose time_increment is 0
   std::vector<OdometrySample> samples;    // until they have all been read
   std::shared_ptr<const Odometry> odometry;
   std::string odometry_fault;
@@ -202,6 +203,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
   }
   undecodable.resize(rig.scanners.size());
   off_plane.resize(rig.scanners.size());
+  num_without_times.resize(rig.scanners.size(), 0);
   const auto scanner_of = [&](const MessageRef& ref) {
     return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
@@ -225,6 +227,9 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     if (!scan.is_planar) {
       off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
       return;
+    }
+    if (scan.angles.empty() && scan.num_beams > 1 && scan.time_increment == 0.0f) {
+      ++num_without_times[static_cast<size_t>(scanner_of(ref))];
     }
     messages.push_back(ref);
     stamps.push_back({scan.stamp_ns,
@@ -311,6 +316,12 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
     undecodable[i].WarnOf(name, "that can not be decoded", &warnings);
     off_plane[i].WarnOf(
         name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
+    if (num_without_times[i] == 0) continue;
+    warnings.push_back("scanner '" + OnOneLine(name) + "': time_increment is 0 in " +
+                       std::to_string(num_without_times[i]) +
+                       (num_without_times[i] == 1 ? " message" : " messages") +
+                       ": all beams of a scan line count as measured at once; "
+                       "time_increment_s in the rig file replaces it");
   }
   if (!odometry_fault.empty()) {
     warnings.push_back("odometry is left out: " + odometry_fault);

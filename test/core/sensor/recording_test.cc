@@ -479,5 +479,22 @@ TEST_F(OdometryFaultTest, AFrozenPoseIsLeftOut) {
   EXPECT_EQ(warnings.front(), "odometry is left out: its pose never changes");
 }
 
+// A rig file that states the time between beams puts it right.
+TEST_F(RecordingTest, BeamsWithoutTimesOfTheirOwnAreNamed) {
+  sensor_msgs::LaserScan message = MakeMessage(kStart);
+  message.time_increment = 0.0f;
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    Record(&bag, "/top_scan", message);
+  }
+  Rig rig = MakeRig({"top"});
+  EXPECT_THAT(RecordingReader(path_, rig).warnings(),
+              ElementsAre("scanner 'top': time_increment is 0 in 1 message: all beams of a "
+                          "scan line count as measured at once; time_increment_s in the rig "
+                          "file replaces it"));
+  rig.scanners.front().time_increment_s = 1e-4;
+  EXPECT_THAT(RecordingReader(path_, rig).warnings(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace plumbline
