@@ -70,7 +70,6 @@ class BatchEstimator {
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;
-  const MotionNoise initial_noise_;  // that the options expect of any rig
   MotionProfile motion_noise_;       // that the estimates assume
   SegmentGroupCache groups_;
 };

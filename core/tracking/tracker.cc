@@ -386,12 +386,10 @@ void Tracker::Track(int first_observation,
   // The scan becomes part of the prior, so that the next scan's system is as small.
   gaussian_ = std::move(estimate);
   recent_.clear();
-  if (!unsteady) {
-    prior_ = PosePrior(gaussian_, planar_);
-    return;
+  if (unsteady) {
+    loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
+    Loosen();
   }
-  loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
-  Loosen();
   prior_ = PosePrior(gaussian_, planar_);
 }
 

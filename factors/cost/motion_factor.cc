@@ -43,29 +43,17 @@ struct RotationAccelerationFunctor {
   }
 };
 
-struct PositionInnovationFunctor {
-  PositionAccelerationFunctor acceleration;
+// What of the second of two accelerations does not follow from the first.
+template <typename AccelerationFunctor>
+struct InnovationFunctor {
+  AccelerationFunctor acceleration;
   double persistence;
 
   template <typename T>
-  bool operator()(const T* p0, const T* p1, const T* p2, const T* p3, T* residuals) const {
+  bool operator()(const T* x0, const T* x1, const T* x2, const T* x3, T* residuals) const {
     Vector3<T> before;
-    acceleration(p0, p1, p2, before.data());
-    acceleration(p1, p2, p3, residuals);
-    Eigen::Map<Vector3<T>>{residuals} -= T(persistence) * before;
-    return true;
-  }
-};
-
-struct RotationInnovationFunctor {
-  RotationAccelerationFunctor acceleration;
-  double persistence;
-
-  template <typename T>
-  bool operator()(const T* q0, const T* q1, const T* q2, const T* q3, T* residuals) const {
-    Vector3<T> before;
-    acceleration(q0, q1, q2, before.data());
-    acceleration(q1, q2, q3, residuals);
+    acceleration(x0, x1, x2, before.data());
+    acceleration(x1, x2, x3, residuals);
     Eigen::Map<Vector3<T>>{residuals} -= T(persistence) * before;
     return true;
   }
@@ -117,13 +105,15 @@ std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
 std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
   return MakeFactor<3, 3, 3, 3>(
-      PositionInnovationFunctor{{Whitening(stddev, knot_interval_s)}, persistence});
+      InnovationFunctor<PositionAccelerationFunctor>{{Whitening(stddev, knot_interval_s)},
+                                                     persistence});
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
   return MakeFactor<4, 4, 4, 4>(
-      RotationInnovationFunctor{{Whitening(stddev, knot_interval_s)}, persistence});
+      InnovationFunctor<RotationAccelerationFunctor>{{Whitening(stddev, knot_interval_s)},
+                                                     persistence});
 }
 
 std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,
