@@ -11,7 +11,6 @@
 
 #include "core/mapping/batch_policies.h"
 #include "core/mapping/drift_correction.h"
-#include "core/mapping/knot_refinement.h"
 #include "core/mapping/loop_closures.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/resegmentation.h"
@@ -53,7 +52,6 @@ class Batch {
     VLOG(1) << num_contradicted << " segments taken from planes that contradict them";
     estimator_.EstimateRobustly();  // associations made on the way may be wrong
     RecogniseRevisits();
-    FollowSharpTurns();
     share_done_ = kFirstEstimateShare;
     int round = 0;
     int num_changed = 0;
@@ -80,16 +78,6 @@ class Batch {
     DropWeakPlanes(options_.planes, state_);
     KeepHeadingHeld(state_);
     openings_.resize(state_->landmarks.size());
-    estimator_.EstimateRobustly();
-  }
-
-  void FollowSharpTurns() {
-    if (recording_ == nullptr ||
-        !RefineKnots(
-            options_.trajectory.min_scans_per_knot, recording_->scan_period_s(), state_)) {
-      return;
-    }
-    estimator_.ForgetGroups();
     estimator_.EstimateRobustly();
   }
 

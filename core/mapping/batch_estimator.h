@@ -32,10 +32,6 @@ class BatchEstimator {
   // The state outlives the estimator, and its associations may change between the estimations.
   BatchEstimator(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
 
-  // Forgets what belongs to the knots, after these have changed.
-  void ForgetGroups() {
-    groups_ = SegmentGroupCache(LinearisedGroup::kCoarse, kIntervalsPerGroup);
-  }
   // Estimates with a robust loss, for associations that may still be wrong.
   void EstimateRobustly();
   // Takes one Gauss-Newton step with the robust loss, whichever solver the options name.

@@ -9,12 +9,12 @@
 namespace plumbline {
 namespace {
 
-// Number of accelerations that the noise before a step counts as much as.
+// Number of innovations that the noise before a step counts as much as.
 constexpr double kWeightBefore = 1.0;
 // A step lowers a density to a tenth at most: what it finds for one that is far too large may
 // be anything near zero.
 constexpr double kLargestDecrease = 10.0;
-// Number of accelerations that the usual noise counts as much as in a stretch of the motion.
+// Number of innovations that the usual noise counts as much as in a stretch of the motion.
 constexpr double kUsualWeight = 4.0;
 constexpr double kHalfStretch = 0.25;  // s
 
@@ -106,6 +106,11 @@ Eigen::Vector3d MotionNoise::AngularInnovationStddev(double knot_interval_s) con
   return (1.0 - Persistence(knot_interval_s)) / std::sqrt(knot_interval_s) * Angular(density);
 }
 
+double MotionNoise::DensityPerInnovation2(double knot_interval_s) const {
+  const double innovation = 1.0 - Persistence(knot_interval_s);
+  return knot_interval_s / (innovation * innovation);
+}
+
 MotionProfile MotionProfile::Uniform(const MotionNoise& noise, const Trajectory& trajectory) {
   return {noise,
           std::vector<MotionNoise>(static_cast<size_t>(trajectory.num_control_points() - 2),
@@ -143,7 +148,7 @@ MotionProfile MotionProfile::From(const std::vector<MotionEvidence>& evidence,
 MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& initial) {
   std::vector<MotionEvidence> evidence;
   const double rho = initial.Persistence(known.knot_interval_s());
-  const double to_density = known.knot_interval_s() / ((1.0 - rho) * (1.0 - rho));
+  const double to_density = initial.DensityPerInnovation2(known.knot_interval_s());
   evidence.emplace_back();  // the first acceleration has none before it
   for (int i = 0; i + 3 < known.num_control_points(); ++i) {
     const KnotAcceleration e = InnovationAt(known, i, rho);

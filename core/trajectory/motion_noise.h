@@ -58,11 +58,13 @@ struct MotionNoise {
   Eigen::Vector3d AngularStddev(double knot_interval_s) const;
   Eigen::Vector3d LinearInnovationStddev(double knot_interval_s) const;
   Eigen::Vector3d AngularInnovationStddev(double knot_interval_s) const;
+  // What the square of an innovation is multiplied by to become that of a density.
+  double DensityPerInnovation2(double knot_interval_s) const;
 };
 
 // What an estimate tells of the noise at one knot, by kind of motion and summed over its axes:
 // an unbiased estimate of the density's square, times its weight, and the weight, the number
-// of accelerations that would tell as much if they were known exactly.
+// of innovations that would tell as much if they were known exactly.
 struct MotionEvidence {
   ByMotionKind squares = {};  // m^2/s^3, rad^2/s^3
   ByMotionKind weight = {};
@@ -83,7 +85,7 @@ struct MotionProfile {
   // The noise that follows from what an estimate tells whose usual noise was `before`:
   //   usual^2 = (w before^2 + sum squares) / (w + sum weight)
   // over all knots, and over those within a quarter of a second of one, with `usual` instead
-  // of `before`, for the noise there. w: one acceleration.
+  // of `before`, for the noise there. w: one innovation.
   static MotionProfile From(const std::vector<MotionEvidence>& evidence,
                             const MotionNoise& before,
                             double knot_interval_s);

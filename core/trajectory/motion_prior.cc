@@ -33,9 +33,9 @@ void MotionPrior::Learn(const Trajectory& trajectory,
                         const Eigen::Vector3d& angular_variance) {
   if (!learns_ || bridged_.count(first + 1) > 0) return;
   const double interval_s = trajectory.knot_interval_s();
-  const double rho = usual_.Persistence(interval_s);
-  const double to_density = interval_s / ((1.0 - rho) * (1.0 - rho));
-  const KnotAcceleration e = InnovationAt(trajectory, first, rho);
+  const double to_density = usual_.DensityPerInnovation2(interval_s);
+  const KnotAcceleration e =
+      InnovationAt(trajectory, first, usual_.Persistence(interval_s));
   const ByMotionKind squares =
       SumByKind(e.linear_world.cwiseAbs2(), e.angular_body.cwiseAbs2());
   const ByMotionKind variances = SumByKind(linear_variance, angular_variance);

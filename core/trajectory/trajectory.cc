@@ -123,31 +123,6 @@ void Trajectory::ExtendTo(int64_t time_ns) {
   }
 }
 
-Trajectory Trajectory::Refined() const {
-  CHECK_EQ(knot_interval_ns_ % 2, 0);
-  Trajectory refined(start_ns_, knot_interval_ns_ / 2, Rigid3d());
-  refined.control_points_.clear();
-  const auto rotation = [this](int i) {
-    return Eigen::Quaterniond(control_point(i).rotation.data());
-  };
-  const auto position = [this](int i) {
-    return Eigen::Vector3d(control_point(i).position.data());
-  };
-  for (int i = 0; i + 1 < num_control_points(); ++i) {
-    const Eigen::Vector3d step = Log(rotation(i).conjugate() * rotation(i + 1));
-    refined.control_points_.push_back(
-        ControlPointAt(rotation(i) * Exp(Eigen::Vector3d(0.5 * step)),
-                       0.5 * (position(i) + position(i + 1))));
-    if (i + 2 == num_control_points()) break;
-    // (c0 + 6 c1 + c2) / 8 is c1 and an eighth of the second difference.
-    const Eigen::Vector3d next = Log(rotation(i + 1).conjugate() * rotation(i + 2));
-    refined.control_points_.push_back(
-        ControlPointAt(rotation(i + 1) * Exp(Eigen::Vector3d(0.125 * (next - step))),
-                       0.125 * (position(i) + 6.0 * position(i + 1) + position(i + 2))));
-  }
-  return refined;
-}
-
 void Trajectory::Move(const Rigid3d& to_from) {
   for (ControlPoint& control_point : control_points_) {
     const Rigid3d from_body(Eigen::Quaterniond(control_point.rotation.data()),

@@ -57,11 +57,6 @@ class Trajectory {
   // Removes the control points that no pose up to this instant, inclusive, depends on.
   void ShrinkTo(int64_t time_ns);
 
-  // The same motion with a knot in the middle of each interval: of positions exactly (knot
-  // insertion; Lane and Riesenfeld 1980), of rotations to what steps between neighbouring
-  // control points leave in their commutators.
-  Trajectory Refined() const;
-
   // Takes the trajectory to another world frame.
   void Move(const Rigid3d& to_from);
   // Goes on with a later trajectory of the same world frame and knots: between the two the
