@@ -327,20 +327,34 @@ int ScanMatcher::num_points() const {
   return num;
 }
 
+std::vector<bool> ScanMatcher::InEmpty(const Line& line, PoseSampler* poses) {
+  const ScanMotion motion = MotionOf(line, poses);
+  std::vector<bool> in_empty(line.p_scanner.size());
+  for (size_t i = 0; i < in_empty.size(); ++i) {
+    in_empty[i] =
+        occupancy_.IsEmpty(motion.ToWorld(line.p_scanner[i], line.times_ns[i]), kMovingMargin);
+  }
+  return in_empty;
+}
+
+int ScanMatcher::NumInEmpty(const Trajectory& trajectory) {
+  PoseSampler poses(trajectory);
+  int num = 0;
+  for (const Line& line : lines_) {
+    const std::vector<bool> in_empty = InEmpty(line, &poses);
+    num += static_cast<int>(std::count(in_empty.begin(), in_empty.end(), true));
+  }
+  return num;
+}
+
 void ScanMatcher::LeaveOutMoving(const Trajectory& trajectory) {
   if (!options_.leave_out_moving || scan_index_ < next_check_scan_) return;
   PoseSampler poses(trajectory);
   size_t num_points = 0;
   size_t num_moving = 0;
   for (Line& line : lines_) {
-    const ScanMotion motion = MotionOf(line, &poses);
-    line.moves.assign(line.p_scanner.size(), false);
-    for (size_t i = 0; i < line.p_scanner.size(); ++i) {
-      const Eigen::Vector3d p_world = motion.ToWorld(line.p_scanner[i], line.times_ns[i]);
-      if (!occupancy_.IsEmpty(p_world, kMovingMargin)) continue;
-      line.moves[i] = true;
-      ++num_moving;
-    }
+    line.moves = InEmpty(line, &poses);
+    num_moving += static_cast<size_t>(std::count(line.moves.begin(), line.moves.end(), true));
     num_points += line.p_scanner.size();
   }
   const double share =

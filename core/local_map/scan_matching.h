@@ -56,6 +56,9 @@ class ScanMatcher {
   // move, and neither Match nor the local map takes them. None where these would be most of
   // the scan: it is then the rig that is elsewhere.
   void LeaveOutMoving(const Trajectory& trajectory);
+  // How many of the scan's points lie, by the trajectory, where the place was seen to be
+  // empty: what has moved there since, or what the trajectory has misplaced.
+  int NumInEmpty(const Trajectory& trajectory);
   // The beams of the newest scan that move, by scan line and beam: runs of at least two.
   std::vector<MovingBeams> FindMovingBeams() const;
   // Whether something has moved lately, in most scans of some seconds; so at the start, when
@@ -122,6 +125,8 @@ class ScanMatcher {
   // The derivative of the error in the middle of a scan line by that of the motion.
   Eigen::Matrix<double, 6, 12> ByMotion(const Line& line) const;
   ScanMotion MotionOf(const Line& line, PoseSampler* poses) const;
+  // Which points of a line lie where the place was seen to be empty.
+  std::vector<bool> InEmpty(const Line& line, PoseSampler* poses);
   void MatchLine(const Line& line,
                  int level,
                  const std::vector<bool>* chosen,

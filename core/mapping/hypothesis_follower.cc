@@ -18,8 +18,9 @@ namespace {
 constexpr double kHeldTime = 0.5;  // s
 // They go on side by side for no longer than this.
 constexpr double kMaxTime = 4.0;  // s
-// The predicted motion goes on where so much more of the known place agrees with it.
-constexpr double kMinGain = 0.01;
+// Standard deviations by which the sum of the scans' differences has to be above zero, so that
+// chance does not decide for the motion.
+constexpr double kSignificance = 3.0;
 // What contradicts the wheels: a motion that is so many of their standard deviations off,
 // besides what poses are known to while no wall holds them, and at least twice as far off as
 // that of the other hypothesis.
@@ -43,19 +44,6 @@ double DeviationFromWheels(const MapState& state, int64_t begin_ns, int64_t end_
 }
 
 }  // namespace
-
-void HypothesisFollower::Evidence::Add(const ScanFollower& follower,
-                                       const ScanMatcher& place,
-                                       int64_t duration_ns) {
-  const ScanMatch match = place.Match(follower.state().trajectory, 0, nullptr);
-  num_known += match.num_known;
-  num_near += match.num_near;
-  held_ns = follower.is_open() ? 0 : held_ns + duration_ns;
-}
-
-double HypothesisFollower::Evidence::NearShare() const {
-  return num_known == 0 ? 0.0 : static_cast<double>(num_near) / static_cast<double>(num_known);
-}
 
 HypothesisFollower::HypothesisFollower(const Rig& rig,
                                        bool planar,
@@ -90,8 +78,8 @@ void HypothesisFollower::Fork(int64_t now_ns) {
   }
   by_motion_ = std::move(by_motion);
   place_ = std::make_unique<ScanMatcher>(*follower_->scan_matcher());
-  for_follower_ = {};
-  for_by_motion_ = {};
+  sum_differences_ = sum_squared_differences_ = 0.0;
+  held_ns_ = held_by_motion_ns_ = 0;
   forked_ns_ = now_ns;
 }
 
@@ -110,29 +98,34 @@ void HypothesisFollower::FollowBoth(const Scan& scan) {
     return;
   }
   place_->Take(scan);
-  for_follower_.Add(*follower_, *place_, scan.end_ns - last_scan_ns_);
-  for_by_motion_.Add(*by_motion_, *place_, scan.end_ns - last_scan_ns_);
+  const double difference = place_->NumInEmpty(follower_->state().trajectory) -
+                            place_->NumInEmpty(by_motion_->state().trajectory);
+  sum_differences_ += difference;
+  sum_squared_differences_ += difference * difference;
+  const int64_t duration_ns = scan.end_ns - last_scan_ns_;
+  held_ns_ = follower_->is_open() ? 0 : held_ns_ + duration_ns;
+  held_by_motion_ns_ = by_motion_->is_open() ? 0 : held_by_motion_ns_ + duration_ns;
 }
 
 bool HypothesisFollower::IsDue(int64_t now_ns) const {
-  return SecondsBetween(0, std::max(for_follower_.held_ns, for_by_motion_.held_ns)) >=
-             kHeldTime ||
+  return SecondsBetween(0, std::max(held_ns_, held_by_motion_ns_)) >= kHeldTime ||
          SecondsBetween(forked_ns_, now_ns) >= kMaxTime;
 }
 
 void HypothesisFollower::Decide() {
-  const double gain = for_by_motion_.NearShare() - for_follower_.NearShare();
+  const double significance =
+      sum_differences_ / std::sqrt(std::max(1.0, sum_squared_differences_));
   const double by_view_off =
       DeviationFromWheels(follower_->state(), forked_ns_, last_scan_ns_);
   const double by_motion_off =
       DeviationFromWheels(by_motion_->state(), forked_ns_, last_scan_ns_);
   const bool by_wheels = by_view_off > kMaxWheelDeviation && by_view_off > 2.0 * by_motion_off;
-  const bool by_motion = by_wheels || gain > kMinGain;
+  const bool by_motion = by_wheels || significance > kSignificance;
   VLOG(1) << "two hypotheses from "
           << SecondsBetween(follower_->state().origin_time_ns, forked_ns_) << " s on; goes on "
-          << (by_motion ? "by the motion" : "by what is in view") << ": of the known place "
-          << for_by_motion_.NearShare() << " against " << for_follower_.NearShare()
-          << " agree; " << by_motion_off << " against " << by_view_off
+          << (by_motion ? "by the motion" : "by what is in view") << ": " << sum_differences_
+          << " points more in empty space, " << significance << " standard deviations; "
+          << by_motion_off << " against " << by_view_off
           << " standard deviations off the wheels";
   GoOnWith(std::move(by_motion ? by_motion_ : follower_));
 }

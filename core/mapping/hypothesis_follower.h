@@ -15,10 +15,10 @@ namespace plumbline {
 // Follows the rig through weak moments by two hypotheses side by side. Where walls leave its
 // position open in some direction, what little else is in view may show how far it goes, or
 // may be somebody who walks along: one hypothesis believes it, the other leaves the direction
-// to the predicted motion, each with its own covariance. When walls hold one of them again, it
-// goes on by which of them more of the points lie where the place was known before the fork.
-// What contradicts the wheels does not count as known: among furniture, points that belong to
-// something else may agree better than those that are right.
+// to the predicted motion, each with its own covariance. When walls hold one of them again,
+// the motion's goes on if by it significantly fewer points lie in space that was seen to be
+// empty before the fork, or if the other one contradicts the wheels: among furniture, points
+// that belong to something else may agree better than those that are right.
 class HypothesisFollower {
  public:
   HypothesisFollower(const Rig& rig,
@@ -37,16 +37,6 @@ class HypothesisFollower {
   ScanFollower& follower() { return *follower_; }
 
  private:
-  // What speaks for a hypothesis since the fork.
-  struct Evidence {
-    int64_t num_known = 0;  // points where the place was known
-    int64_t num_near = 0;   // of these, those that lie where it was
-    int64_t held_ns = 0;    // for how long walls have held the position of late
-
-    void Add(const ScanFollower& follower, const ScanMatcher& place, int64_t duration_ns);
-    double NearShare() const;
-  };
-
   void Fork(int64_t now_ns);
   // Lets both hypotheses follow the scan. Where one of them has lost the rig, the other one
   // goes on.
@@ -58,8 +48,11 @@ class HypothesisFollower {
   std::unique_ptr<ScanFollower> follower_;
   std::unique_ptr<ScanFollower> by_motion_;  // nullptr: there is one hypothesis
   std::unique_ptr<ScanMatcher> place_;       // the local map as it was at the fork
-  Evidence for_follower_;
-  Evidence for_by_motion_;
+  // By how many points more than by the motion each scan since the fork lies in empty space.
+  double sum_differences_ = 0.0;
+  double sum_squared_differences_ = 0.0;
+  int64_t held_ns_ = 0;            // for how long walls have held the position of late
+  int64_t held_by_motion_ns_ = 0;  // the same of by_motion_
   int64_t forked_ns_ = 0;
   int64_t last_scan_ns_ = 0;
   bool may_fork_ = true;  // walls have held the position since the last fork

@@ -120,6 +120,15 @@ TEST_F(ScanMatchingTest, LeavesOutWhatMoves) {
   EXPECT_EQ(matcher_.Match(truth, 0, nullptr).num_points, matcher_.num_points());
 }
 
+// A metre off, the walls on one side stand in the room, which the rig has seen to be empty.
+TEST_F(ScanMatchingTest, AWrongPosePutsPointsIntoEmptySpace) {
+  Remember(90);
+  matcher_.Take(walk_.Take());
+  EXPECT_EQ(matcher_.NumInEmpty(Predicted(0.0, Eigen::Vector3d::Zero())), 0);
+  EXPECT_GT(matcher_.NumInEmpty(Predicted(0.0, Eigen::Vector3d(1.0, 0.0, 0.0))),
+            matcher_.num_points() / 20);
+}
+
 // Where most of what is seen lies in free space, it is the pose that is wrong.
 TEST_F(ScanMatchingTest, AWrongPoseMovesNothing) {
   Remember(90);
