@@ -15,7 +15,7 @@
 
 // jemalloc reads this: it keeps free memory (but see core/util/free_memory.h), in huge pages.
 extern "C" {
-const char* malloc_conf = "dirty_decay_ms:-1,thp:always";
+const char* malloc_conf = "dirty_decay_ms:-1,thp:always,lg_extent_max_active_fit:20";
 }
 
 DEFINE_string(recording,

@@ -1,17 +1,23 @@
 #include "core/estimation/ceres_solver.h"
 
 #include <ceres/cost_function.h>
+#include <ceres/iteration_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/estimation/linearisation.h"
 #include "core/util/error.h"
+#include "factors/cost/group_factor.h"
 
 namespace plumbline {
 namespace {
@@ -22,6 +28,57 @@ ceres::Problem::Options Ownership() {
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   return options;
+}
+
+std::atomic<int64_t> num_solves = 0;
+
+// A tracker's problem has fewer, a window's more: dense factors are faster for the one, sparse
+// ones for the other.
+constexpr int kFewResiduals = 150;
+
+// Ends where another step would find nothing: after one that lowered the cost by no more than
+// the tolerance, or by what its quadratic model said to within that, or that no group had to
+// be linearised anew for; and where the next one would raise it, by what linearisations of the
+// groups leave out: Ceres would factor again and again until its damping tells.
+class LastStep final : public ceres::IterationCallback {
+ public:
+  LastStep(const SolverOptions& options, const EstimationProblem& problem)
+      : options_(options), problem_(problem) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    const int num_before =
+        std::exchange(num_linearisations_, NumGroupLinearisations(problem_));
+    if (step.iteration == 0) return ceres::SOLVER_CONTINUE;
+    if (!step.step_is_successful) {
+      return has_lowered_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    }
+    has_lowered_ = true;
+    const double tolerance = std::max(
+        options_.cost_tolerance, options_.share_tolerance * (step.cost + step.cost_change));
+    const double off_model = step.cost_change * std::abs(1.0 / step.relative_decrease - 1.0);
+    const bool is_linear =
+        !problem_.group_terms().empty() && num_linearisations_ == num_before;
+    return step.cost_change <= tolerance || off_model <= tolerance || is_linear
+               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+               : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const SolverOptions& options_;
+  const EstimationProblem& problem_;
+  int num_linearisations_ = 0;
+  bool has_lowered_ = false;
+};
+
+std::vector<FactorTerm> GroupTermsOf(const EstimationProblem& problem) {
+  std::vector<FactorTerm> terms;
+  for (const GroupTerm& group : problem.group_terms()) {
+    FactorTerm term;
+    term.factor = CreateGroupFactor(group.group);
+    term.blocks = group.blocks;
+    terms.push_back(std::move(term));
+  }
+  return terms;
 }
 
 template <typename Equations>
@@ -37,11 +94,12 @@ ArrowheadEquations Linearise(const EstimationProblem& problem) {
 
 }  // namespace
 
-CeresProblem::CeresProblem(const EstimationProblem& problem)
-    : segments_(problem.MakeSegmentTerms()),
+CeresProblem::CeresProblem(const EstimationProblem& problem, Segments segments)
+    : terms_(segments == Segments::kInGroups ? GroupTermsOf(problem)
+                                             : problem.MakeSegmentTerms()),
       problem_(std::make_unique<ceres::Problem>(Ownership())) {
   for (const FactorTerm& term : problem.factor_terms()) AddTerm(term);
-  for (const FactorTerm& term : segments_) AddTerm(term);
+  for (const FactorTerm& term : terms_) AddTerm(term);
   std::set<const double*> unknowns;
   for (const BlockId& block : problem.Layout().blocks) {
     double* const data = problem.Data(block);
@@ -60,6 +118,8 @@ CeresProblem::CeresProblem(const EstimationProblem& problem)
 
 CeresProblem::~CeresProblem() = default;
 
+int64_t NumCeresSolves() { return num_solves; }
+
 void CeresProblem::AddTerm(const FactorTerm& term) {
   problem_->AddResidualBlock(
       const_cast<ceres::CostFunction*>(term.factor.get()),
@@ -69,10 +129,12 @@ void CeresProblem::AddTerm(const FactorTerm& term) {
 
 template <typename Equations>
 Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
-  const CeresProblem ceres_problem(*problem);
+  const CeresProblem ceres_problem(*problem, segments_);
   ceres::Solver::Options options;
   // SPARSE_SCHUR with the planes eliminated first is 30 times slower: they see everything.
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.linear_solver_type = ceres_problem.get()->NumResiduals() < kFewResiduals
+                                   ? ceres::DENSE_NORMAL_CHOLESKY
+                                   : ceres::SPARSE_NORMAL_CHOLESKY;
   // What the solvers start from is close, and damping would only slow the weakly determined
   // directions, the shape of a long loop above all.
   options.initial_trust_region_radius = 1e12;
@@ -80,11 +142,18 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
   constexpr double kLeastTolerance = 1e-9;  // of the cost, where the caller sets none
   options.function_tolerance =
       options_.share_tolerance > 0.0 ? options_.share_tolerance : kLeastTolerance;
+  LastStep last_step(options_, *problem);
+  options.callbacks.push_back(&last_step);
   options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
-  options.logging_type = ceres::SILENT;
+  options.logging_type = VLOG_IS_ON(2) ? ceres::PER_MINIMIZER_ITERATION : ceres::SILENT;
   ceres::Solver::Summary summary;
+  ++num_solves;
   ceres::Solve(options, ceres_problem.get(), &summary);
-  VLOG(1) << summary.BriefReport();
+  VLOG(1) << summary.BriefReport() << "; " << summary.num_residuals_reduced << " residuals, "
+          << summary.preprocessor_time_in_seconds << " s preparing, "
+          << summary.jacobian_evaluation_time_in_seconds << " s linearising, "
+          << summary.residual_evaluation_time_in_seconds << " s evaluating, "
+          << summary.linear_solver_time_in_seconds << " s solving";
   if (!summary.IsSolutionUsable()) throw Error("the estimation failed: " + summary.message);
   return Linearise<Equations>(*problem);
 }

@@ -76,7 +76,7 @@ BatchEstimator::BatchEstimator(const Rig& rig,
 void BatchEstimator::EstimateRobustly() {
   const auto problem = BuildProblem(FactorKind::kSegment, options_.association.huber_width);
   ArrowheadEquations equations =
-      MakeBatchSolver(options_.batch.solver, kRoundOptions)->Solve(problem.get());
+      GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
   TakeNoise(FindMotionEvidence(
       motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
 }

@@ -68,12 +68,13 @@ struct OdometryOptions {
   double turn_noise = 0.1;
 };
 
-// Who solves: our Gauss-Newton, or ceres::Solve on one residual block a segment.
+// Who solves: ceres::Solve on one residual block a group of segments (CreateGroupFactor), or
+// our own Gauss-Newton on the same groups.
 enum class SolverKind { kGaussNewton, kCeres };
 
 struct WindowOptions {
   // The solver of the window and of the tracker.
-  SolverKind solver = SolverKind::kGaussNewton;
+  SolverKind solver = SolverKind::kCeres;
   // So many scans are estimated together; older ones are marginalised. [2, 10000]
   int num_scans = 10;
   // The window moves on by this time, in whole knot intervals, while the tracker alone follows
@@ -135,7 +136,8 @@ enum class FactorKind { kSegment, kPoint };
 enum class CorrelatedErrorsKind { kOff, kEstimated };
 
 struct BatchOptions {
-  SolverKind solver = SolverKind::kGaussNewton;
+  // The solver of the final estimation; the rounds before it are our own single steps.
+  SolverKind solver = SolverKind::kCeres;
   FactorKind factor = FactorKind::kSegment;
   // At most so many rounds of estimation and renewed association. [1, 1000]
   int max_rounds = 6;

@@ -42,11 +42,16 @@ class LinearisedGroup {
   };
   Model ModelAt(double const* const* parameters);
 
- private:
+  // The parameter blocks that the model is about, in the group's order, and their rows.
   int NumBlocks() const;
   int BlockSize(int block) const;
-  // First of the group's rows that belong to a block.
   int FirstRow(int block) const;
+  bool IsRotation(int block) const { return block < group_.num_control_points(); }
+  int NumRows() const {
+    return planes_held_ ? 6 * group_.num_control_points() : group_.size();
+  }
+
+ private:
   // Steps from the linearisation, in the group's rows; false where it is none or too far.
   bool Move(double const* const* parameters, Eigen::VectorXd* step) const;
   SegmentGroup::Quadratic Linearise(double const* const* parameters);

@@ -139,8 +139,12 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
     MapScenario(scanners);
     const std::vector<double> mapped = Values();
     MoveAway(mapped);
-    CeresSolver<NormalEquations>({50, 1e-14, 0.0}).Solve(problem_.get());
+    CeresSolver<NormalEquations>({50, 1e-14, 0.0}, CeresProblem::Segments::kOneByOne)
+        .Solve(problem_.get());
     const std::vector<double> by_ceres = Values();
+    MoveAway(mapped);
+    CeresSolver<NormalEquations>({50, 1e-14, 0.0}).Solve(problem_.get());
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-5);
     MoveAway(mapped);
     const NormalEquations equations =
         GaussNewtonSolver<NormalEquations>({50, 1e-14, 0.0}).Solve(problem_.get());
@@ -154,6 +158,21 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
     EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-5);
     EXPECT_NEAR(arrowhead.cost, equations.cost, 1e-9 * equations.cost);
   }
+}
+
+// With the default options the tracker's estimate of every scan but the first one, the
+// window's and the batch's final one are each a ceres::Solve.
+TEST_F(CovarianceTest, CeresSolvesByDefault) {
+  const int64_t before = NumCeresSolves();
+  MapScenario(TiltedRig());
+  const auto num_scans = static_cast<int64_t>(result_->scan_times_ns.size());
+  const int64_t num_solves = NumCeresSolves() - before;
+  EXPECT_GT(num_solves, num_scans);
+  options_.window.solver = SolverKind::kGaussNewton;
+  const int64_t before_batch = NumCeresSolves();
+  MapScenario(TiltedRig());
+  EXPECT_GE(NumCeresSolves() - before_batch, 1);
+  EXPECT_LT(NumCeresSolves() - before_batch, 10);
 }
 
 // So far that groups are linearised anew, so near that the model tells the cost.
@@ -206,7 +225,7 @@ TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::SPARSE_QR;
   ceres::Covariance oracle(options);
-  const CeresProblem ceres_problem(*problem_);
+  const CeresProblem ceres_problem(*problem_, CeresProblem::Segments::kOneByOne);
   std::vector<std::pair<const double*, const double*>> pairs;
   std::vector<const double*> blocks;
   for (const int id : covariance.landmark_ids()) {

@@ -85,7 +85,8 @@ Eigen::VectorXd TestBlocks::Residuals(const ceres::CostFunction& factor) const {
   return residuals;
 }
 
-Eigen::MatrixXd TestBlocks::TangentJacobian(const ceres::CostFunction& factor) const {
+Eigen::MatrixXd TestBlocks::TangentJacobian(const ceres::CostFunction& factor,
+                                            Eigen::VectorXd* at) const {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::Index rows = factor.num_residuals();
   Eigen::VectorXd residuals(rows);
@@ -98,6 +99,7 @@ Eigen::MatrixXd TestBlocks::TangentJacobian(const ceres::CostFunction& factor) c
     columns += manifolds_[i] ? manifolds_[i]->TangentSize() : values_[i].size();
   }
   EXPECT_TRUE(factor.Evaluate(pointers().data(), residuals.data(), jacobians.data()));
+  if (at != nullptr) *at = residuals;
   Eigen::MatrixXd result(rows, columns);
   Eigen::Index column = 0;
   for (size_t i = 0; i < values_.size(); ++i) {

@@ -50,7 +50,8 @@ class TestBlocks {
 
   Eigen::VectorXd Residuals(const ceres::CostFunction& factor) const;
   // Derivative by the tangents of all blocks.
-  Eigen::MatrixXd TangentJacobian(const ceres::CostFunction& factor) const;
+  Eigen::MatrixXd TangentJacobian(const ceres::CostFunction& factor,
+                                  Eigen::VectorXd* at = nullptr) const;
 
  private:
   std::vector<Eigen::VectorXd> values_;

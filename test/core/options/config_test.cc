@@ -37,11 +37,12 @@ MapperOptions UnusualOptions() {
   o.association = {3e-6, 0.3, 0.0125, 7.5};
   o.tracking = {2.5, 0.75, 4.0, 0.5, 3.5};
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
-  o.window = {SolverKind::kCeres, 33, 0.75, false, true};
+  o.window = {SolverKind::kGaussNewton, 33, 0.75, false, true};
   o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
   o.odometry = {false, 0.03, 0.2};
   o.loop_closure = {false, 77};
-  o.batch = {SolverKind::kCeres, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
+  o.batch = {
+      SolverKind::kGaussNewton, FactorKind::kPoint, 3, false, CorrelatedErrorsKind::kOff};
   o.max_gap_s = 0.6;
   return o;
 }
@@ -84,8 +85,8 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.max_rounds, 3);
   EXPECT_FALSE(read.batch.resegment);
   EXPECT_EQ(read.batch.correlated_errors, CorrelatedErrorsKind::kOff);
-  EXPECT_EQ(read.window.solver, SolverKind::kCeres);
-  EXPECT_EQ(read.batch.solver, SolverKind::kCeres);
+  EXPECT_EQ(read.window.solver, SolverKind::kGaussNewton);
+  EXPECT_EQ(read.batch.solver, SolverKind::kGaussNewton);
   EXPECT_FALSE(read.odometry.enabled);
   EXPECT_EQ(read.odometry.length_noise, 0.03);
   EXPECT_EQ(read.odometry.turn_noise, 0.2);

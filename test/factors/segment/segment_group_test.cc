@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <vector>
 
+#include "factors/cost/group_factor.h"
 #include "factors/cost/segment_factor.h"
 #include "factors/segment/linearised_group.h"
 #include "factors/segment/segment_measurement.h"
@@ -180,6 +182,32 @@ TEST(SegmentGroup, WithPlanesHeldThePosesRowsAreLeft) {
       (HessianByBlock(quadratic.hessian, rows) - expected.hessian.topLeftCorner(size, size))
           .norm(),
       1e-10 * expected.hessian.norm());
+}
+
+// As a cost function it takes the same steps, with a loss or without, and where few segments
+// leave directions free.
+TEST(SegmentGroup, TheCostFunctionTakesTheStepsOfTheSegments) {
+  for (const int num_segments : {3, 60}) {
+    for (const double huber_width : {0.0, 3.0}) {
+      const Scene scene(num_segments);
+      const Expected expected = SumOfSegmentFactors(scene, huber_width);
+      const auto factor =
+          CreateGroupFactor(std::make_shared<LinearisedGroup>(scene.Group(huber_width)));
+      EXPECT_NEAR(0.5 * scene.blocks.Residuals(*factor).squaredNorm(),
+                  expected.cost,
+                  1e-10 * expected.cost);
+      Eigen::VectorXd residuals;
+      const Eigen::MatrixXd jacobian = scene.blocks.TangentJacobian(*factor, &residuals);
+      EXPECT_NEAR(0.5 * residuals.squaredNorm(), expected.cost, 1e-10 * expected.cost);
+      const int size = 6 * kNumControlPoints + 3;  // before the plane with a manifold
+      EXPECT_LT((jacobian.transpose() * residuals - expected.gradient).head(size).norm(),
+                1e-7 * expected.gradient.norm());
+      EXPECT_LT((jacobian.transpose() * jacobian - expected.hessian)
+                    .topLeftCorner(size, size)
+                    .norm(),
+                1e-9 * expected.hessian.norm());
+    }
+  }
 }
 
 TEST(SegmentGroup, HuberTouchesSomeSegmentsOnly) {
