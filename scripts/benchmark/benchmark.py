@@ -7,6 +7,9 @@ Recordings are simulated first and kept below --output for the next time. Runs o
 turns, so that what slows the machine down for a while does not fall on one case alone; figures
 are medians, and comparisons are made within one call of this script only. In the document, only
 the tables between a group's two markers are replaced.
+
+With --against or --against-bin, each case is run by another build of plumbline_map as well, the two
+in turns; the ratios of this build's figures to the other's are printed, and no document changes.
 """
 
 import argparse
@@ -26,11 +29,12 @@ import time
 
 import yaml
 
-from benchmark_tables import make_tables
-
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments"))
-import job_runner  # pylint: disable=wrong-import-position
-import series  # pylint: disable=wrong-import-position
+# pylint: disable=wrong-import-position
+import comparison
+import job_runner
+import series
+from benchmark_tables import make_tables, measured_line
 
 ROOT = job_runner.ROOT
 CONFIGS = ROOT / "configs"
@@ -110,10 +114,20 @@ def parse_arguments():
                         "disk for its points")
     parser.add_argument("--group", action="append", choices=("jobs", "factors", "threads", "long"),
                         help="only these cases; may be repeated")
+    other = parser.add_mutually_exclusive_group()
+    other.add_argument("--against", metavar="COMMIT",
+                       help="build this commit, too, in a folder below --output, and compare with "
+                       "it (default --group jobs)")
+    other.add_argument("--against-bin", type=job_runner.resolved, metavar="DIR",
+                       help="compare with the plumbline_map of this folder")
+    parser.add_argument("--case", action="append", metavar="TEXT",
+                        help="compare only cases whose names contain this; may be repeated")
     parser.add_argument("--core", type=int, default=min(os.sched_getaffinity(0)), metavar="N",
                         help="the core to use (default: the first)")
     parser.add_argument("--binaries", type=job_runner.resolved, default=ROOT / "build" / "bin",
                         metavar="DIR", help="where the programs are (default build/bin)")
+    parser.add_argument("--build", action="store_true",
+                        help="build the programs first, as benchmark.sh does")
     parser.add_argument("--output", type=job_runner.resolved, default=ROOT / "out" / "benchmark",
                         metavar="DIR", help="for benchmark.json and the recordings "
                         "(default out/benchmark)")
@@ -123,7 +137,13 @@ def parse_arguments():
     arguments = parser.parse_args()
     if arguments.core not in os.sched_getaffinity(0):
         parser.error(f"--core: this process may not use core {arguments.core}")
-    arguments.groups = set(arguments.group or ("jobs", "factors", "threads"))
+    arguments.compares = arguments.against is not None or arguments.against_bin is not None
+    if arguments.case and not arguments.compares:
+        parser.error("--case needs --against or --against-bin: the document's tables are whole")
+    if arguments.against_bin == arguments.binaries:
+        parser.error("--against-bin: that is the folder of this build")
+    arguments.groups = set(arguments.group or (
+        ("jobs",) if arguments.compares else ("jobs", "factors", "threads")))
     if arguments.long:
         arguments.groups.add("long")
         if arguments.long < LONG_DURATIONS_MIN[0]:
@@ -207,25 +227,27 @@ def digest(path):
     return inputs.hexdigest()
 
 
-def measure(case, recording, arguments, work):
-    """The figures of one run. Throws JobError when the mapper fails."""
+def measure(case, recording, binaries, arguments, work):
+    """The figures of one run. Throws JobError when the mapper fails; comparisons also take the time
+    of a map that contradicts itself."""
     with job_runner.WorkDirectory(work) as directory:
         config = directory / "config.yaml"
         config.write_text(mapper_settings(case), encoding="utf-8")
         cores = cores_for(case, arguments.core)
         command = ["taskset", "-c", ",".join(map(str, cores)),
-                   arguments.binaries / "plumbline_map",
+                   binaries / "plumbline_map",
                    f"--recording={recording / 'recording.bag'}", f"--rig={recording / 'rig.yaml'}",
                    f"--config={config}", f"--threads={case.threads}",
                    f"--output={directory / 'result'}"]
         exit_code, wall_s, usage = run_measured(command, directory)
-        if exit_code != 0:
+        if exit_code not in ((0, job_runner.NOT_TRUSTED) if arguments.compares else (0,)):
             lines = (directory / "stderr.txt").read_text(errors="replace").strip().splitlines()
             raise job_runner.command_error([str(command[3])], exit_code, lines)
         result = directory / "result"
         summary = job_runner.read_json(result / "summary.json")
         figures = {"wall_s": wall_s, "cpu_s": usage.ru_utime + usage.ru_stime,
-                   "peak_memory_mb": usage.ru_maxrss / 1024.0, "num_cores": len(cores)}
+                   "peak_memory_mb": usage.ru_maxrss / 1024.0, "num_cores": len(cores),
+                   "exit_code": exit_code}
         for key in ("duration_s", "stages", "points", "segments", "planes"):
             figures[key] = summary.get(key)
         if case.group == "threads":
@@ -249,9 +271,9 @@ class Progress:
         length_m = case.recording.length_m or 60.0
         return length_m * (case.recording.beams / 270 if case.factor == "point" else 1.0)
 
-    def begin(self, case):
+    def begin(self, case, whose=""):
         done = self._total - sum(self._left.values())
-        print(f"{done} of {self._total} runs done{self._rest()}; now {case.name}",
+        print(f"{done} of {self._total} runs done{self._rest()}; now {case.name}{whose}",
               file=sys.stderr, flush=True)
 
     def _rest(self):
@@ -327,8 +349,8 @@ def write_atomically(path, text):
     os.replace(partial, path)
 
 
-def run_all(cases, arguments, work):
-    """Figures of all runs by case, and the errors of the cases that failed."""
+def make_recordings(cases, arguments, work):
+    """{recording: its directory}."""
     recordings = Recordings(arguments, work)
     directories = {}
     wanted = {case.recording for case in cases}
@@ -336,37 +358,68 @@ def run_all(cases, arguments, work):
         print(f"recording {number} of {len(wanted)}: {recording.experiment}, "
               f"{recording.beams} beams", file=sys.stderr, flush=True)
         directories[recording] = recordings.make(recording)
-    runs = [case for _ in range(arguments.repeat) for case in cases]
-    progress = Progress(runs)
-    figures = {case: [] for case in cases}
+    return directories
+
+
+def run_all(cases, builds, arguments, work):
+    """Figures of all runs by build (its folder) and case, and the errors of the cases that failed.
+    Builds take turns within a case, and which is first changes from round to round."""
+    directories = make_recordings(cases, arguments, work)
+    runs = [(case, build) for number in range(arguments.repeat) for case in cases
+            for build in (builds if number % 2 == 0 else builds[::-1])]
+    progress = Progress([case for case, _ in runs])
+    figures = {build: {case: [] for case in cases} for build in builds}
     errors = {}
-    for case in runs:
+    for case, build in runs:
         if case in errors:
             progress.end(case, 0.0)
             continue
-        progress.begin(case)
+        whose = "" if len(builds) == 1 else f", {build}"
+        progress.begin(case, whose)
         start = time.monotonic()
         try:
-            figures[case].append(measure(case, directories[case.recording], arguments, work))
+            figures[build][case].append(
+                measure(case, directories[case.recording], build, arguments, work))
         except job_runner.JobError as error:
-            errors[case] = str(error)
+            errors[case] = f"{error}{whose}"
         progress.end(case, time.monotonic() - start)
-    return {case: runs for case, runs in figures.items() if case not in errors}, errors
+    return {build: {case: runs for case, runs in of_build.items() if case not in errors}
+            for build, of_build in figures.items()}, errors
 
 
-def main():
-    arguments = parse_arguments()
-    versions = series.build_of(arguments.binaries,
-                               ("plumbline_simulate", "plumbline_map"))["version"]
-    job_runner.read_text(arguments.document)  # an error now rather than after an hour
-    cases = [case for case in make_cases(arguments.long, arguments.dense)
-             if case.group in arguments.groups]
-    setup = {**describe_machine(arguments.binaries), "programs": versions,
-             "core": arguments.core, "repeat": arguments.repeat}
+def compare(cases, arguments, setup):
+    """Measures the two builds in turns and prints the ratios; returns the errors by case."""
+    other = arguments.against_bin
+    if arguments.against is not None:
+        other = comparison.build_commit(ROOT, arguments.against, arguments.output / "builds")
+    setup["other"] = {"commit": arguments.against, "folder": str(other),
+                      "programs": series.build_of(other, ("plumbline_map",))["version"]}
     with job_runner.WorkDirectory(arguments.output) as work:
-        figures, errors = run_all(cases, arguments, work)
+        figures, errors = run_all(cases, [arguments.binaries, other], arguments, work)
+    results = {}
+    for case, ours in figures[arguments.binaries].items():
+        theirs = figures[other][case]
+        results[case.name] = {**dataclasses.asdict(case),
+                              "this": {"median": median_of(ours), "runs": ours},
+                              "other": {"median": median_of(theirs), "runs": theirs},
+                              "ratios": comparison.ratios_of(ours, theirs)}
+    write_atomically(arguments.output / "against.json", json.dumps(
+        {"setup": setup, "cases": results,
+         "failed": {case.name: error for case, error in errors.items()}}, indent=2) + "\n")
+    if results:
+        whose = arguments.against[:12] if arguments.against else other
+        print(f"{measured_line(setup)} This build over {whose}:\n")
+        print("\n".join(comparison.ratios_table(results)))
+    return errors
+
+
+def fill_document(cases, arguments, setup):
+    """Measures, and puts the tables into the document; returns the errors by case."""
+    job_runner.read_text(arguments.document)  # an error now rather than after an hour
+    with job_runner.WorkDirectory(arguments.output) as work:
+        figures, errors = run_all(cases, [arguments.binaries], arguments, work)
     results = {case.name: {**dataclasses.asdict(case), "median": median_of(runs), "runs": runs}
-               for case, runs in figures.items()}
+               for case, runs in figures[arguments.binaries].items()}
     write_atomically(arguments.output / "benchmark.json", json.dumps(
         {"setup": setup, "cases": results,
          "failed": {case.name: error for case, error in errors.items()}}, indent=2) + "\n")
@@ -380,6 +433,27 @@ def main():
         if count != 1:
             raise job_runner.InputError(f"{arguments.document}: no place marked for {group}")
     write_atomically(arguments.document, document)
+    return errors
+
+
+def main():
+    arguments = parse_arguments()
+    if arguments.against is not None:  # an error now rather than after the build
+        arguments.against = comparison.find_commit(ROOT, arguments.against)
+    cases = [case for case in make_cases(arguments.long, arguments.dense)
+             if case.group in arguments.groups and
+             (not arguments.case or any(text in case.name for text in arguments.case))]
+    if not cases:
+        raise job_runner.InputError(f"no case is named {' or '.join(arguments.case)}")
+    if arguments.build and subprocess.run(
+            [ROOT / "scripts" / "build.sh", "plumbline_simulate", "plumbline_map"],
+            stdin=subprocess.DEVNULL, stdout=sys.stderr, check=False).returncode != 0:
+        raise job_runner.InputError("the programs do not build, see above")
+    versions = series.build_of(arguments.binaries,
+                               ("plumbline_simulate", "plumbline_map"))["version"]
+    setup = {**describe_machine(arguments.binaries), "programs": versions,
+             "core": arguments.core, "repeat": arguments.repeat}
+    errors = (compare if arguments.compares else fill_document)(cases, arguments, setup)
     for case, error in errors.items():
         print(f"failed: {case.name}: {error}")
     return 1 if errors else 0
