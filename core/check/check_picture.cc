@@ -162,34 +162,40 @@ class TopicRow {
   void DrawTime(const Box& box,
                 const std::string& title,
                 const std::function<double(const SurveyedSecond&)>& value) {
-    const auto num_seconds = static_cast<size_t>(std::ceil(report_.survey.duration_s()));
+    const double num_seconds = std::max(1.0, std::ceil(report_.survey.duration_s()));
     canvas_->Text({box.x, box.y - 4.0}, title, 10);
-    std::vector<double> values(std::max<size_t>(1, num_seconds), 0.0);
-    for (size_t i = 0; i < std::min(values.size(), topic_.seconds.size()); ++i) {
-      values[i] = value(topic_.seconds[i]);
-    }
-    const double most = std::max(1e-9, *std::max_element(values.begin(), values.end()));
     // A long recording has more seconds than the strip has pixels: the worst of each stands.
-    const size_t step = 1 + values.size() / 460;
-    const double width =
-        box.width * static_cast<double>(step) / static_cast<double>(values.size());
-    for (size_t i = 0; i < values.size(); i += step) {
-      const double least = *std::min_element(
-          values.begin() + static_cast<std::ptrdiff_t>(i),
-          values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step)));
-      const double x = box.x + width * static_cast<double>(i) / static_cast<double>(step);
-      if (least <= 0.0) {
-        canvas_->Rectangle(x, box.y, width, box.height, "#f3b0b0");
+    const auto step = static_cast<int64_t>(1.0 + num_seconds / box.width);
+    const auto num_steps =
+        static_cast<size_t>(std::ceil(num_seconds / static_cast<double>(step)));
+    std::vector<double> least(num_steps, 0.0);
+    std::vector<int64_t> num_present(num_steps, 0);
+    double most = 1e-9;
+    for (const SurveyedSecond& second : topic_.seconds) {
+      const auto at = static_cast<size_t>(second.second / step);
+      if (at >= num_steps) continue;  // the last line may lie on the end itself
+      least[at] = num_present[at]++ == 0 ? value(second) : std::min(least[at], value(second));
+      most = std::max(most, value(second));
+    }
+    const double width = box.width * static_cast<double>(step) / num_seconds;
+    for (size_t i = 0; i < num_steps; ++i) {
+      const double x = box.x + width * static_cast<double>(i);
+      const double until =
+          std::min(num_seconds, static_cast<double>(step) * static_cast<double>(i + 1));
+      const double expected = until - static_cast<double>(step) * static_cast<double>(i);
+      const double drawn = box.width * expected / num_seconds;
+      if (least[i] <= 0.0 || static_cast<double>(num_present[i]) < expected) {
+        canvas_->Rectangle(x, box.y, drawn, box.height, "#f3b0b0");
       } else {
-        const double height = box.height * least / most;
-        canvas_->Rectangle(x, box.y + box.height - height, width, height, ColourOf(index_));
+        const double height = box.height * least[i] / most;
+        canvas_->Rectangle(x, box.y + box.height - height, drawn, height, ColourOf(index_));
       }
     }
     canvas_->Frame(box.x, box.y, box.width, box.height);
     canvas_->Text({box.x - 4.0, box.y + 9.0}, Decimal(most, 0), 10, "end");
     canvas_->Text({box.x - 4.0, box.y + box.height}, "0", 10, "end");
     canvas_->Text({box.x + box.width, box.y + box.height + 12.0},
-                  Decimal(static_cast<double>(num_seconds), 0) + " s",
+                  Decimal(num_seconds, 0) + " s",
                   10,
                   "end");
   }

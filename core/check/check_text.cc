@@ -5,6 +5,7 @@
 
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/util/one_line.h"
 
 namespace plumbline {
 namespace {
@@ -94,7 +95,7 @@ std::string TopicTable(const CheckReport& report) {
                                                  "stands"}};
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     const TopicSurvey& topic = report.survey.topics[i];
-    rows.push_back({topic.name,
+    rows.push_back({OnOneLine(topic.name),
                     std::to_string(topic.stamps.size()),
                     RateOf(topic),
                     std::to_string(topic.num_beams),
@@ -120,8 +121,8 @@ std::string TopicTable(const CheckReport& report) {
 std::string AgreementText(const CheckReport& report) {
   std::string text;
   for (const PairAgreement& pair : report.agreements) {
-    const std::string names =
-        report.rig->scanners[pair.a].name + " and " + report.rig->scanners[pair.b].name;
+    const std::string names = OnOneLine(report.rig->scanners[pair.a].name + " and " +
+                                        report.rig->scanners[pair.b].name);
     if (pair.num_compared == 0) {
       text += "  " + names + " see no place in common\n";
       continue;
@@ -133,7 +134,7 @@ std::string AgreementText(const CheckReport& report) {
   for (size_t i = 0; i < report.heights.size(); ++i) {
     const HeightView& view = report.heights[i];
     if (!view.is_tilted) continue;
-    text += "  " + report.rig->scanners[i].name + " sees ";
+    text += "  " + OnOneLine(report.rig->scanners[i].name) + " sees ";
     text += view.floor.is_seen
                 ? "the floor " + Decimal(-view.floor.height_m, 2) + " m below the body"
                 : "no floor";
@@ -155,7 +156,7 @@ Json TopicJson(const TopicSurvey& topic, const OwnAttitude& attitude) {
   json["type"] = topic.type;
   json["scan_lines"] = topic.stamps.size();
   json["undecodable"] = topic.num_undecodable;
-  json["unusable"] = topic.num_unusable;
+  json["unusable"] = topic.passed_over.unusable.count;
   json["rate_hz"] = topic.period_s > 0.0 ? 1.0 / topic.period_s : 0.0;
   json["duration_s"] = topic.duration_s();
   json["beams"] = topic.num_beams;
@@ -234,7 +235,7 @@ std::string NameOf(Severity severity) {
 }
 
 std::string FormatCheckText(const CheckReport& report) {
-  std::string text = report.survey.path + " " + report.verdict + ".\n\n";
+  std::string text = OnOneLine(report.survey.path) + " " + report.verdict + ".\n\n";
   text += "  " + report.survey.format + ", " + Decimal(report.survey.duration_s(), 1) +
           " s, " + std::to_string(report.survey.topics.size()) + " topics with scan lines\n";
   if (!report.survey.topics.empty()) text += TopicTable(report);
@@ -242,11 +243,12 @@ std::string FormatCheckText(const CheckReport& report) {
   if (!report.findings.empty()) text += "\n";
   for (const Finding& finding : report.findings) {
     const std::string subject = finding.subject.empty() ? "" : finding.subject + ": ";
-    text += Wrapped(subject + finding.sentence,
+    text += Wrapped(OnOneLine(subject + finding.sentence),
                     "  " + Padded(NameOf(finding.severity), 9),
                     std::string(11, ' '));
     if (finding.advice.empty()) continue;
-    text += Wrapped(finding.advice, std::string(11, ' ') + "-> ", std::string(14, ' '));
+    text +=
+        Wrapped(OnOneLine(finding.advice), std::string(11, ' ') + "-> ", std::string(14, ' '));
   }
   if (report.findings.empty()) text += "\n  nothing to complain of\n";
   return text;

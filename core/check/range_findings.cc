@@ -31,9 +31,7 @@ const Scanner* ScannerOf(const CheckReport& report, size_t topic) {
 template <typename Value>
 double UsualOf(const std::vector<SurveyedSecond>& seconds, const Value& value) {
   std::vector<double> values;
-  for (const SurveyedSecond& second : seconds) {
-    if (second.num_lines > 0) values.push_back(value(second));
-  }
+  for (const SurveyedSecond& second : seconds) values.push_back(value(second));
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -139,14 +137,17 @@ class RangeJudge {
   void JudgeSeconds() {
     const double usual_returns = UsualOf(topic_.seconds, ReturnShare);
     const double usual_straight = UsualOf(topic_.seconds, StraightShare);
-    std::vector<bool> silent, frozen, random;
+    std::vector<int64_t> silent, frozen, random;
     for (const SurveyedSecond& second : topic_.seconds) {
-      const bool has_lines = second.num_lines > 0;
-      silent.push_back(has_lines && ReturnShare(second) < kSilentShare * usual_returns);
-      frozen.push_back(second.num_repeated > 1 &&
-                       100 * second.num_repeated > kFrozenPercent * second.num_lines);
-      random.push_back(has_lines && !silent.back() &&
-                       StraightShare(second) < kStraightShare * usual_straight);
+      if (second.num_repeated > 1 &&
+          100 * second.num_repeated > kFrozenPercent * second.num_lines) {
+        frozen.push_back(second.second);
+      }
+      if (ReturnShare(second) < kSilentShare * usual_returns) {
+        silent.push_back(second.second);
+      } else if (StraightShare(second) < kStraightShare * usual_straight) {
+        random.push_back(second.second);
+      }
     }
     const std::string when_silent = SpansInWords(silent, kMinSilent);
     if (!when_silent.empty()) {

@@ -16,6 +16,14 @@ constexpr double kWindow = 2.0;  // s, of a window of the sample
 // The sample holds at most so many beams, which take a second or two to look at.
 constexpr int64_t kMaxBeams = 2'500'000;
 
+bool IsUsed(const TopicSurvey& topic, int64_t stamp_ns) {
+  const auto found = std::lower_bound(
+      topic.stamps.begin(), topic.stamps.end(), stamp_ns, [](const auto& one, int64_t ns) {
+        return one.stamp_ns < ns;
+      });
+  return found != topic.stamps.end() && found->stamp_ns == stamp_ns;
+}
+
 // Keeps the scan lines of windows that are spread evenly: each time that they become too many,
 // every second window is dropped.
 class WindowSample {
@@ -45,6 +53,7 @@ class WindowSample {
       for (ScanLine& line : of_window) {
         const auto index = static_cast<size_t>(line.scanner_index);
         const TopicSurvey& topic = topics[index];
+        if (!IsUsed(topic, line.stamp_ns)) continue;
         for (float& range : line.ranges) {
           range = static_cast<float>(topic.metres_per_unit * static_cast<double>(range));
           if (!(range >= topic.limits.min_m && range <= topic.limits.max_m)) {
@@ -102,32 +111,35 @@ RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
   survey.path = path;
   WindowSample sample;
   std::vector<TopicSurveyor> surveyors;
-  bool is_first = true;
+  int64_t first_receipt_ns = 0;  // of the recording, whatever it is worth
   const RecordedTopics recorded =
       ReadScans(path, rig, [&](const RecordedTopic& topic, const ScanMessage& message) {
-        if (is_first) survey.start_receipt_ns = message.receipt_ns;
-        survey.end_receipt_ns = is_first ? message.receipt_ns
-                                         : std::max(survey.end_receipt_ns, message.receipt_ns);
-        is_first = false;
+        if (surveyors.empty()) first_receipt_ns = message.receipt_ns;
         const auto index = static_cast<size_t>(message.line.scanner_index);
-        while (surveyors.size() < index) {  // topics of which nothing can be decoded
-          surveyors.emplace_back(nullptr, survey.start_receipt_ns);
-        }
+        // Topics of which nothing can be decoded have one, too.
+        while (surveyors.size() < index) surveyors.emplace_back(nullptr);
         if (surveyors.size() == index) {
           const auto stated = limits.find(topic.name);
-          surveyors.emplace_back(stated == limits.end() ? nullptr : &stated->second,
-                                 survey.start_receipt_ns);
+          surveyors.emplace_back(stated == limits.end() ? nullptr : &stated->second);
         }
         surveyors[index].Add(message);
-        sample.Add(message, survey.start_receipt_ns);
+        sample.Add(message, first_receipt_ns);
       });
   survey.format = recorded.format;
   survey.warnings = recorded.warnings;
+  survey.start_receipt_ns = std::numeric_limits<int64_t>::max();
+  for (TopicSurveyor& surveyor : surveyors) {
+    survey.start_receipt_ns = std::min(survey.start_receipt_ns, surveyor.Order());
+  }
+  survey.end_receipt_ns = survey.start_receipt_ns;
   for (size_t i = 0; i < recorded.topics.size(); ++i) {
-    if (recorded.topics[i].has_scan_lines && i < surveyors.size()) {
-      survey.topics.push_back(surveyors[i].Finish(recorded.topics[i]));
-    } else {
+    if (!recorded.topics[i].has_scan_lines || i >= surveyors.size()) {
       survey.other_topics.push_back(recorded.topics[i].name);
+      continue;
+    }
+    survey.topics.push_back(surveyors[i].Finish(recorded.topics[i], survey.start_receipt_ns));
+    for (const LineStamp& stamp : survey.topics.back().stamps) {
+      survey.end_receipt_ns = std::max(survey.end_receipt_ns, stamp.receipt_ns);
     }
   }
   survey.sample = sample.Take(survey.topics);

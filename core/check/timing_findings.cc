@@ -6,6 +6,7 @@
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/options/mapper_options.h"
+#include "core/util/date.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -75,9 +76,9 @@ class StampJudge {
         findings_(findings) {}
 
   void Judge() {
-    if (topic_.num_unusable > 0) {
+    if (topic_.passed_over.unusable.count > 0) {
       Add(topic_.stamps.empty() ? Severity::kStop : Severity::kWarning,
-          std::to_string(topic_.num_unusable) +
+          std::to_string(topic_.passed_over.unusable.count) +
               " scan lines have no beams, or angles or times that make no sense; they are "
               "passed over",
           "look at angle_min, angle_increment and time_increment of the driver");
@@ -87,63 +88,84 @@ class StampJudge {
           std::to_string(topic_.num_undecodable) + " messages can not be decoded",
           "record again, or accept the loss");
     }
-    if (topic_.stamps.size() < kMinLines) {
-      Add(Severity::kStop,
-          "only " + std::to_string(topic_.stamps.size()) + " scan lines",
-          "check that the scanner runs and that its topic is recorded");
+    JudgePassedOver();
+    if (topic_.stamps.size() >= kMinLines) {
+      JudgeOrder();
+      JudgeGaps();
+      JudgeBeamTimes();
       return;
     }
-    if (topic_.period_s <= 0.0) {
-      Add(Severity::kStop,
-          "the header stamps do not count up: most repeat the one before",
-          "let the driver stamp each scan line with the instant of its first beam");
-      return;
-    }
-    JudgeOrder();
-    JudgeGaps();
-    JudgeBeamTimes();
+    const bool is_repeating = topic_.passed_over.repeated.count > 0;
+    Add(Severity::kStop,
+        is_repeating ? "the header stamps do not count up: most repeat the one before"
+                     : "only " + std::to_string(topic_.stamps.size()) + " scan lines",
+        is_repeating ? "let the driver stamp each scan line with the instant of its first beam"
+                     : "check that the scanner runs and that its topic is recorded");
   }
 
  private:
   void Add(Severity severity, const std::string& sentence, const std::string& advice) {
     findings_->push_back({severity, topic_.name, sentence, advice});
   }
+  static std::string Count(int count, const std::string& one, const std::string& many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+  }
   std::string At(const LineStamp& stamp) const {
     return "at " + Decimal(SecondsBetween(start_receipt_ns_, stamp.receipt_ns), 1) + " s";
   }
 
+  // The lines that the mapper passes over or sorts, each for its reason.
+  void JudgePassedOver() {
+    const PassedOverLines& lines = topic_.passed_over;
+    if (lines.repeated.count > 0) {
+      Add(Severity::kWarning,
+          Count(lines.repeated.count, "scan line has", "scan lines have") +
+              " the stamp of the one before; passed over",
+          "look for a driver that sends twice, or for a coarse clock");
+    }
+    if (lines.jumped.count > 0) {
+      Add(Severity::kWarning,
+          Count(lines.jumped.count,
+                "scan line has a stamp that jumps",
+                "scan lines have stamps that jump") +
+              " against the others; passed over",
+          "set the scanner's clock before recording, not while; no time server that steps");
+    }
+    if (lines.apart.count > 0) {
+      Add(Severity::kWarning,
+          Count(lines.apart.count, "scan line has a stamp", "scan lines have stamps") +
+              " apart from all others, such as " + FormatDate(lines.apart.first_ns) +
+              "; passed over: the clock was not set when they were taken",
+          "start recording once the scanner's clock is set");
+    }
+    if (topic_.num_receipts_off > 0) {
+      Add(Severity::kWarning,
+          Count(topic_.num_receipts_off, "scan line was", "scan lines were") +
+              " received, by the recorder's clock, more than an hour away from their stamps",
+          "set the recorder's clock before recording");
+    }
+    if (topic_.num_out_of_turn > 0) {
+      Add(Severity::kNote,
+          Count(topic_.num_out_of_turn, "scan line came", "scan lines came") +
+              " after one with a later stamp; they are sorted by their stamps",
+          "");
+    }
+  }
+
   void JudgeOrder() {
-    int num_repeated = 0;
-    int num_back = 0;
     int num_steps = 0;
-    const LineStamp* first_back = nullptr;
     const LineStamp* first_step = nullptr;
     double largest_step_s = 0.0;
     for (size_t i = 1; i < topic_.stamps.size(); ++i) {
       const LineStamp& before = topic_.stamps[i - 1];
       const LineStamp& now = topic_.stamps[i];
-      const double stamps_s = SecondsBetween(before.stamp_ns, now.stamp_ns);
-      const double step_s = stamps_s - SecondsBetween(before.receipt_ns, now.receipt_ns);
-      if (stamps_s == 0.0) ++num_repeated;
-      if (stamps_s < 0.0 && num_back++ == 0) first_back = &now;
+      const double step_s = SecondsBetween(before.stamp_ns, now.stamp_ns) -
+                            SecondsBetween(before.receipt_ns, now.receipt_ns);
       if (std::abs(step_s) < std::max(kMaxClockStep, 3.0 * topic_.period_s)) continue;
       if (num_steps++ == 0) first_step = &now;
       if (std::abs(step_s) > std::abs(largest_step_s)) largest_step_s = step_s;
     }
-    if (num_repeated > 0) {
-      Add(Severity::kWarning,
-          std::to_string(num_repeated) +
-              " scan lines have the stamp of the one before; they are passed over",
-          "look for a driver that sends twice, or for a coarse clock");
-    }
-    if (num_back > 0) {
-      Add(Severity::kWarning,
-          "the stamps jump back " + std::to_string(num_back) +
-              (num_back == 1 ? " time, " : " times, first ") + At(*first_back),
-          "set the scanner's clock before recording, not while; no time server that steps");
-    }
-    // A stamp that jumps back is told already.
-    if (num_steps > num_back) {
+    if (num_steps > 0) {
       Add(Severity::kWarning,
           "the clock of the stamps jumps against the recorder's " + std::to_string(num_steps) +
               (num_steps == 1 ? " time, by " : " times, by up to ") +

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
 
 #include "core/consistency/scanner_agreement.h"
 #include "core/geometry/angles.h"
@@ -14,7 +17,7 @@ constexpr double kNear = 0.5;         // m, of returns that may be from the rig 
 constexpr size_t kLinesForUnit = 20;  // that decide the unit
 constexpr size_t kMaxDeviations = 100'000;
 constexpr int kDeviationStride = 7;
-constexpr double kMaxSecond = 86'400.0;  // no recording is longer than a day
+constexpr double kMaxReceiptError = 3600.0;  // s, of a recorder whose clock was set
 // Neighbours so far apart hardly share the errors of scanners that smooth.
 constexpr double kTripleSpacing = 0.7 * kRadiansPerDegree;
 // The histogram's bins: so many a decade, from 1 mm to 1000 km.
@@ -68,18 +71,17 @@ double TopicSurvey::RangeQuantile(double share) const {
   return 0.0;
 }
 
-TopicSurveyor::TopicSurveyor(const RangeLimits* limits, int64_t start_receipt_ns)
-    : has_limits_(limits != nullptr), start_receipt_ns_(start_receipt_ns) {
+TopicSurveyor::TopicSurveyor(const RangeLimits* limits) : has_limits_(limits != nullptr) {
   if (has_limits_) survey_.limits = *limits;
   survey_.histogram.assign(kBinsPerDecade * kDecades, 0);
 }
 
 void TopicSurveyor::Add(const ScanMessage& message) {
   if (!message.usable) {
-    ++survey_.num_unusable;
+    unusable_.push_back({message.line.stamp_ns, 0, false, message.receipt_ns});
     return;
   }
-  survey_.stamps.push_back({message.line.stamp_ns, message.receipt_ns});
+  lines_.push_back({{message.line.stamp_ns, message.receipt_ns}, {}});
   if (is_started_) {
     Take(message);
     return;
@@ -118,29 +120,22 @@ void TopicSurveyor::DecideUnit() {
   first_.clear();
 }
 
-SurveyedSecond* TopicSurveyor::SecondOf(const ScanMessage& message) {
-  const double second = SecondsBetween(start_receipt_ns_, message.receipt_ns);
-  const auto index = static_cast<size_t>(std::clamp(second, 0.0, kMaxSecond));
-  if (index >= survey_.seconds.size()) survey_.seconds.resize(index + 1);
-  return &survey_.seconds[index];
-}
-
 void TopicSurveyor::Take(const ScanMessage& message) {
   const ScanLine& line = message.line;
-  SurveyedSecond* second = SecondOf(message);
-  ++second->num_lines;
+  SurveyedSecond* figures = &lines_[num_taken_++].figures;
+  figures->num_lines = 1;
   const uint64_t fingerprint = FingerprintOf(line.ranges);
-  if (fingerprint != 0 && fingerprint == last_fingerprint_) ++second->num_repeated;
+  if (fingerprint != 0 && fingerprint == last_fingerprint_) ++figures->num_repeated;
   last_fingerprint_ = fingerprint;
   if (line.num_beams() != survey_.num_beams ||
       std::abs(line.angle_min - survey_.angle_min) > 1e-6 ||
       std::abs(line.angle_increment - survey_.angle_increment) > 1e-9) {
     ++survey_.num_other_layouts;
   }
-  TakeRanges(message, second);
+  TakeRanges(message, figures);
 }
 
-void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* second) {
+void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* figures) {
   const ScanLine& line = message.line;
   const auto is_at_stated_limit = [&message](size_t beam) {
     return beam < message.is_at_stated_limit.size() && message.is_at_stated_limit[beam];
@@ -158,7 +153,7 @@ void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* secon
     const auto at = static_cast<size_t>(beam);
     const double range = unit * static_cast<double>(line.ranges[at]);
     ++survey_.num_ranges;
-    ++second->num_beams;
+    ++figures->num_beams;
     BeamCounts* counts = at < survey_.beams.size() ? &survey_.beams[at] : nullptr;
     if (counts != nullptr) ++counts->num_lines;
     if (std::isfinite(range) && range > 0.0) ++survey_.histogram[HistogramBin(range)];
@@ -184,7 +179,7 @@ void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* secon
       continue;
     }
     ++survey_.num_returns;
-    ++second->num_returns;
+    ++figures->num_returns;
     if (counts != nullptr) {
       ++counts->num_returns;
       if (range < kNear) {
@@ -204,27 +199,87 @@ void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* secon
     }
     // Along a straight line, 1 / range is a sinusoid of the angle.
     const double deviation = range - twice_cosine / (1.0 / before + 1.0 / after);
-    ++second->num_triples;
-    if (std::abs(deviation) < 0.1 + 0.02 * range) ++second->num_straight;
+    ++figures->num_triples;
+    if (std::abs(deviation) < 0.1 + 0.02 * range) ++figures->num_straight;
     if (num_triples_++ % kDeviationStride == 0 && deviations_m_.size() < kMaxDeviations) {
       deviations_m_.push_back(std::abs(deviation));
     }
   }
 }
 
-TopicSurvey TopicSurveyor::Finish(const RecordedTopic& topic) {
+int64_t TopicSurveyor::Order() {
   if (!is_started_) DecideUnit();
+  std::vector<ScanStamp> stamps = unusable_;
+  std::vector<size_t> by_receipt(lines_.size());
+  std::iota(by_receipt.begin(), by_receipt.end(), size_t{0});
+  std::stable_sort(by_receipt.begin(), by_receipt.end(), [this](size_t a, size_t b) {
+    return lines_[a].stamp.receipt_ns < lines_[b].stamp.receipt_ns;
+  });
+  for (const size_t index : by_receipt) {
+    const LineStamp& stamp = lines_[index].stamp;
+    stamps.push_back({stamp.stamp_ns, 0, true, stamp.receipt_ns});
+  }
+  Rig one;
+  one.scanners.resize(1);
+  const ScanOrder order = OrderScanLines(one, stamps);
+  survey_.passed_over = order.passed_over.front();
+  survey_.period_s = order.scan_period_s;
+  size_t last = 0;
+  for (const size_t position : order.positions) {
+    if (position < last) ++survey_.num_out_of_turn;
+    last = std::max(last, position);
+    used_.push_back(by_receipt[position - unusable_.size()]);
+  }
+  CorrectReceipts();
+  int64_t start_ns = std::numeric_limits<int64_t>::max();
+  for (const size_t index : used_) {
+    start_ns = std::min(start_ns, lines_[index].stamp.receipt_ns);
+  }
+  return start_ns;
+}
+
+void TopicSurveyor::CorrectReceipts() {
+  std::vector<int64_t> delays_ns;
+  for (const size_t index : used_) {
+    delays_ns.push_back(lines_[index].stamp.receipt_ns - lines_[index].stamp.stamp_ns);
+  }
+  const int64_t usual_ns = QuantileOf(&delays_ns, 0.5);
+  for (const size_t index : used_) {
+    LineStamp& stamp = lines_[index].stamp;
+    const int64_t expected_ns = stamp.stamp_ns + usual_ns;
+    if (std::abs(SecondsBetween(expected_ns, stamp.receipt_ns)) < kMaxReceiptError) continue;
+    stamp.receipt_ns = expected_ns;
+    ++survey_.num_receipts_off;
+  }
+}
+
+void TopicSurveyor::CountSeconds(int64_t start_receipt_ns) {
+  std::map<int64_t, SurveyedSecond> seconds;  // a gap of years holds none
+  for (const size_t index : used_) {
+    const Line& line = lines_[index];
+    const auto second =
+        static_cast<int64_t>(SecondsBetween(start_receipt_ns, line.stamp.receipt_ns));
+    SurveyedSecond& sum = seconds[second];
+    sum.second = second;
+    sum.num_lines += line.figures.num_lines;
+    sum.num_repeated += line.figures.num_repeated;
+    sum.num_beams += line.figures.num_beams;
+    sum.num_returns += line.figures.num_returns;
+    sum.num_triples += line.figures.num_triples;
+    sum.num_straight += line.figures.num_straight;
+  }
+  for (const auto& [second, sum] : seconds) survey_.seconds.push_back(sum);
+}
+
+TopicSurvey TopicSurveyor::Finish(const RecordedTopic& topic, int64_t start_receipt_ns) {
   survey_.name = topic.name;
   survey_.type = topic.type;
   survey_.num_undecodable = topic.num_undecodable;
-  std::vector<double> periods_s;
-  for (size_t i = 1; i < survey_.stamps.size(); ++i) {
-    periods_s.push_back(
-        SecondsBetween(survey_.stamps[i - 1].stamp_ns, survey_.stamps[i].stamp_ns));
-  }
-  survey_.period_s = QuantileOf(&periods_s, 0.5);
+  for (const size_t index : used_) survey_.stamps.push_back(lines_[index].stamp);
+  CountSeconds(start_receipt_ns);
   const auto largest = static_cast<double>(survey_.num_largest);
   if (survey_.num_at_limit == 0 && survey_.largest_range_m > 0.0 &&
+      survey_.largest_range_m >= survey_.limits.min_m &&
       survey_.largest_range_m <= survey_.limits.max_m &&
       largest > kAtLimitShare * static_cast<double>(survey_.num_ranges) && largest > 20.0) {
     survey_.num_at_limit = survey_.num_largest;

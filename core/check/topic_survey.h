@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/check/scan_messages.h"
+#include "core/sensor/scan_order.h"
 
 namespace plumbline {
 
@@ -17,7 +18,9 @@ struct RangeLimits {
 // The instants of one scan line.
 struct LineStamp {
   int64_t stamp_ns = 0;    // as the message says
-  int64_t receipt_ns = 0;  // as the recorder says
+  // As the recorder says; where its clock was more than an hour off, as the stamp and the
+  // topic's usual delay say.
+  int64_t receipt_ns = 0;
 };
 
 // What one beam angle returned over a whole recording.
@@ -38,6 +41,7 @@ struct SurveyedSecond {
   // Neighbouring beams in threes, all with returns, and those that lie on a straight line.
   int64_t num_triples = 0;
   int64_t num_straight = 0;
+  int64_t second = 0;  // since the recording's start
 };
 
 // TopicSurvey is what one topic with scan lines holds, in figures.
@@ -45,8 +49,10 @@ struct TopicSurvey {
   std::string name;
   std::string type;
   int num_undecodable = 0;
-  int num_unusable = 0;           // no beams, or angles or times that make no sense
-  std::vector<LineStamp> stamps;  // of the usable lines, in the order of the recording
+  PassedOverLines passed_over;    // that the mapper passes over, too
+  int num_out_of_turn = 0;        // lines that came after one with a later stamp
+  int num_receipts_off = 0;       // lines whose receipts are more than an hour off
+  std::vector<LineStamp> stamps;  // of the lines that are used, in their order
 
   // Layout of the first usable line, and how many lines differ from it.
   int num_beams = 0;
@@ -73,7 +79,7 @@ struct TopicSurvey {
   std::vector<int64_t> histogram;  // of the finite positive ranges, by HistogramBin()
 
   std::vector<BeamCounts> beams;        // of the lines with the first layout
-  std::vector<SurveyedSecond> seconds;  // since the recording's start
+  std::vector<SurveyedSecond> seconds;  // that have lines that are used, in their order
   double period_s = 0.0;                // median time between lines; 0: fewer than two lines
   double noise_m = 0.0;  // of one range, from neighbouring beams; 0: could not be told
 
@@ -83,27 +89,42 @@ struct TopicSurvey {
   double RangeQuantile(double share) const;
 };
 
-// TopicSurveyor makes the survey of one topic, line by line.
+// TopicSurveyor makes the survey of one topic, line by line: Add() for each, Order(),
+// Finish().
 class TopicSurveyor {
  public:
-  // limits: those of the rig file, or null where there is none. start_receipt_ns: of the
-  // recording, from which its seconds count.
-  TopicSurveyor(const RangeLimits* limits, int64_t start_receipt_ns);
+  // limits: those of the rig file, or null where there is none.
+  explicit TopicSurveyor(const RangeLimits* limits);
 
   void Add(const ScanMessage& message);
-  TopicSurvey Finish(const RecordedTopic& topic);
+  // Decides which lines are used, and in which order, as the mapper does
+  // (core/sensor/scan_order.h). Returns when the first of them was received; the latest
+  // instant there is where none is used.
+  int64_t Order();
+  // start_receipt_ns: of the recording, from which its seconds count.
+  TopicSurvey Finish(const RecordedTopic& topic, int64_t start_receipt_ns);
 
  private:
+  // A usable line, in the order of the recording.
+  struct Line {
+    LineStamp stamp;
+    SurveyedSecond figures;
+  };
+
   void DecideUnit();
   void Take(const ScanMessage& message);
-  void TakeRanges(const ScanMessage& message, SurveyedSecond* second);
-  SurveyedSecond* SecondOf(const ScanMessage& message);
+  void TakeRanges(const ScanMessage& message, SurveyedSecond* figures);
+  void CorrectReceipts();
+  void CountSeconds(int64_t start_receipt_ns);
 
   TopicSurvey survey_;
   bool has_limits_;
-  int64_t start_receipt_ns_;
   bool is_started_ = false;
   std::vector<ScanMessage> first_;  // kept until the unit is known
+  std::vector<Line> lines_;
+  size_t num_taken_ = 0;             // of lines_, whose ranges have been looked at
+  std::vector<size_t> used_;         // in lines_, in the order of their stamps
+  std::vector<ScanStamp> unusable_;  // lines
   uint64_t last_fingerprint_ = 0;
   std::vector<double> deviations_m_;  // of beams from the line through their neighbours
   uint64_t num_triples_ = 0;

@@ -18,19 +18,19 @@ std::string PercentOf(double share) {
   return Decimal(percent, percent > 0.0 && percent < 1.0 ? 1 : 0) + " %";
 }
 
-std::string SpansInWords(const std::vector<bool>& marked, size_t min_length) {
+std::string SpansInWords(const std::vector<int64_t>& seconds, size_t min_length) {
   constexpr int kMaxSpans = 6;
   std::string words;
   int num_spans = 0;
-  for (size_t first = 0; first < marked.size(); ++first) {
-    if (!marked[first]) continue;
-    size_t last = first;
-    while (last < marked.size() && marked[last]) ++last;
-    if (last - first >= min_length && ++num_spans <= kMaxSpans) {
-      words += (words.empty() ? "from " : ", from ") + std::to_string(first) + " to " +
-               std::to_string(last) + " s";
+  for (size_t first = 0, last = 0; first < seconds.size(); first = last) {
+    while (last < seconds.size() &&
+           seconds[last] - seconds[first] == static_cast<int64_t>(last - first)) {
+      ++last;
     }
-    first = last;
+    if (last - first >= min_length && ++num_spans <= kMaxSpans) {
+      words += (words.empty() ? "from " : ", from ") + std::to_string(seconds[first]) +
+               " to " + std::to_string(seconds[last - 1] + 1) + " s";
+    }
   }
   if (num_spans > kMaxSpans)
     words += " and " + std::to_string(num_spans - kMaxSpans) + " more";

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <iterator>
 #include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "core/util/date.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -32,15 +32,6 @@ std::string SecondsText(double seconds) {
 
 std::string CountText(int count) {
   return std::to_string(count) + (count == 1 ? " scan line" : " scan lines");
-}
-
-// "1970-01-01 00:00:00 UTC"
-std::string DateText(int64_t time_ns) {
-  const auto seconds = static_cast<std::time_t>(time_ns / 1'000'000'000);
-  std::tm date = {};
-  gmtime_r(&seconds, &date);
-  char text[64];
-  return std::string(text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S UTC", &date));
 }
 
 double Median(std::vector<double>* values) {
@@ -76,24 +67,11 @@ std::vector<bool> LongestIncreasingSubsequence(const std::vector<int64_t>& stamp
   return kept;
 }
 
-// Scan lines that were passed over for one reason.
-struct PassedOver {
-  int count = 0;
-  int64_t first_ns = 0;
-
-  void Add(int64_t time_ns) {
-    if (count++ == 0) first_ns = time_ns;
-  }
-};
-
 // The messages of one scanner.
 struct ScannerStamps {
   std::vector<size_t> positions;  // usable, in the order of the recording
   std::vector<int64_t> stamps;    // of these
-  PassedOver unusable;
-  PassedOver repeated;  // first_ns: stamp of the scan line used before it
-  PassedOver jumped;
-  PassedOver apart;  // first_ns: their own stamp
+  PassedOverLines passed_over;
   double period_s = 0.0;
   int64_t first_ns = 0;
   int64_t last_ns = 0;
@@ -120,6 +98,7 @@ void KeepWhatFits(const std::vector<int64_t>& stamps, std::vector<bool>* kept) {
   for (size_t i = 0; i < stamps.size(); ++i) {
     if ((*kept)[i] || stamps[i] < first_ns || stamps[i] > last_ns) continue;
     const auto after = known.lower_bound(stamps[i]);
+    if (after != known.end() && *after == stamps[i]) continue;
     if (after != known.end() && SecondsBetween(stamps[i], *after) < spacing_s) continue;
     if (after != known.begin() && SecondsBetween(*std::prev(after), stamps[i]) < spacing_s) {
       continue;
@@ -145,9 +124,9 @@ void KeepIncreasing(ScannerStamps* scanner) {
       increasing.positions.push_back(scanner->positions[i]);
       increasing.stamps.push_back(stamp_ns);
     } else if (!increasing.stamps.empty() && stamp_ns == previous_ns) {
-      increasing.repeated.Add(previous_ns);
+      increasing.passed_over.repeated.Add(previous_ns);
     } else {
-      increasing.jumped.Add(previous_ns);
+      increasing.passed_over.jumped.Add(previous_ns);
     }
   }
   std::vector<size_t> order(increasing.stamps.size());
@@ -182,18 +161,19 @@ std::vector<bool> MarkShortRunsApart(const std::vector<int64_t>& times_ns,
     runs.back().last = i + 1;
   }
   std::vector<bool> is_marked(times_ns.size(), false);
-  for (size_t i = 0; i < runs.size() && runs.size() > 1; ++i) {
+  // The run with the most instants is what the others lie apart from.
+  const auto most = std::max_element(runs.begin(), runs.end(), [](const Run& a, const Run& b) {
+    return a.last - a.first < b.last - b.first;
+  });
+  for (size_t i = 0; i < runs.size(); ++i) {
     const auto [first, last] = runs[i];
+    if (runs.begin() + static_cast<std::ptrdiff_t>(i) == most) continue;
     if (SecondsBetween(times_ns[first], times_ns[last - 1]) >= kMinAbsenceS) continue;
     if (i > 0 && !is_apart(first - 1, first)) continue;
     if (i + 1 < runs.size() && !is_apart(last - 1, last)) continue;
     std::fill(is_marked.begin() + static_cast<std::ptrdiff_t>(first),
               is_marked.begin() + static_cast<std::ptrdiff_t>(last),
               true);
-  }
-  // Nothing but such runs: there is no rest that they could lie apart from.
-  if (std::find(is_marked.begin(), is_marked.end(), false) == is_marked.end()) {
-    is_marked.assign(times_ns.size(), false);
   }
   return is_marked;
 }
@@ -226,7 +206,7 @@ void PassOverUnconfirmed(const std::vector<ScanStamp>& stamps, ScannerStamps* sc
   size_t num_kept = 0;
   for (size_t i = 0; i < is_apart.size(); ++i) {
     if (is_apart[i]) {
-      scanner->apart.Add(scanner->stamps[i]);
+      scanner->passed_over.apart.Add(scanner->stamps[i]);
       continue;
     }
     scanner->positions[num_kept] = scanner->positions[i];
@@ -253,7 +233,7 @@ void PassOverFarAway(std::vector<ScannerStamps>* scanners) {
     size_t num_kept = 0;
     for (size_t i = 0; i < scanner.stamps.size(); ++i) {
       if (far_ns.count(scanner.stamps[i]) > 0) {
-        scanner.apart.Add(scanner.stamps[i]);
+        scanner.passed_over.apart.Add(scanner.stamps[i]);
         continue;
       }
       scanner.positions[num_kept] = scanner.positions[i];
@@ -286,13 +266,14 @@ void WarnOfPassedOver(const std::string& name,
                         " passed over: " + reason + ", first at " +
                         SecondsText(SecondsBetween(start_ns, passed_over.first_ns)));
   };
-  warn(scanner.unusable, "no ranges, or angles or time increments that make no sense");
-  warn(scanner.repeated, "time stamps repeated");
-  warn(scanner.jumped, "time stamps that jump against the others");
-  if (scanner.apart.count == 0) return;
-  warnings->push_back("scanner '" + name + "': " + CountText(scanner.apart.count) +
+  warn(scanner.passed_over.unusable,
+       "no ranges, or angles or time increments that make no sense");
+  warn(scanner.passed_over.repeated, "time stamps repeated");
+  warn(scanner.passed_over.jumped, "time stamps that jump against the others");
+  if (scanner.passed_over.apart.count == 0) return;
+  warnings->push_back("scanner '" + name + "': " + CountText(scanner.passed_over.apart.count) +
                       " passed over: time stamps that lie apart from all others, such as " +
-                      DateText(scanner.apart.first_ns) +
+                      FormatDate(scanner.passed_over.apart.first_ns) +
                       "; the clock was not set when they were taken");
 }
 
@@ -347,7 +328,7 @@ ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
       scanner.positions.push_back(position);
       scanner.stamps.push_back(stamps[position].stamp_ns);
     } else {
-      scanner.unusable.Add(stamps[position].stamp_ns);
+      scanner.passed_over.unusable.Add(stamps[position].stamp_ns);
     }
   }
 
@@ -360,6 +341,7 @@ ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
   PassOverFarAway(&scanners);
   for (ScannerStamps& scanner : scanners) {
     FindPeriod(&scanner, &periods_s);
+    order.passed_over.push_back(scanner.passed_over);
     order.positions.insert(
         order.positions.end(), scanner.positions.begin(), scanner.positions.end());
   }
@@ -377,7 +359,7 @@ ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
   for (size_t i = 0; i < scanners.size(); ++i) {
     const std::string& name = rig.scanners[i].name;
     // Where nothing is left there is no start to count from.
-    const int64_t origin_ns = empty ? scanners[i].unusable.first_ns : start_ns;
+    const int64_t origin_ns = empty ? scanners[i].passed_over.unusable.first_ns : start_ns;
     WarnOfPassedOver(name, scanners[i], origin_ns, &order.warnings);
     WarnOfAbsence(name, scanners[i], start_ns, end_ns, &order.warnings);
   }

@@ -17,12 +17,31 @@ struct ScanStamp {
   int64_t receipt_ns = 0;  // when the recorder received it
 };
 
+// Scan lines that were passed over for one reason.
+struct PassedOver {
+  int count = 0;
+  int64_t first_ns = 0;
+
+  void Add(int64_t time_ns) {
+    if (count++ == 0) first_ns = time_ns;
+  }
+};
+
+// What of one scanner was passed over.
+struct PassedOverLines {
+  PassedOver unusable;
+  PassedOver repeated;  // first_ns: stamp of the scan line used before it
+  PassedOver jumped;    // as above
+  PassedOver apart;     // first_ns: their own stamp
+};
+
 // ScanOrder says which messages of a recording to use, and in which order.
 struct ScanOrder {
   // Indices of messages, ordered by stamp, at equal stamps by scanner. The stamps of each
   // scanner increase strictly.
   std::vector<size_t> positions;
   double scan_period_s = 0.0;  // median over all scanners; 0 if none has two scan lines
+  std::vector<PassedOverLines> passed_over;  // by scanner
   std::vector<std::string> warnings;
 };
 

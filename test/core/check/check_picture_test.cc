@@ -26,7 +26,8 @@ CheckReport MakeReport() {
     topic.angle_min = -2.35;
     topic.angle_increment = 0.0175;
     topic.beams.assign(270, {80, 80, 0, 0.0F, 0});
-    topic.seconds.assign(4, {20, 0, 5400, 5400, 5000, 4900});
+    for (int64_t i = 0; i < 4; ++i)
+      topic.seconds.push_back({20, 0, 5400, 5400, 5000, 4900, i});
     report.survey.topics.push_back(topic);
     report.topics_of_scanners.push_back(static_cast<int>(i));
     report.attitudes.push_back({});

@@ -29,7 +29,7 @@ class RangeFindingsTest : public testing::Test {
     topic.num_returns = 10'000;
     topic.noise_m = 0.03;
     topic.beams.assign(100, {100, 100, 0, 0.0F, 0});
-    topic.seconds.assign(10, {10, 0, 1000, 1000, 900, 800});
+    for (int64_t i = 0; i < 10; ++i) topic.seconds.push_back({10, 0, 1000, 1000, 900, 800, i});
     report_.survey.topics.push_back(topic);
     Scanner scanner;
     scanner.name = "one";

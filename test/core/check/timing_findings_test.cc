@@ -78,9 +78,21 @@ TEST_F(TimingFindingsTest, SingleLinesAreMissing) {
   EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kWarning, "/a", "about 8 %")));
 }
 
-TEST_F(TimingFindingsTest, StampsThatJumpBack) {
-  for (size_t i = 50; i < 100; ++i) first().stamps[i].stamp_ns -= 1'000'000'000;
-  EXPECT_THAT(Find(), Contains(IsFinding(Severity::kWarning, "/a", "jump back 1 time")));
+TEST_F(TimingFindingsTest, WhatTheMapperPassesOverIsNamed) {
+  first().passed_over.jumped.count = 7;
+  first().passed_over.repeated.count = 1;
+  second().passed_over.apart = {2, 0};
+  EXPECT_THAT(
+      Find(),
+      ElementsAre(IsFinding(Severity::kWarning, "/a", "1 scan line has the stamp of"),
+                  IsFinding(Severity::kWarning, "/a", "7 scan lines have stamps that jump"),
+                  IsFinding(Severity::kWarning, "/b", "such as 1970-01-01 00:00:00 UTC")));
+}
+
+TEST_F(TimingFindingsTest, LinesThatComeOutOfTurnAreNoted) {
+  first().num_out_of_turn = 12;
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kNote, "/a", "12 scan lines came after")));
 }
 
 TEST_F(TimingFindingsTest, AClockThatIsSet) {
@@ -89,10 +101,10 @@ TEST_F(TimingFindingsTest, AClockThatIsSet) {
               Contains(IsFinding(Severity::kWarning, "/a", "1 time, by 0.70 s, at 5.0 s")));
 }
 
-TEST_F(TimingFindingsTest, RepeatedStamps) {
-  for (size_t i = 1; i < 5; ++i) first().stamps[i].stamp_ns = first().stamps[0].stamp_ns;
-  EXPECT_THAT(Find(),
-              Contains(IsFinding(Severity::kWarning, "/a", "4 scan lines have the stamp")));
+TEST_F(TimingFindingsTest, StampsThatDoNotCountUp) {
+  first().stamps.resize(1);
+  first().passed_over.repeated.count = 99;
+  EXPECT_THAT(Find(), Contains(IsFinding(Severity::kStop, "/a", "do not count up")));
 }
 
 TEST_F(TimingFindingsTest, ClocksApart) {

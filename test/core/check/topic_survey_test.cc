@@ -35,9 +35,10 @@ class TopicSurveyTest : public testing::Test {
   }
   TopicSurvey Survey(const std::vector<ScanMessage>& messages,
                      const RangeLimits* limits = nullptr) {
-    TopicSurveyor surveyor(limits, kStartNs);
+    TopicSurveyor surveyor(limits);
     for (const ScanMessage& message : messages) surveyor.Add(message);
-    return surveyor.Finish({"/scan", "sensor_msgs/LaserScan", true, 0});
+    const int64_t start_ns = surveyor.Order();
+    return surveyor.Finish({"/scan", "sensor_msgs/LaserScan", true, 0}, start_ns);
   }
   std::vector<ScanMessage> Take(int num_lines) {
     std::vector<ScanMessage> messages;
@@ -130,7 +131,7 @@ TEST_F(TopicSurveyTest, CountsLinesThatAreUnlikeTheFirst) {
   messages[3].usable = false;
   const TopicSurvey survey = Survey(messages);
   EXPECT_EQ(survey.num_other_layouts, 1);
-  EXPECT_EQ(survey.num_unusable, 1);
+  EXPECT_EQ(survey.passed_over.unusable.count, 1);
   EXPECT_EQ(survey.stamps.size(), 4u);
 }
 
@@ -139,6 +140,41 @@ TEST_F(TopicSurveyTest, AnEmptyTopicHasNoFigures) {
   EXPECT_EQ(survey.period_s, 0.0);
   EXPECT_EQ(survey.noise_m, 0.0);
   EXPECT_EQ(survey.RangeQuantile(0.5), 0.0);
+}
+
+TEST_F(TopicSurveyTest, ClocksThatWereNotSetCostNoMemory) {
+  std::vector<ScanMessage> messages = Take(100);
+  messages[0].line.stamp_ns = 0;
+  messages[0].receipt_ns = 0;
+  messages[50].receipt_ns = 0;
+  const TopicSurvey survey = Survey(messages);
+  EXPECT_EQ(survey.passed_over.apart.count, 1);
+  EXPECT_EQ(survey.num_receipts_off, 1);
+  EXPECT_EQ(survey.stamps.size(), 99u);
+  EXPECT_EQ(survey.stamps[49].receipt_ns, survey.stamps[49].stamp_ns);
+  EXPECT_EQ(survey.seconds.size(), 10u);
+  EXPECT_EQ(survey.seconds.back().second, 9);
+}
+
+TEST_F(TopicSurveyTest, AGapOfYearsHoldsNoSeconds) {
+  std::vector<ScanMessage> messages = Take(100);
+  for (size_t i = 0; i < 50; ++i) {
+    messages[i].line.stamp_ns -= kStartNs;
+    messages[i].receipt_ns -= kStartNs;
+  }
+  const TopicSurvey survey = Survey(messages);
+  EXPECT_EQ(survey.stamps.size(), 100u);
+  EXPECT_EQ(survey.seconds.size(), 10u);
+  EXPECT_GT(survey.seconds.back().second, 1'500'000'000);
+}
+
+TEST_F(TopicSurveyTest, MessagesOutOfTurnAreSorted) {
+  std::vector<ScanMessage> messages = Take(100);
+  for (size_t i = 0; i < 100; i += 10) messages[i].receipt_ns += 150'000'000;
+  const TopicSurvey survey = Survey(messages);
+  EXPECT_EQ(survey.stamps.size(), 100u);
+  EXPECT_EQ(survey.num_out_of_turn, 10);
+  EXPECT_NEAR(survey.period_s, 0.1, 1e-9);
 }
 
 }  // namespace

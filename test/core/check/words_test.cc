@@ -22,14 +22,12 @@ TEST(WordsTest, Lists) {
 }
 
 TEST(WordsTest, Spans) {
-  EXPECT_EQ(SpansInWords({false, true, true, false, true}, 1), "from 1 to 3 s, from 4 to 5 s");
-  EXPECT_EQ(SpansInWords({false, true, true, false, true}, 2), "from 1 to 3 s");
-  EXPECT_EQ(SpansInWords({false, true}, 2), "");
-  std::vector<bool> many;
-  for (int i = 0; i < 8; ++i) {
-    many.push_back(true);
-    many.push_back(false);
-  }
+  EXPECT_EQ(SpansInWords({1, 2, 4}, 1), "from 1 to 3 s, from 4 to 5 s");
+  EXPECT_EQ(SpansInWords({1, 2, 4}, 2), "from 1 to 3 s");
+  EXPECT_EQ(SpansInWords({1}, 2), "");
+  EXPECT_EQ(SpansInWords({}, 1), "");
+  std::vector<int64_t> many;
+  for (int64_t i = 0; i < 8; ++i) many.push_back(2 * i);
   EXPECT_THAT(SpansInWords(many, 1), testing::EndsWith(", from 10 to 11 s and 2 more"));
 }
 

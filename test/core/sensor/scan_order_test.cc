@@ -85,6 +85,14 @@ TEST(ScanOrderTest, LinesBeforeTheClockWasSetArePassedOver) {
   }
 }
 
+TEST(ScanOrderTest, AStampOfAnotherYearIsPassedOverInAShortRecording) {
+  std::vector<ScanStamp> lines = Lines(0, 20);
+  lines[0].stamp_ns = lines[0].receipt_ns = 0;
+  const ScanOrder order = OrderScanLines(MakeRig({"top"}), lines);
+  EXPECT_THAT(order.positions, SizeIs(19));
+  EXPECT_THAT(order.warnings, ElementsAre(HasSubstr("1 scan line passed over")));
+}
+
 TEST(ScanOrderTest, LinesOfAnotherYearArePassedOverWhereverTheyStand) {
   for (const size_t at : {size_t{0}, size_t{200}, size_t{399}}) {
     for (const int64_t away_s : {-600, 90, 86'400 * 365}) {
