@@ -15,6 +15,7 @@ constexpr double kStraightShare = 0.15;  // of the usual share of beams that con
 constexpr double kFewReturns = 0.3;
 constexpr double kRigShare = 0.8;    // of the lines, near returns in the same beam
 constexpr double kBlindWidth = 5.0;  // deg
+constexpr double kFewLayouts = 0.02;  // of the lines, with other layouts than most
 constexpr double kHighNoise = 1.5;   // times the stated one
 constexpr double kLowNoise = 0.25;
 
@@ -81,9 +82,12 @@ class RangeJudge {
     JudgeBeams();
     JudgeNoise();
     if (topic_.num_other_layouts > 0) {
-      Add(Severity::kWarning,
+      // A recording begins and ends amid a revolution.
+      const bool are_few =
+          topic_.num_other_layouts < kFewLayouts * static_cast<double>(topic_.stamps.size());
+      Add(are_few ? Severity::kNote : Severity::kWarning,
           std::to_string(topic_.num_other_layouts) +
-              " scan lines have other numbers of beams or angles than the first",
+              " scan lines have other numbers of beams or angles than most",
           "do not change the scanner's settings while recording");
     }
   }

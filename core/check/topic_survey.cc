@@ -38,6 +38,24 @@ size_t HistogramBin(double range) {
       std::clamp(bin, 0.0, static_cast<double>(kBinsPerDecade * kDecades - 1)));
 }
 
+bool HaveOneLayout(const ScanLine& a, const ScanLine& b) {
+  return a.num_beams() == b.num_beams() && std::abs(a.angle_min - b.angle_min) <= 1e-6 &&
+         std::abs(a.angle_increment - b.angle_increment) <= 1e-9;
+}
+
+// The first message of those whose layout most share. A recording may begin amid a revolution.
+const ScanMessage& MostCommonLayout(const std::vector<ScanMessage>& messages) {
+  const auto num_alike = [&](const ScanMessage& one) {
+    return std::count_if(messages.begin(), messages.end(), [&](const ScanMessage& other) {
+      return HaveOneLayout(one.line, other.line);
+    });
+  };
+  return *std::max_element(
+      messages.begin(), messages.end(), [&](const ScanMessage& a, const ScanMessage& b) {
+        return num_alike(a) < num_alike(b);
+      });
+}
+
 template <typename T>
 T QuantileOf(std::vector<T>* values, double share) {
   if (values->empty()) return T();
@@ -102,7 +120,8 @@ void TopicSurveyor::DecideUnit() {
   }
   const double median = QuantileOf(&ranges, 0.5);
   if (median > kFarMedian) survey_.metres_per_unit = median > kMillimetreMedian ? 1e-3 : 1e-2;
-  const ScanMessage& first = first_.front();
+  const ScanMessage& first = MostCommonLayout(first_);
+  layout_ = first.line;
   survey_.num_beams = first.line.num_beams();
   survey_.angle_min = first.line.angle_min;
   survey_.angle_increment = first.line.angle_increment;
@@ -127,9 +146,7 @@ void TopicSurveyor::Take(const ScanMessage& message) {
   const uint64_t fingerprint = FingerprintOf(line.ranges);
   if (fingerprint != 0 && fingerprint == last_fingerprint_) ++figures->num_repeated;
   last_fingerprint_ = fingerprint;
-  if (line.num_beams() != survey_.num_beams ||
-      std::abs(line.angle_min - survey_.angle_min) > 1e-6 ||
-      std::abs(line.angle_increment - survey_.angle_increment) > 1e-9) {
+  if (!HaveOneLayout(line, layout_)) {
     ++survey_.num_other_layouts;
   }
   TakeRanges(message, figures);

@@ -54,7 +54,7 @@ struct TopicSurvey {
   int num_receipts_off = 0;       // lines whose receipts are more than an hour off
   std::vector<LineStamp> stamps;  // of the lines that are used, in their order
 
-  // Layout of the first usable line, and how many lines differ from it.
+  // Layout that most of the first usable lines have, and how many lines differ from it.
   int num_beams = 0;
   double angle_min = 0.0;         // rad
   double angle_increment = 0.0;   // rad
@@ -121,6 +121,7 @@ class TopicSurveyor {
   bool has_limits_;
   bool is_started_ = false;
   std::vector<ScanMessage> first_;  // kept until the unit is known
+  ScanLine layout_;                 // a line that has it
   std::vector<Line> lines_;
   size_t num_taken_ = 0;             // of lines_, whose ranges have been looked at
   std::vector<size_t> used_;         // in lines_, in the order of their stamps

@@ -6,9 +6,17 @@
 
 #include "core/bag/unpack.h"
 #include "core/recording/decode.h"
+#include "core/recording/segment_joiner.h"
 #include "core/util/error.h"
 
 namespace plumbline {
+namespace {
+
+std::tuple<uint32_t, uint64_t, uint32_t> KeyOf(const MessageRef& message) {
+  return {message.part, message.begin, message.topic_index};
+}
+
+}  // namespace
 
 const char kRecordingFormats[] =
     "ROS 1 bag (.bag), ROS 2 recording (.mcap, .db3, or its folder), CARMEN log (.clf, .log), "
@@ -26,13 +34,18 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   };
   ScanLineMessage scan_line;
   OdometryMessage odometry;
+  SegmentJoiner joiner([&](const std::vector<MessageRef>& parts, const ScanLineMessage& line) {
+    const MessageRef& first = parts.front();
+    if (parts.size() > 1) segments_[KeyOf(first)].assign(parts.begin() + 1, parts.end());
+    visitor.scan_line(first, line);
+  });
   const auto visit = [&](const MessageRef& message, ByteView stored) {
     const RecordingTopic& topic = topics()[message.topic_index];
     const ByteView data = Unpacked(topic, stored);
     bool decoded = true;
     if (topic.HasScanLines() && visitor.scan_line != nullptr) {
       decoded = DecodeScanLine(topic, data, visitor.with_ranges, &scan_line);
-      if (decoded) visitor.scan_line(message, scan_line);
+      if (decoded) joiner.Add(message, scan_line);
     } else if (topic.HasOdometry() && visitor.odometry != nullptr) {
       decoded = DecodeOdometry(topic, data, &odometry);
       if (decoded) visitor.odometry(message, odometry);
@@ -41,6 +54,7 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     return decoded;
   };
   file_->Scan(wants, visit);
+  joiner.Finish();
   warnings_.insert(warnings_.end(), file_->warnings().begin(), file_->warnings().end());
 }
 
@@ -57,10 +71,20 @@ ByteView RecordingSource::Unpacked(const RecordingTopic& topic, ByteView data) {
   return {unpacked_.data(), unpacked_.size()};  // where it is damaged, it can not be decoded
 }
 
-void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line) {
+void RecordingSource::DecodeAgain(const MessageRef& message, ScanLineMessage* scan_line) {
   const RecordingTopic& topic = topics()[message.topic_index];
   if (!DecodeScanLine(topic, Unpacked(topic, file_->Read(message)), true, scan_line)) {
     throw Error(path() + ": has changed while it was read");
+  }
+}
+
+void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line) {
+  DecodeAgain(message, scan_line);
+  const auto segments = segments_.find(KeyOf(message));
+  if (segments == segments_.end()) return;
+  for (const MessageRef& part : segments->second) {
+    DecodeAgain(part, &segment_);
+    AppendSegment(segment_, scan_line);
   }
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/recording/message_file.h"
@@ -16,7 +19,8 @@ struct RecordingVisitor {
   // Whether a topic's messages are visited; all are where it is not set. Called once for each
   // of RecordingSource::topics(), in their order, before the topic's first message.
   std::function<bool(const RecordingTopic&)> wants;
-  // Messages are valid during the call only.
+  // Messages are valid during the call only. A revolution that a scanner sends in several
+  // messages is one scan line (segment_joiner.h), of its first message.
   std::function<void(const MessageRef&, const ScanLineMessage&)> scan_line;
   std::function<void(const MessageRef&, const OdometryMessage&)> odometry;
   // A message of a wanted topic that can not be decoded.
@@ -50,9 +54,13 @@ class RecordingSource {
 
  private:
   ByteView Unpacked(const RecordingTopic& topic, ByteView data);
+  void DecodeAgain(const MessageRef& message, ScanLineMessage* scan_line);
 
   std::unique_ptr<MessageFile> file_;
   std::vector<uint8_t> unpacked_;  // the last message that was packed on its own
+  // Where the first message of a revolution is (part, begin, topic), and its other messages.
+  std::map<std::tuple<uint32_t, uint64_t, uint32_t>, std::vector<MessageRef>> segments_;
+  ScanLineMessage segment_;  // read last
   std::vector<std::string> warnings_;
 };
 

@@ -125,11 +125,12 @@ TEST_F(TopicSurveyTest, CountsRepeatedLinesAndNoise) {
             0.1 * static_cast<double>(survey.seconds[2].num_triples));
 }
 
-TEST_F(TopicSurveyTest, CountsLinesThatAreUnlikeTheFirst) {
+TEST_F(TopicSurveyTest, CountsLinesThatAreUnlikeMost) {
   std::vector<ScanMessage> messages = Take(5);
-  messages[2].line.ranges.resize(10);
+  messages[0].line.ranges.resize(10);
   messages[3].usable = false;
   const TopicSurvey survey = Survey(messages);
+  EXPECT_EQ(survey.num_beams, kNumBeams);
   EXPECT_EQ(survey.num_other_layouts, 1);
   EXPECT_EQ(survey.passed_over.unusable.count, 1);
   EXPECT_EQ(survey.stamps.size(), 4u);
