@@ -1,6 +1,7 @@
 #include "core/check/check.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
@@ -18,8 +19,23 @@ bool IsMended(const std::vector<MountingCorrection>& corrections) {
   });
 }
 
+// Whether the correction of one scanner explains what an other header would, and more.
+bool IsExplainedByMounting(const OtherHeader& header,
+                           const std::vector<std::vector<SampledLine>>& sample,
+                           const MountedRig& rig) {
+  constexpr double kMore = 0.025;  // of the places
+  const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
+  for (size_t i = 0; i < rig.size(); ++i) {
+    if (corrections[i].num_compared == 0) continue;
+    MountedRig corrected = rig;
+    corrected[i] = corrections[i].corrected;
+    if (NearShareOfAll(sample, corrected) > header.share_so + kMore) return true;
+  }
+  return false;
+}
+
 // Compares the scanners that have lines, with the rig file and with each other.
-void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport* report) {
+void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport* report) {
   const Rig& rig = *report->rig;
   Rig present = rig;
   present.scanners.clear();
@@ -35,9 +51,9 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport*
     }
     report->topics_of_scanners.push_back(topic);
     const auto at = static_cast<size_t>(std::max(0, topic));
-    report->heights.push_back(FindHeights(topic < 0 ? std::vector<SampledLine>() : sample[at],
+    report->heights.push_back(FindHeights(topic < 0 ? std::vector<SampledLine>() : as_sent[at],
                                           scanner.body_from_scanner));
-    if (topic < 0 || sample[at].empty()) continue;
+    if (topic < 0 || as_sent[at].empty()) continue;
     present.scanners.push_back(scanner);
     sources.push_back(at);
     indices.push_back(i);
@@ -45,11 +61,17 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& sample, CheckReport*
     lines.push_back(&report->survey.sample[at]);
   }
   const MountedRig mounted = AsRigFileSays(present, sources);
-  report->agreements = AgreementsOf(sample, mounted);
+  report->agreements = AgreementsOf(as_sent, mounted);
   for (PairAgreement& pair : report->agreements) {
     pair.a = indices[pair.a];
     pair.b = indices[pair.b];
   }
+  report->other_header = FindOtherHeader(as_sent, report->survey.topics, mounted, names);
+  if (report->other_header && IsExplainedByMounting(*report->other_header, as_sent, mounted)) {
+    report->other_header.reset();
+  }
+  const std::vector<std::vector<SampledLine>>& sample =
+      report->other_header ? report->other_header->sample : as_sent;
   report->other_mounting = FindOtherMounting(sample, mounted, names);
   report->corrections.resize(rig.scanners.size());
   const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
@@ -108,10 +130,29 @@ void JudgeWithoutRig(CheckReport* report) {
   }
 }
 
+// Where clocks, headers or ranges make scanners seem to sit otherwise, where they sit is not
+// to be blamed.
+void BlameInOrder(std::vector<Finding>* findings) {
+  const auto cause = std::find_if(findings->begin(), findings->end(), [](const Finding& one) {
+    return one.moves_places && one.severity > Severity::kNote;
+  });
+  if (cause == findings->end()) return;
+  const std::string first = "first mend what is said above: ";
+  const std::string subject = cause->subject.empty() ? "" : cause->subject + ": ";
+  const std::string advice = first + subject + cause->sentence;
+  for (Finding& finding : *findings) {
+    if (finding.about != Subject::kMounting || finding.severity == Severity::kNote) continue;
+    finding.severity = Severity::kWarning;
+    finding.advice = advice;
+  }
+}
+
 void Judge(CheckReport* report) {
-  std::stable_sort(report->findings.begin(),
-                   report->findings.end(),
-                   [](const auto& a, const auto& b) { return a.severity > b.severity; });
+  BlameInOrder(&report->findings);
+  std::stable_sort(
+      report->findings.begin(), report->findings.end(), [](const auto& a, const auto& b) {
+        return std::make_pair(b.severity, a.about) < std::make_pair(a.severity, b.about);
+      });
   if (HasStop(*report)) {
     report->mappable = Mappable::kNot;
     report->verdict = "can not be mapped as it is: first change what is marked stop";

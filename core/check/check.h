@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/check/finding.h"
+#include "core/check/header_search.h"
 #include "core/check/mounting_fit.h"
 #include "core/check/mounting_search.h"
 #include "core/check/recording_survey.h"
@@ -30,6 +31,7 @@ struct CheckReport {
   std::vector<int> topics_of_scanners;  // by scanner: topic of the survey; -1: none
   std::vector<HeightView> heights;      // by scanner
   std::vector<PairAgreement> agreements;
+  std::optional<OtherHeader> other_header;  // with which all that follows was found
   std::optional<OtherMounting> other_mounting;
   std::vector<MountingCorrection> corrections;  // by scanner of the rig; may be empty
   StartSearch starts;

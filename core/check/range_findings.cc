@@ -93,8 +93,12 @@ class RangeJudge {
   }
 
  private:
-  void Add(Severity severity, const std::string& sentence, const std::string& advice) {
-    findings_->push_back({severity, topic_.name, sentence, advice});
+  void Add(Severity severity,
+           const std::string& sentence,
+           const std::string& advice,
+           bool moves_places = false) {
+    findings_->push_back(
+        {severity, topic_.name, sentence, advice, Subject::kRanges, moves_places});
   }
 
   std::string KindsOfNoReturn() const {
@@ -120,7 +124,8 @@ class RangeJudge {
         "the ranges are given in " + unit + ": half of them exceed " +
             Decimal(topic_.RangeQuantile(0.5), 0) + " where metres belong",
         "let the driver divide by " + std::string(is_mm ? "1000" : "100") +
-            "; sensor_msgs/LaserScan holds metres");
+            "; sensor_msgs/LaserScan holds metres",
+        true);
   }
 
   void JudgeReturns() {

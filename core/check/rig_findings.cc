@@ -86,6 +86,8 @@ class RigJudge {
 
   void Judge() {
     JudgeTopics();
+    if (!HasAllLines()) return;  // why not is told
+    JudgeHeaders();
     JudgeMounting();
     JudgeAttitudes();
     if (IsPlanar(rig_)) {
@@ -100,11 +102,17 @@ class RigJudge {
            const std::string& subject,
            const std::string& sentence,
            const std::string& advice) {
-    report_->findings.push_back({severity, subject, sentence, advice});
+    report_->findings.push_back({severity, subject, sentence, advice, Subject::kMounting});
   }
   bool HasLines(size_t scanner) const {
     const int topic = report_->topics_of_scanners[scanner];
     return topic >= 0 && !report_->survey.sample[static_cast<size_t>(topic)].empty();
+  }
+  bool HasAllLines() const {
+    for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+      if (!HasLines(i)) return false;
+    }
+    return true;
   }
   const std::string& NameOf(size_t scanner) const { return rig_.scanners[scanner].name; }
   const std::string& TopicOf(size_t scanner) const { return rig_.scanners[scanner].topic; }
@@ -135,6 +143,21 @@ class RigJudge {
       if (used.count(name) > 0) continue;
       Add(Severity::kNote, name, "has scan lines, but the rig file does not name it", "");
     }
+  }
+
+  // What the scanners' headers have to say for them to agree.
+  void JudgeHeaders() {
+    if (!report_->other_header) return;
+    const OtherHeader& other = *report_->other_header;
+    report_->findings.push_back({Severity::kWarning,
+                                 "",
+                                 other.words + ": so, " + PercentOf(other.share_so) +
+                                     " of the places that two scanners see agree to 1.5 cm, "
+                                     "as it is " +
+                                     PercentOf(other.share_as_stated),
+                                 other.advice,
+                                 Subject::kHeader,
+                                 true});
   }
 
   void JudgeMounting() {
@@ -186,20 +209,13 @@ class RigJudge {
         "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
         ", by the places that it " +
         (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
-    // Beams without times of their own make a rig that turns look mounted otherwise.
-    const bool beams_have_times = std::none_of(
-        report_->survey.topics.begin(), report_->survey.topics.end(), [](const auto& topic) {
-          return topic.time_increment_s == 0.0;
-        });
-    Add(parts.is_large && beams_have_times ? Severity::kStop : Severity::kWarning,
+    Add(parts.is_large ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +
             " of them " + "agree to 1.5 cm, as it is " +
             PercentOf(corrections[worst].near_share),
-        !beams_have_times      ? "first give the beams their times (time_increment, or "
-                                 "time_increment_s in the rig file)"
-        : parts.advice.empty() ? "calibrate its ranges"
-                               : "in the rig file: " + Enumerate(parts.advice));
+        parts.advice.empty() ? "calibrate its ranges"
+                             : "in the rig file: " + Enumerate(parts.advice));
     return true;
   }
 

@@ -14,7 +14,9 @@ namespace {
 // Takes over all of a message but its topic.
 void Convert(const MessageRef& where, const ScanLineMessage& scan, ScanMessage* message) {
   message->receipt_ns = static_cast<int64_t>(where.receipt_ns);
-  message->usable = scan.IsUsable();
+  message->frame_id = scan.frame_id;
+  message->is_planar = scan.is_planar;
+  message->usable = scan.is_planar && scan.IsUsable();
   message->stated_min_range_m = scan.range_min;
   message->stated_max_range_m = scan.range_max;
   ScanLine& line = message->line;

@@ -21,6 +21,8 @@ struct RecordedTopic {
 // A scan line as it stands in the recording, of any topic.
 struct ScanMessage {
   int64_t receipt_ns = 0;  // when the recorder received it, since 1970
+  std::string frame_id;    // empty where the format has none
+  bool is_planar = true;   // false: a point cloud that does not lie in one scan plane
   bool usable = true;      // false: no beams, or angles or times that make no sense
   // Limits as the driver states them, m; 0 where it states none.
   double stated_min_range_m = 0.0;

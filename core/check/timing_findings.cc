@@ -76,12 +76,21 @@ class StampJudge {
         findings_(findings) {}
 
   void Judge() {
+    if (topic_.num_off_plane > 0) {
+      Add(topic_.stamps.empty() ? Severity::kStop : Severity::kWarning,
+          Count(topic_.num_off_plane, "message is", "messages are") +
+              " passed over: the points do not lie in one scan plane, z = 0 in their frame " +
+              (topic_.frames.empty() ? "" : topic_.frames.front()),
+          "record the points in the scanner's own frame, before anything transforms them",
+          Subject::kHeader);
+    }
     if (topic_.passed_over.unusable.count > 0) {
       Add(topic_.stamps.empty() ? Severity::kStop : Severity::kWarning,
-          std::to_string(topic_.passed_over.unusable.count) +
-              " scan lines have no beams, or angles or times that make no sense; they are "
-              "passed over",
-          "look at angle_min, angle_increment and time_increment of the driver");
+          Count(topic_.passed_over.unusable.count, "scan line is", "scan lines are") +
+              " passed over: " + topic_.unusable_reason,
+          "look at angle_min, angle_increment and time_increment of the driver; the rig file "
+          "may replace them (angle_min_deg, angle_increment_deg, time_increment_s)",
+          Subject::kHeader);
     }
     if (topic_.num_undecodable > 0) {
       Add(Severity::kWarning,
@@ -95,6 +104,10 @@ class StampJudge {
       JudgeBeamTimes();
       return;
     }
+    if (topic_.stamps.empty() &&
+        (topic_.num_off_plane > 0 || topic_.passed_over.unusable.count > 0)) {
+      return;  // told
+    }
     const bool is_repeating = topic_.passed_over.repeated.count > 0;
     Add(Severity::kStop,
         is_repeating ? "the header stamps do not count up: most repeat the one before"
@@ -104,8 +117,12 @@ class StampJudge {
   }
 
  private:
-  void Add(Severity severity, const std::string& sentence, const std::string& advice) {
-    findings_->push_back({severity, topic_.name, sentence, advice});
+  void Add(Severity severity,
+           const std::string& sentence,
+           const std::string& advice,
+           Subject about = Subject::kClock,
+           bool moves_places = false) {
+    findings_->push_back({severity, topic_.name, sentence, advice, about, moves_places});
   }
   static std::string Count(int count, const std::string& one, const std::string& many) {
     return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -170,7 +187,9 @@ class StampJudge {
           "the clock of the stamps jumps against the recorder's " + std::to_string(num_steps) +
               (num_steps == 1 ? " time, by " : " times, by up to ") +
               Decimal(largest_step_s, 2) + " s, " + At(*first_step),
-          "set the clock before recording; look for messages that were held up");
+          "set the clock before recording; look for messages that were held up",
+          Subject::kClock,
+          num_steps > 0);
     }
   }
 
@@ -237,14 +256,18 @@ class StampJudge {
               Decimal(1e3 * whole_s, 0) + " ms for them",
           "let the driver fill in time_increment: " +
               Decimal(1e6 * whole_s / std::max(1, topic_.num_beams), 1) +
-              " microseconds if the scanner turns once per scan line");
+              " microseconds if the scanner turns once per scan line",
+          Subject::kHeader,
+          true);
     } else if (line_s > 1.05 * topic_.period_s) {
       Add(Severity::kWarning,
           "the beams of a scan line would take " + Decimal(1e3 * line_s, 1) +
               " ms, but the next line begins after " + Decimal(1e3 * topic_.period_s, 1) +
               " ms",
           "time_increment is too large, or every second line is missing from angle_increment: "
-          "look at the driver");
+          "look at the driver",
+          Subject::kHeader,
+          true);
     } else if (line_s < 0.5 * topic_.period_s * topic_.field_of_view_rad() / turn) {
       Add(Severity::kNote,
           "the beams of a scan line take " + Decimal(1e3 * line_s, 1) +
@@ -306,7 +329,9 @@ void FindClocksApart(CheckReport* report) {
                                   ", measured by when the recorder received them",
                               "let all scanners take their stamps from one clock, or state a "
                               "time_offset_s in the rig "
-                              "file"});
+                              "file",
+                              Subject::kClock,
+                              true});
 }
 
 void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
@@ -336,6 +361,7 @@ void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
 }  // namespace
 
 void FindTimingFaults(CheckReport* report) {
+  const size_t first = report->findings.size();
   const std::vector<Gap> common_gaps = CommonGaps(report->survey);
   for (const TopicSurvey& topic : report->survey.topics) {
     StampJudge(topic, report->survey.start_receipt_ns, common_gaps, &report->findings).Judge();
@@ -343,6 +369,10 @@ void FindTimingFaults(CheckReport* report) {
   FindAbsences(report);
   FindClocksApart(report);
   TellCommonGaps(common_gaps, report);
+  for (size_t i = first; i < report->findings.size(); ++i) {
+    Finding& finding = report->findings[i];
+    if (finding.about == Subject::kRecording) finding.about = Subject::kClock;
+  }
 }
 
 }  // namespace plumbline

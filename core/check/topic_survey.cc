@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "core/consistency/scanner_agreement.h"
 #include "core/geometry/angles.h"
+#include "core/recording/messages.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -17,6 +20,7 @@ constexpr double kNear = 0.5;         // m, of returns that may be from the rig 
 constexpr size_t kLinesForUnit = 20;  // that decide the unit
 constexpr size_t kMaxDeviations = 100'000;
 constexpr int kDeviationStride = 7;
+constexpr size_t kMaxFrames = 4;             // that are named
 constexpr double kMaxReceiptError = 3600.0;  // s, of a recorder whose clock was set
 // Neighbours so far apart hardly share the errors of scanners that smooth.
 constexpr double kTripleSpacing = 0.7 * kRadiansPerDegree;
@@ -36,6 +40,36 @@ size_t HistogramBin(double range) {
   const double bin = kBinsPerDecade * std::log10(range / kFirstBin);
   return static_cast<size_t>(
       std::clamp(bin, 0.0, static_cast<double>(kBinsPerDecade * kDecades - 1)));
+}
+
+// Why a line is not usable.
+std::string ReasonOf(const ScanLine& line) {
+  if (line.num_beams() == 0) return "no beams";
+  if (!std::isfinite(line.angle_min) || !std::isfinite(line.angle_increment)) {
+    return "angle_min or angle_increment are no numbers";
+  }
+  if (line.angle_increment == 0.0) return "angle_increment is 0";
+  char text[160];
+  const double line_s = line.num_beams() * line.time_increment_s;
+  std::snprintf(text,
+                sizeof(text),
+                "time_increment is %g s, so that a scan line would take %g s",
+                line.time_increment_s,
+                line_s);
+  std::string reason = text;
+  // The unit in which a line takes less than the longest that there is.
+  for (const auto& [unit, factor] :
+       {std::make_pair("milliseconds", 1e-3), {"microseconds", 1e-6}, {"nanoseconds", 1e-9}}) {
+    if (!(factor * line_s > 0.0 && factor * line_s < kMaxScanSeconds)) continue;
+    std::snprintf(text,
+                  sizeof(text),
+                  "; in %s it would take %g ms (time_increment_s: %g)",
+                  unit,
+                  1e3 * factor * line_s,
+                  factor * line.time_increment_s);
+    return reason + text;
+  }
+  return reason;
 }
 
 bool HaveOneLayout(const ScanLine& a, const ScanLine& b) {
@@ -95,7 +129,17 @@ TopicSurveyor::TopicSurveyor(const RangeLimits* limits) : has_limits_(limits != 
 }
 
 void TopicSurveyor::Add(const ScanMessage& message) {
+  std::vector<std::string>& frames = survey_.frames;
+  if (frames.size() < kMaxFrames &&
+      std::find(frames.begin(), frames.end(), message.frame_id) == frames.end()) {
+    frames.push_back(message.frame_id);
+  }
+  if (!message.is_planar) {
+    ++survey_.num_off_plane;
+    return;
+  }
   if (!message.usable) {
+    if (unusable_.empty()) survey_.unusable_reason = ReasonOf(message.line);
     unusable_.push_back({message.line.stamp_ns, 0, false, message.receipt_ns});
     return;
   }

@@ -49,6 +49,9 @@ struct TopicSurvey {
   std::string name;
   std::string type;
   int num_undecodable = 0;
+  int num_off_plane = 0;            // point clouds that do not lie in one scan plane
+  std::vector<std::string> frames;  // of the messages, each once, in the order of their first
+  std::string unusable_reason;      // of the first line that is not usable
   PassedOverLines passed_over;    // that the mapper passes over, too
   int num_out_of_turn = 0;        // lines that came after one with a later stamp
   int num_receipts_off = 0;       // lines whose receipts are more than an hour off

@@ -1,0 +1,161 @@
+#include "core/check/header_search.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "core/check/words.h"
+#include "core/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+using Sample = std::vector<std::vector<SampledLine>>;
+
+constexpr int kLinesToCompare = 1500;  // of each pair
+constexpr double kNear = 0.015;        // m
+// A header is believed where it brings so many more of the places together: this share of
+// them, and so many standard deviations of it, neighbouring lines sharing their errors.
+constexpr double kMinGain = 0.025;
+constexpr double kMinSigmas = 4.0;
+// time_increment is another where it differs by this much from that of a scanner which turns
+// once per scan line.
+constexpr double kOtherTime = 0.2;
+
+struct Places {
+  size_t num = 0;
+  double near_share = 0.0;
+};
+
+Places CompareAll(const Sample& sample, const MountedRig& rig) {
+  std::vector<ViewComparison> all;
+  for (size_t a = 0; a < rig.size(); ++a) {
+    for (size_t b = a + 1; b < rig.size(); ++b) {
+      const auto some = CompareViews(sample, rig, a, b, kLinesToCompare);
+      all.insert(all.end(), some.begin(), some.end());
+    }
+  }
+  return {all.size(), ShareWithin(all, kNear)};
+}
+
+// The angles between beams, `ratio` times as large.
+SampledLine Stretched(SampledLine line, double ratio) {
+  const auto stretch = [&](Eigen::Vector2d* p) {
+    const double turn = 2.0 * M_PI;
+    double angle = std::atan2(p->y(), p->x()) - line.angle_min;
+    if (line.angle_increment < 0.0) angle = -angle;
+    angle -= turn * std::floor(angle / turn);
+    const double more = (ratio - 1.0) * (line.angle_increment < 0.0 ? -angle : angle);
+    *p = Eigen::Rotation2Dd(more) * *p;
+  };
+  for (SampledSegment& segment : line.segments) {
+    stretch(&segment.start);
+    stretch(&segment.end);
+  }
+  line.angle_increment *= ratio;
+  return line;
+}
+
+// An other header of a topic: what becomes of a line, and in words.
+struct Alternative {
+  std::function<SampledLine(const SampledLine&)> change;
+  std::string words;   // after "of left and right"
+  std::string advice;  // after "in the rig file: "
+};
+
+std::vector<Alternative> AlternativesOf(const TopicSurvey& topic) {
+  std::vector<Alternative> alternatives;
+  const double num_beams = topic.num_beams;
+  if (num_beams < 3) return alternatives;
+  for (const double ratio : {(num_beams - 1.0) / num_beams, num_beams / (num_beams - 1.0)}) {
+    alternatives.push_back(
+        {[ratio](const SampledLine& line) { return Stretched(line, ratio); },
+         std::string("angle_increment is too ") + (ratio < 1.0 ? "large" : "small") +
+             " by one beam's share",
+         "angle_increment_deg: " +
+             Decimal(ratio * topic.angle_increment * kDegreesPerRadian, 6)});
+  }
+  const double stated_s = topic.time_increment_s;
+  const double turning_s = topic.period_s * std::abs(topic.angle_increment) / (2.0 * M_PI);
+  if (turning_s > 0.0 && std::abs(stated_s / turning_s - 1.0) > kOtherTime) {
+    alternatives.push_back({[turning_s](const SampledLine& line) {
+                              SampledLine other = line;
+                              other.time_increment_s = turning_s;
+                              return other;
+                            },
+                            "time_increment is wrong: the scanner turns once per scan line",
+                            "time_increment_s: " + Decimal(turning_s, 9)});
+  }
+  if (stated_s > 0.0) {
+    const double last_s = (num_beams - 1.0) * stated_s;
+    alternatives.push_back({[last_s](const SampledLine& line) {
+                              SampledLine other = line;
+                              other.stamp_ns += NanosecondsFromSeconds(last_s);
+                              other.time_increment_s = -line.time_increment_s;
+                              return other;
+                            },
+                            "beams are given the other way round than they are measured",
+                            "time_increment_s: " + Decimal(-stated_s, 9) +
+                                ", time_offset_s: " + Decimal(last_s, 6)});
+  }
+  return alternatives;
+}
+
+}  // namespace
+
+double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
+  return CompareAll(sample, rig).near_share;
+}
+
+std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
+                                           const std::vector<TopicSurvey>& topics,
+                                           const MountedRig& rig,
+                                           const std::vector<std::string>& names) {
+  const Places stated = CompareAll(sample, rig);
+  if (stated.num == 0) return std::nullopt;
+  const double variance = 0.25 / static_cast<double>(stated.num);  // of a share, at most
+  const double min_gain = std::max(kMinGain, kMinSigmas * std::sqrt(variance));
+  std::optional<OtherHeader> best;
+  std::vector<std::vector<size_t>> groups(1);  // all at once, and each
+  for (size_t i = 0; i < rig.size(); ++i) {
+    groups.front().push_back(i);
+    groups.push_back({i});
+  }
+  for (const std::vector<size_t>& group : groups) {
+    const std::vector<Alternative> of_first = AlternativesOf(topics[rig[group[0]].source]);
+    for (size_t k = 0; k < of_first.size(); ++k) {
+      OtherHeader other;
+      other.sample = sample;
+      std::vector<std::string> who;
+      std::vector<std::string> advice;
+      for (const size_t scanner : group) {
+        const size_t source = rig[scanner].source;
+        const std::vector<Alternative> own = AlternativesOf(topics[source]);
+        if (k >= own.size() || own[k].words != of_first[k].words) continue;
+        std::transform(sample[source].begin(),
+                       sample[source].end(),
+                       other.sample[source].begin(),
+                       own[k].change);
+        other.scanners.push_back(scanner);
+        who.push_back(names[scanner]);
+        advice.push_back(own[k].advice);
+      }
+      const Places so = CompareAll(other.sample, rig);
+      other.share_as_stated = stated.near_share;
+      other.share_so = so.near_share;
+      if (so.num < stated.num / 2 || so.near_share - stated.near_share < min_gain) continue;
+      if (best && so.near_share <= best->share_so + kMinGain) continue;
+      const bool is_same = std::all_of(
+          advice.begin(), advice.end(), [&](const auto& one) { return one == advice[0]; });
+      other.words = of_first[k].words + ", of " + Enumerate(who);
+      other.advice = "in the rig file, for " + Enumerate(who) + ": " +
+                     (is_same ? advice[0] : Enumerate(advice));
+      best = std::move(other);
+    }
+  }
+  return best;
+}
+
+}  // namespace plumbline

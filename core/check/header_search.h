@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/check/topic_survey.h"
+#include "core/check/view_comparison.h"
+
+namespace plumbline {
+
+// What the drivers may have meant by their headers, under which the scanners agree.
+struct OtherHeader {
+  std::vector<size_t> scanners;  // whose headers are other
+  std::string words;             // "time_increment is wrong ..."
+  std::string advice;
+  double share_as_stated = 0.0;  // of the places that two scanners see, within 1.5 cm
+  double share_so = 0.0;
+  std::vector<std::vector<SampledLine>> sample;  // with these headers
+};
+
+// Tries headers as drivers get them wrong, of all scanners and of each: angles that are one
+// beam's share too far apart or too near, beams that are measured faster, slower or the other
+// way round than time_increment says. Returns the one under which the scanners agree clearly
+// better than as the recording says; nothing where there is none.
+//   topics   of the sample
+//   names    of the scanners of the rig
+std::optional<OtherHeader> FindOtherHeader(const std::vector<std::vector<SampledLine>>& sample,
+                                           const std::vector<TopicSurvey>& topics,
+                                           const MountedRig& rig,
+                                           const std::vector<std::string>& names);
+
+// The share of the places that any two scanners see within 1.5 cm of each other.
+double NearShareOfAll(const std::vector<std::vector<SampledLine>>& sample,
+                      const MountedRig& rig);
+
+}  // namespace plumbline
