@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 
 #include "core/recording/decode.h"
 #include "core/util/error.h"
@@ -55,7 +54,8 @@ void SqliteFile::FinishStatement::operator()(sqlite3_stmt* statement) const {
   sqlite3_finalize(statement);
 }
 
-SqliteFile::SqliteFile(const std::string& path, const std::string& file_path) : path_(path) {
+SqliteFile::SqliteFile(const std::string& path, const std::string& file_path)
+    : path_(path), file_path_(file_path) {
   sqlite3* database = nullptr;
   const int outcome = sqlite3_open_v2(
       file_path.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -74,6 +74,12 @@ SqliteFile::SqliteFile(const std::string& path, const std::string& file_path) : 
                     SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI,
                     nullptr);
     database_.reset(database);
+  }
+  // A file that was cut has fewer pages than its header says, which SQLite takes only so.
+  if (sqlite3_exec(
+          database, "SELECT count(*) FROM sqlite_schema", nullptr, nullptr, nullptr) ==
+      SQLITE_CORRUPT) {
+    sqlite3_db_config(database, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
   }
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
   // A database that was made to do harm must not run anything of its own.
@@ -128,27 +134,25 @@ void SqliteFile::ReadTopics(const Wants& wants) {
   if (outcome != SQLITE_DONE) Fail();
 }
 
-// Visits the message of a row of id, topic_id, timestamp, data; false where the ids do not
-// increase, as only a damaged database has them.
-bool SqliteFile::TakeRow(sqlite3_stmt* row, const Visit& visit) {
-  const int64_t id = sqlite3_column_int64(row, 0);
-  if (num_found_ > 0 && id <= last_id_) return false;
-  last_id_ = id;
+// Visits the message of a row; false where the ids do not increase, as only a damaged database
+// has them.
+bool SqliteFile::TakeRow(const SqlitePages::Row& row, const Visit& visit) {
+  if (num_found_ > 0 && row.id <= last_id_) return false;
+  last_id_ = row.id;
   ++num_found_;
-  const auto topic = topic_indices_.find(sqlite3_column_int64(row, 1));
+  const auto topic = topic_indices_.find(row.topic_id);
   if (topic == topic_indices_.end()) {
     ++num_unknown_;
     return true;
   }
   ++topics_[topic->second].num_messages;
   if (!wanted_[topic->second]) return true;
-  const ByteView data = BytesAt(row, 3);
   MessageRef message;
-  message.receipt_ns = static_cast<uint64_t>(sqlite3_column_int64(row, 2));
+  message.receipt_ns = static_cast<uint64_t>(row.timestamp_ns);
   message.topic_index = topic->second;
-  message.size = static_cast<uint32_t>(data.size);
-  message.begin = static_cast<uint64_t>(id);
-  visit(message, data);
+  message.size = static_cast<uint32_t>(row.data.size);
+  message.begin = static_cast<uint64_t>(row.id);
+  visit(message, row.data);
   return true;
 }
 
@@ -158,14 +162,18 @@ void SqliteFile::Scan(const Wants& wants, const Visit& visit) {
       Prepare("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id");
   int outcome = SQLITE_ROW;
   while ((outcome = sqlite3_step(rows.get())) == SQLITE_ROW) {
-    if (TakeRow(rows.get(), visit)) continue;
+    const SqlitePages::Row row = {sqlite3_column_int64(rows.get(), 0),
+                                  sqlite3_column_int64(rows.get(), 1),
+                                  sqlite3_column_int64(rows.get(), 2),
+                                  BytesAt(rows.get(), 3)};
+    if (TakeRow(row, visit)) continue;
     outcome = SQLITE_CORRUPT;
     break;
   }
   if (outcome != SQLITE_DONE) {
     const std::string before = CountText(num_found_, "message");
     const uint64_t num_before = num_found_;
-    ReadFromTheEnd(visit);
+    ReadByPages(visit);
     warnings_.push_back("damaged database: messages are lost after the first " + before +
                         ", " + CountText(num_found_ - num_before, "message") +
                         " behind the damage could be read");
@@ -176,26 +184,25 @@ void SqliteFile::Scan(const Wants& wants, const Visit& visit) {
                       (num_unknown_ == 1 ? "is" : "are") + " lost");
 }
 
-// Behind a damage, messages are found from the last one backwards.
-void SqliteFile::ReadFromTheEnd(const Visit& visit) {
-  const int64_t first = num_found_ > 0 ? last_id_ : std::numeric_limits<int64_t>::min();
-  std::vector<int64_t> ids;
-  const Statement backwards = Prepare("SELECT id FROM messages ORDER BY id DESC");
-  while (sqlite3_step(backwards.get()) == SQLITE_ROW) {
-    const int64_t id = sqlite3_column_int64(backwards.get(), 0);
-    if (id <= first || (!ids.empty() && id >= ids.back())) break;
-    ids.push_back(id);
-  }
-  const Statement row =
-      Prepare("SELECT id, topic_id, timestamp, data FROM messages WHERE id = ?");
-  for (auto id = ids.rbegin(); id != ids.rend(); ++id) {
-    sqlite3_reset(row.get());
-    sqlite3_bind_int64(row.get(), 1, *id);
-    if (sqlite3_step(row.get()) == SQLITE_ROW) TakeRow(row.get(), visit);
+// Behind a damage, messages are found page by page.
+void SqliteFile::ReadByPages(const Visit& visit) {
+  pages_ = std::make_unique<SqlitePages>(file_path_, path_);
+  SqlitePages::Row row;
+  for (const auto& [id, place] : pages_->rows()) {
+    if (num_found_ > 0 && id <= last_id_) continue;
+    if (pages_->ReadRow(place, &row)) TakeRow(row, visit);
   }
 }
 
 ByteView SqliteFile::Read(const MessageRef& message) {
+  if (pages_ != nullptr) {
+    const auto place = pages_->rows().find(static_cast<int64_t>(message.begin));
+    SqlitePages::Row row;
+    if (place != pages_->rows().end() && pages_->ReadRow(place->second, &row) &&
+        row.data.size == message.size) {
+      return row.data;
+    }
+  }
   if (read_ == nullptr) read_ = Prepare("SELECT data FROM messages WHERE id = ?");
   sqlite3_reset(read_.get());
   sqlite3_bind_int64(read_.get(), 1, static_cast<int64_t>(message.begin));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/recording/message_file.h"
+#include "core/recording/sqlite_pages.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -42,11 +43,13 @@ class SqliteFile : public MessageFile {
   Statement Prepare(const char* sql) const;
   void CheckTables() const;
   void ReadTopics(const Wants& wants);
-  bool TakeRow(sqlite3_stmt* row, const Visit& visit);
-  void ReadFromTheEnd(const Visit& visit);
+  bool TakeRow(const SqlitePages::Row& row, const Visit& visit);
+  void ReadByPages(const Visit& visit);
   [[noreturn]] void Fail() const;
 
   std::string path_;
+  std::string file_path_;
+  std::unique_ptr<SqlitePages> pages_;  // of a damaged database
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement read_;  // of one message
   std::vector<RecordingTopic> topics_;

@@ -5,10 +5,12 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "core/util/error.h"
@@ -157,6 +159,13 @@ struct YamlNode::State {
 YamlNode::YamlNode(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 YamlNode YamlNode::ReadFile(const std::string& path) {
+  // To open a pipe into which nobody writes would take for ever.
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_directory(status)) {
+    throw Error(path + ": can not read the file: it is a pipe or a device");
+  }
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   // A directory opens like a file and fails only when it is read.

@@ -284,6 +284,19 @@ TEST_F(DamagedFileTest, DatabaseIsReadOnBehindADamage) {
                         Not(HasSubstr(" 0 messages behind")))));
 }
 
+// A copy that broke off, shorter than its header says.
+TEST_F(DamagedFileTest, ACutDatabaseIsReadAsFarAsItGoes) {
+  const std::string bytes = ReadBytes(PathOf("recording.db3"));
+  const std::string path = (directory_ / "cut.db3").string();
+  constexpr size_t kPageBytes = 1024;
+  WriteBytes(path, bytes.substr(0, bytes.size() - 2 * kPageBytes - 100));
+  const RecordingDump dump = Dump(path);
+  EXPECT_GT(dump.messages.size(), 2u * kNumMessages);
+  EXPECT_LT(dump.messages.size(), 5u * kNumMessages);
+  EXPECT_THAT(dump.warnings,
+              ElementsAre(HasSubstr("damaged database: messages are lost after the first ")));
+}
+
 INSTANTIATE_TEST_SUITE_P(OtherPrograms, EveryFormatTest, ::testing::ValuesIn(kFiles));
 
 class OpenRecordingTest : public TemporaryDirectoryTest {

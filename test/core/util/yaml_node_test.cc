@@ -122,6 +122,8 @@ TEST(YamlNode, UnreadableFileIsNamed) {
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("no/such.yaml"); }),
             "no/such.yaml: can not read the file");
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("/"); }), "/: can not read the file");
+  EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("/dev/zero"); }),
+            "/dev/zero: can not read the file: it is a pipe or a device");
 }
 
 // Each line stands for nine times what the line before does: 9^9 entries in all.
