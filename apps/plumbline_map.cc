@@ -9,6 +9,7 @@
 #include "apps/progress.h"
 #include "apps/terminal.h"
 #include "apps/version.h"
+#include "core/check/rig_choice.h"
 #include "core/mapping/map_job.h"
 #include "core/result/closing_table.h"
 #include "core/result/result_reader.h"
@@ -21,8 +22,13 @@ const char* malloc_conf = "dirty_decay_ms:-1,thp:always,lg_extent_max_active_fit
 DEFINE_string(recording,
               "",
               "recording with one topic of scan lines per scanner: ROS 1 bag, ROS 2 recording "
-              "(.mcap, .db3 or its folder) or CARMEN log (.clf, .log), also packed (.bz2, .zstd)");
-DEFINE_string(rig, "", "rig file (YAML): where the scanners sit and how well they measure");
+              "(.mcap, .db3 or its folder) or CARMEN log (.clf, .log), also packed (.bz2, "
+              ".zstd); may also stand alone, without the flag");
+DEFINE_string(
+    rig,
+    "",
+    "rig file (YAML): where the scanners sit and how well they measure; without it, "
+    "NAME_rig.yaml or rig.yaml beside the recording, or else what its /tf_static says");
 DEFINE_string(config,
               "",
               "mapper settings (YAML), or an experiment file with its section mapper; without "
@@ -38,6 +44,10 @@ DEFINE_bool(
     false,
     "go on where a run with the same inputs and output was killed, once it had followed "
     "the whole recording");
+DEFINE_bool(force,
+            false,
+            "map a recording although it is known before that no map, or a wrong one, comes "
+            "of it");
 DEFINE_double(checkpoint_after_s,
               2.0,
               "for --resume, what following has found is kept where it took at least so many "
@@ -59,7 +69,11 @@ DEFINE_bool(floor_plan,
             false,
             "also draw the floor plan of each storey (SVG, DXF), with rooms as CityJSON and "
             "their areas in rooms.json; plumbline_plan does so later");
-DEFINE_string(output, "", "directory for map, trajectory, planes and summary");
+DEFINE_string(
+    output,
+    "",
+    "directory for map, trajectory, planes and summary (default: the recording's name "
+    "with _map, in the current directory)");
 
 namespace {
 
@@ -85,19 +99,31 @@ void Print(const plumbline::Summary& summary) {
                               plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
                               FLAGS_output);
   std::fputs(InColour(table, summary.consistency.verdict).c_str(), stdout);
-  if (FLAGS_report) std::printf("Report: %s/report.html\n", FLAGS_output.c_str());
+  if (FLAGS_report) {
+    std::printf("Report: %s/report.html\n", FLAGS_output.c_str());
+  } else {
+    std::printf(
+        "Next: plumbline_report %s (the map in a browser), plumbline_plan %s (floor plans)\n",
+        FLAGS_output.c_str(),
+        FLAGS_output.c_str());
+  }
 }
 
 plumbline::Summary Map() {
+  if (FLAGS_output.empty())
+    FLAGS_output = plumbline::NameOfRecording(FLAGS_recording) + "_map";
   plumbline::Progress progress("map");
   plumbline::MapJob job;
   job.recording = FLAGS_recording;
-  job.rig = FLAGS_rig;
+  const plumbline::RigChoice rig = plumbline::ChooseRig(FLAGS_recording, FLAGS_rig);
+  job.rig = rig.path;
+  if (!rig.why.empty()) std::printf("Rig file: %s (%s)\n", rig.path.c_str(), rig.why.c_str());
   job.config = FLAGS_config;
   job.output = FLAGS_output;
   job.version = plumbline::Version();
   job.threads = FLAGS_threads;
   job.resume = FLAGS_resume;
+  job.force = FLAGS_force;
   job.checkpoint_after_s = FLAGS_checkpoint_after_s;
   job.report = FLAGS_report;
   job.floor_plan = FLAGS_floor_plan;
@@ -141,7 +167,8 @@ int main(int argc, char** argv) {
       "estimates the trajectory of a rig and the planes of a building from the scan lines of "
       "2D laser scanners",
       __FILE__,
-      {"recording", "rig", "output"},
-      [&verdict_code] { verdict_code = Report(Map()); });
+      {"recording"},
+      [&verdict_code] { verdict_code = Report(Map()); },
+      "recording");
   return exit_code == 0 ? verdict_code : exit_code;
 }

@@ -6,6 +6,7 @@
 #include "core/check/findings.h"
 #include "core/check/words.h"
 #include "core/util/error.h"
+#include "core/util/one_line.h"
 
 namespace plumbline {
 namespace {
@@ -166,14 +167,24 @@ void Judge(CheckReport* report) {
 }  // namespace
 
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig) {
+  return CheckSurvey(SurveyRecording(path, rig ? &*rig : nullptr), rig);
+}
+
+std::string InWords(const Finding& finding) {
+  return OnOneLine((finding.subject.empty() ? "" : finding.subject + ": ") + finding.sentence +
+                   (finding.advice.empty() ? "" : " (" + finding.advice + ")"));
+}
+
+CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig) {
   CheckReport report;
   report.rig = rig;
-  report.survey = SurveyRecording(path, rig ? &*rig : nullptr);
+  report.survey = std::move(survey);
   std::vector<std::vector<SampledLine>> sample;
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     sample.push_back(SegmentSample(report.survey.sample[i],
                                    std::max(kMinNoise, report.survey.topics[i].noise_m)));
   }
+  report.doublings = FindDoublings(report.survey.sample);
   report.attitudes = JudgeAttitudes(sample);
   for (size_t i = 0; i < sample.size() && !rig; ++i) {
     report.travel_directions.push_back(report.attitudes[i].attitude == Attitude::kLevel
@@ -192,6 +203,7 @@ CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& ri
   }
   for (const std::string& warning : report.survey.warnings) {
     report.findings.push_back({Severity::kWarning, "", warning, ""});
+    report.findings.back().is_told_by_reader = true;
   }
   FindTimingFaults(&report);
   FindRangeFaults(&report);

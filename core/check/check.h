@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/check/doublings.h"
 #include "core/check/finding.h"
 #include "core/check/header_search.h"
 #include "core/check/mounting_fit.h"
@@ -22,6 +23,7 @@ enum class Mappable { kNot, kInThePlane, kInSpace };
 // CheckReport is all that plumbline_check has found out.
 struct CheckReport {
   RecordingSurvey survey;
+  std::vector<Doubling> doublings;     // of topics of the survey
   std::vector<OwnAttitude> attitudes;  // by topic of the survey
   // Without a rig file, by topic: of level scanners, where it shows.
   std::vector<std::optional<TravelDirection>> travel_directions;
@@ -44,5 +46,11 @@ struct CheckReport {
 // Looks at a recording before it is mapped. Without a rig it tells what the scan lines show by
 // themselves. Throws Error where the recording can not be read.
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig);
+
+// The same of a recording that has been surveyed.
+CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig);
+
+// The finding in words, on one line: "/scan: sentence (advice)".
+std::string InWords(const Finding& finding);
 
 }  // namespace plumbline

@@ -44,9 +44,10 @@ CheckOutcome RunCheckJob(const CheckJob& job) {
       "\n  picture: " + output + "/check.svg, figures: " + output + "/check.json\n";
   if (!rig && !report.survey.topics.empty()) {
     WriteFileAtomically(output + "/rig.yaml", FormatFirstRig(report));
-    outcome.text += "  a rig file to fill in: " + output +
-                    "/rig.yaml; then: plumbline_check " + job.recording + " --rig=" + output +
-                    "/rig.yaml\n";
+    outcome.text += (HasAllPoses(report) ? "  a rig file with what /tf_static says: "
+                                         : "  a rig file to fill in: ") +
+                    output + "/rig.yaml; then: plumbline_check " + job.recording +
+                    " --rig=" + output + "/rig.yaml\n";
   }
   return outcome;
 }

@@ -19,6 +19,7 @@ enum class Subject {
   kRanges,
   kWheels,
   kMounting,  // where the scanners sit, by what they see
+  kView,      // whether what they see is enough
 };
 
 // Finding is one thing that plumbline_check has to tell.
@@ -30,6 +31,8 @@ struct Finding {
   Subject about = Subject::kRecording;
   // Whether scanners that sit as the rig file says would seem to sit otherwise by this.
   bool moves_places = false;
+  // Whether RecordingReader::warnings() tell it, too.
+  bool is_told_by_reader = false;
 };
 
 }  // namespace plumbline

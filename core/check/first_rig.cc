@@ -7,6 +7,7 @@
 
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/geometry/roll_pitch_yaw.h"
 #include "core/util/one_line.h"
 
 namespace plumbline {
@@ -77,7 +78,32 @@ std::string RotationComment(Attitude attitude, const std::optional<TravelDirecti
   return "";
 }
 
+// Where the recording's static transforms say that a topic's scanner sits.
+std::optional<Rigid3d> PoseOf(const CheckReport& report, size_t topic) {
+  const std::vector<std::string>& frames = report.survey.topics[topic].frames;
+  const auto& poses = report.survey.frames.body_from_frame;
+  if (frames.size() != 1 || poses.count(frames.front()) == 0) return std::nullopt;
+  return poses.at(frames.front());
+}
+
+std::string PoseText(const Rigid3d& body_from_scanner, const std::string& body) {
+  const auto list = [](const Eigen::Vector3d& v, int digits) {
+    return "[" + Decimal(v.x(), digits) + ", " + Decimal(v.y(), digits) + ", " +
+           Decimal(v.z(), digits) + "]";
+  };
+  return "      translation: " + list(body_from_scanner.translation, 4) +
+         "        # of /tf_static, in " + OnOneLine(body) + "\n      rotation_rpy_deg: " +
+         list(RollPitchYawDegrees(body_from_scanner.rotation), 3) + "\n";
+}
+
 }  // namespace
+
+bool HasAllPoses(const CheckReport& report) {
+  for (size_t i = 0; i < report.survey.topics.size(); ++i) {
+    if (!PoseOf(report, i)) return false;
+  }
+  return !report.survey.topics.empty();
+}
 
 std::string FormatFirstRig(const CheckReport& report) {
   std::string text =
@@ -97,13 +123,18 @@ std::string FormatFirstRig(const CheckReport& report) {
     text += "  - name: " + Quoted(NameFor(topic.name, &names)) + "\n";
     text += "    topic: " + Quoted(topic.name) + "\n";
     text += "    body_from_scanner:\n";
-    text += "      translation: [0.0, 0.0, 0.0]        # FILL IN, metres\n";
-    const Attitude attitude = report.attitudes[i].attitude;
-    std::optional<TravelDirection> travel;
-    if (i < report.travel_directions.size()) travel = report.travel_directions[i];
-    const double yaw_deg = travel ? YawDegrees(*travel) : 0.0;
-    text += "      rotation_rpy_deg: [0.0, 0.0, " + Decimal(yaw_deg, 1) + "]   " +
-            RotationComment(attitude, travel) + "\n";
+    const std::optional<Rigid3d> pose = PoseOf(report, i);
+    if (pose) {
+      text += PoseText(*pose, report.survey.frames.body);
+    } else {
+      text += "      translation: [0.0, 0.0, 0.0]        # FILL IN, metres\n";
+      const Attitude attitude = report.attitudes[i].attitude;
+      std::optional<TravelDirection> travel;
+      if (i < report.travel_directions.size()) travel = report.travel_directions[i];
+      const double yaw_deg = travel ? YawDegrees(*travel) : 0.0;
+      text += "      rotation_rpy_deg: [0.0, 0.0, " + Decimal(yaw_deg, 1) + "]   " +
+              RotationComment(attitude, travel) + "\n";
+    }
     text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
             "                  # neighbouring beams show " + Decimal(topic.noise_m, 3) +
             "; uneven walls and the mounting add to it\n";

@@ -28,6 +28,13 @@ const Scanner* ScannerOf(const CheckReport& report, size_t topic) {
   return nullptr;
 }
 
+bool SitAlike(const Rigid3d& a, const Rigid3d& b) {
+  constexpr double kShift = 0.01;  // m
+  constexpr double kTurn = 0.5 * kRadiansPerDegree;
+  return (a.translation - b.translation).norm() < kShift &&
+         a.rotation.angularDistance(b.rotation) < kTurn;
+}
+
 // The largest of the values that do not exceed those of half the seconds with lines.
 template <typename Value>
 double UsualOf(const std::vector<SurveyedSecond>& seconds, const Value& value) {
@@ -262,6 +269,23 @@ class RangeJudge {
 }  // namespace
 
 void FindRangeFaults(CheckReport* report) {
+  for (const Doubling& doubling : report->doublings) {
+    const Scanner* original = ScannerOf(*report, doubling.original);
+    const Scanner* copy = ScannerOf(*report, doubling.copy);
+    if (report->rig && (original == nullptr || copy == nullptr)) continue;
+    const bool sit_alike = original == nullptr ||
+                           (SitAlike(original->body_from_scanner, copy->body_from_scanner));
+    report->findings.push_back(
+        {sit_alike ? Severity::kWarning : Severity::kStop,
+         report->survey.topics[doubling.copy].name,
+         "repeats what " + report->survey.topics[doubling.original].name +
+             " holds: " + PercentOf(doubling.share) +
+             " of the ranges are the very same; with both, a map states itself more precise "
+             "than it is",
+         "leave one of them out of the rig file",
+         Subject::kHeader,
+         !sit_alike});
+  }
   for (size_t i = 0; i < report->survey.topics.size(); ++i) {
     // The stated noise can not be held against ranges of another unit.
     const Scanner* scanner = IsRescaled(*report, i) ? nullptr : ScannerOf(*report, i);

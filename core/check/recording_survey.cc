@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/consistency/scanner_agreement.h"
+#include "core/recording/recording_source.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -90,59 +92,132 @@ class WindowSample {
   std::map<int64_t, std::vector<ScanLine>> windows_;
 };
 
-std::map<std::string, RangeLimits> LimitsOf(const Rig* rig) {
-  std::map<std::string, RangeLimits> limits;
-  if (rig == nullptr) return limits;
-  for (const Scanner& scanner : rig->scanners) {
-    limits[scanner.topic] = {scanner.min_range_m, scanner.max_range_m};
-  }
-  return limits;
-}
-
 }  // namespace
 
 double RecordingSurvey::duration_s() const {
   return SecondsBetween(start_receipt_ns, end_receipt_ns);
 }
 
-RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
-  const std::map<std::string, RangeLimits> limits = LimitsOf(rig);
-  RecordingSurvey survey;
-  survey.path = path;
+struct RecordingSurveyor::Impl {
+  explicit Impl(const Rig* stated) : rig(stated) {}
+
+  const Rig* rig;
+  // With scan lines, also those of which nothing can be decoded; several publishers may share
+  // a topic.
+  std::vector<RecordedTopic> topics;
+  std::vector<TopicSurveyor> surveyors;  // by topic
+  std::vector<const Scanner*> scanners;  // by topic; nullptr: not in the rig file
+  std::map<std::string, size_t> indices;
   WindowSample sample;
-  std::vector<TopicSurveyor> surveyors;
+  bool is_started = false;
   int64_t first_receipt_ns = 0;  // of the recording, whatever it is worth
-  const RecordedTopics recorded =
-      ReadScans(path, rig, [&](const RecordedTopic& topic, const ScanMessage& message) {
-        if (surveyors.empty()) first_receipt_ns = message.receipt_ns;
-        const auto index = static_cast<size_t>(message.line.scanner_index);
-        // Topics of which nothing can be decoded have one, too.
-        while (surveyors.size() < index) surveyors.emplace_back(nullptr);
-        if (surveyors.size() == index) {
-          const auto stated = limits.find(topic.name);
-          surveyors.emplace_back(stated == limits.end() ? nullptr : &stated->second);
-        }
-        surveyors[index].Add(message);
-        sample.Add(message, first_receipt_ns);
-      });
-  survey.format = recorded.format;
-  survey.warnings = recorded.warnings;
+  ScanMessage message;
+
+  size_t IndexOf(const RecordingTopic& topic);
+};
+
+size_t RecordingSurveyor::Impl::IndexOf(const RecordingTopic& topic) {
+  const auto [known, is_new] = indices.emplace(topic.name, topics.size());
+  if (!is_new) return known->second;
+  topics.push_back({topic.name, topic.type, true, 0});
+  const Scanner* scanner = nullptr;
+  for (size_t i = 0; rig != nullptr && i < rig->scanners.size(); ++i) {
+    if (rig->scanners[i].topic == topic.name) scanner = &rig->scanners[i];
+  }
+  scanners.push_back(scanner);
+  if (scanner == nullptr) {
+    surveyors.emplace_back(nullptr);
+  } else {
+    const RangeLimits limits = {scanner->min_range_m, scanner->max_range_m};
+    surveyors.emplace_back(&limits);
+  }
+  return known->second;
+}
+
+RecordingSurveyor::RecordingSurveyor(const Rig* rig) : impl_(std::make_unique<Impl>(rig)) {}
+
+RecordingSurveyor::~RecordingSurveyor() = default;
+
+void RecordingSurveyor::Add(const RecordingTopic& topic,
+                            const MessageRef& where,
+                            const ScanLineMessage& as_sent) {
+  const size_t index = impl_->IndexOf(topic);
+  ScanMessage& message = impl_->message;
+  TakeOver(where, as_sent, impl_->scanners[index], &message);
+  message.line.scanner_index = static_cast<int>(index);
+  if (!impl_->is_started) impl_->first_receipt_ns = message.receipt_ns;
+  impl_->is_started = true;
+  impl_->surveyors[index].Add(message);
+  impl_->sample.Add(message, impl_->first_receipt_ns);
+}
+
+void RecordingSurveyor::AddUndecodable(const RecordingTopic& topic) {
+  ++impl_->topics[impl_->IndexOf(topic)].num_undecodable;
+}
+
+RecordingSurvey RecordingSurveyor::Finish(const std::vector<RecordingTopic>& topics) {
+  RecordingSurvey survey;
+  std::set<std::string> other_topics;
+  for (const RecordingTopic& topic : topics) {
+    if (impl_->indices.count(topic.name) > 0) continue;
+    if (other_topics.insert(topic.name).second) survey.other_topics.push_back(topic.name);
+  }
   survey.start_receipt_ns = std::numeric_limits<int64_t>::max();
-  for (TopicSurveyor& surveyor : surveyors) {
+  for (TopicSurveyor& surveyor : impl_->surveyors) {
     survey.start_receipt_ns = std::min(survey.start_receipt_ns, surveyor.Order());
   }
   survey.end_receipt_ns = survey.start_receipt_ns;
-  for (size_t i = 0; i < recorded.topics.size(); ++i) {
-    if (!recorded.topics[i].has_scan_lines || i >= surveyors.size()) {
-      survey.other_topics.push_back(recorded.topics[i].name);
-      continue;
-    }
-    survey.topics.push_back(surveyors[i].Finish(recorded.topics[i], survey.start_receipt_ns));
+  for (size_t i = 0; i < impl_->surveyors.size(); ++i) {
+    survey.topics.push_back(
+        impl_->surveyors[i].Finish(impl_->topics[i], survey.start_receipt_ns));
     for (const LineStamp& stamp : survey.topics.back().stamps) {
       survey.end_receipt_ns = std::max(survey.end_receipt_ns, stamp.receipt_ns);
     }
   }
-  survey.sample = sample.Take(survey.topics);
+  survey.sample = impl_->sample.Take(survey.topics);
+  return survey;
+}
+
+namespace {
+
+// /tf_static, also of a robot's namespace.
+bool IsStatic(const RecordingTopic& topic) {
+  constexpr char kName[] = "tf_static";
+  const size_t length = sizeof(kName) - 1;
+  return topic.HasTransforms() && topic.name.size() >= length &&
+         topic.name.compare(topic.name.size() - length, length, kName) == 0;
+}
+
+}  // namespace
+
+RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
+  const std::unique_ptr<RecordingSource> source = OpenRecording(path);
+  RecordingSurveyor surveyor(rig);
+  RecordingVisitor visitor;
+  visitor.wants = [](const RecordingTopic& topic) {
+    return topic.HasScanLines() || IsStatic(topic);
+  };
+  std::vector<Transform> transforms;
+  visitor.transforms = [&](const MessageRef&, const std::vector<Transform>& some) {
+    transforms.insert(transforms.end(), some.begin(), some.end());
+  };
+  visitor.scan_line = [&](const MessageRef& where, const ScanLineMessage& as_sent) {
+    surveyor.Add(source->topics()[where.topic_index], where, as_sent);
+  };
+  visitor.undecodable = [&](const MessageRef& where) {
+    const RecordingTopic& topic = source->topics()[where.topic_index];
+    if (topic.HasScanLines()) surveyor.AddUndecodable(topic);
+  };
+  source->Visit(visitor);
+  RecordingSurvey survey = surveyor.Finish(source->topics());
+  survey.path = path;
+  survey.format = source->format();
+  survey.warnings = source->warnings();
+  std::vector<std::string> frames;
+  for (const TopicSurvey& topic : survey.topics) {
+    if (topic.frames.size() == 1) frames.push_back(topic.frames.front());
+  }
+  survey.frames = FindStaticFrames(transforms, frames);
   return survey;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/check/static_frames.h"
 #include "core/check/topic_survey.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
@@ -17,6 +18,7 @@ struct RecordingSurvey {
   std::vector<TopicSurvey> topics;        // with scan lines
   std::vector<std::string> other_topics;  // names, without scan lines
   std::vector<std::string> warnings;      // what is damaged or missing
+  StaticFrames frames;                    // of the topics, by /tf_static
   int64_t start_receipt_ns = 0;           // of the first scan line
   int64_t end_receipt_ns = 0;             // of the last one
   // By topic, in the order of the recording; ranges in metres, those that are no returns NaN.
@@ -24,6 +26,27 @@ struct RecordingSurvey {
   std::vector<std::vector<ScanLine>> sample;
 
   double duration_s() const;
+};
+
+// RecordingSurveyor makes the survey of a recording, message by message, while another reads
+// it: Add() for each scan line, AddUndecodable(), Finish().
+class RecordingSurveyor {
+ public:
+  // rig: nullptr where there is none; has to outlive the surveyor.
+  explicit RecordingSurveyor(const Rig* rig);
+  ~RecordingSurveyor();
+
+  // A scan line with its ranges, in the order of the file.
+  void Add(const RecordingTopic& topic,
+           const MessageRef& where,
+           const ScanLineMessage& as_sent);
+  void AddUndecodable(const RecordingTopic& topic);
+  // topics: of the whole recording. Leaves the survey's path, format and warnings empty.
+  RecordingSurvey Finish(const std::vector<RecordingTopic>& topics);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 // Reads a recording once. rig: nullptr where there is none. Throws Error where the file is

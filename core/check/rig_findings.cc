@@ -101,8 +101,9 @@ class RigJudge {
   void Add(Severity severity,
            const std::string& subject,
            const std::string& sentence,
-           const std::string& advice) {
-    report_->findings.push_back({severity, subject, sentence, advice, Subject::kMounting});
+           const std::string& advice,
+           Subject about = Subject::kMounting) {
+    report_->findings.push_back({severity, subject, sentence, advice, about});
   }
   bool HasLines(size_t scanner) const {
     const int topic = report_->topics_of_scanners[scanner];
@@ -137,7 +138,8 @@ class RigJudge {
           TopicOf(i),
           "the recording has no such topic, which the rig file names for scanner " + NameOf(i),
           found.empty() ? "record the topics of the scanners"
-                        : "name one of " + Enumerate(found) + " in the rig file");
+                        : "name one of " + Enumerate(found) + " in the rig file",
+          Subject::kRecording);
     }
     for (const std::string& name : found) {
       if (used.count(name) > 0) continue;
@@ -264,7 +266,8 @@ class RigJudge {
       Add(Severity::kStop,
           "",
           "no scan shows a straight wall that is long enough to start from",
-          "record where there are walls within reach");
+          "record where there are walls within reach",
+          Subject::kView);
     }
   }
 
@@ -289,14 +292,16 @@ class RigJudge {
       Add(Severity::kStop,
           "",
           "3D needs two scanners whose scan planes are not parallel; this recording has none",
-          "tilt scanners against each other, or say motion: planar where all are level");
+          "tilt scanners against each other, or say motion: planar where all are level",
+          Subject::kView);
     } else if (seeing.empty()) {
       Add(Severity::kStop,
           "",
           "no scanner sees level traces above or below: neither floor nor ceiling is in view "
           "where the rig file says",
           "tilt two scanners so that they see floor, ceiling and walls, and check their "
-          "rotation_rpy_deg");
+          "rotation_rpy_deg",
+          Subject::kView);
     }
     if (floors.size() > 1 && !report_->other_mounting) {
       const auto [low, high] = std::minmax_element(floors.begin(), floors.end());
@@ -319,7 +324,8 @@ class RigJudge {
           "",
           "none of " + std::to_string(starts.num_scans) +
               " scans looked at shows floor or ceiling and walls clearly enough to start from",
-          "start in view of floor, ceiling and a wall; check the rig file's rotations");
+          "start in view of floor, ceiling and a wall; check the rig file's rotations",
+          Subject::kView);
     } else if (starts.tilt_deg > kMaxStartTilt) {
       Add(Severity::kWarning,
           "",

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "core/recording/message_file.h"
+#include "core/recording/messages.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
@@ -29,24 +30,14 @@ struct ScanMessage {
   double stated_max_range_m = 0.0;
   // By beam; empty where no range is at the limit that the driver states.
   std::vector<bool> is_at_stated_limit;
-  ScanLine line;  // scanner_index: position of the topic in RecordedTopics
+  ScanLine line;  // scanner_index: position of the topic among those with scan lines
 };
 
-// What a recording holds besides its scan lines.
-struct RecordedTopics {
-  std::string format;                 // of the file, such as "ROS 1 bag"
-  std::vector<RecordedTopic> topics;  // those with scan lines come first
-  std::vector<std::string> warnings;  // what is damaged or missing
-};
-
-// Takes a scan line and its topic, both valid during the call only. A topic's first scan line
-// has the next free index.
-using ScanVisitor = std::function<void(const RecordedTopic&, const ScanMessage&)>;
-
-// Reads all scan lines of a recording in the order of the file, whether the rig file names
-// their topics or not; of those that it names, with the headers that it states
-// (scan_header.h). rig: nullptr where there is none. Throws Error where the file is missing or
-// no recording.
-RecordedTopics ReadScans(const std::string& path, const Rig* rig, const ScanVisitor& visit);
+// A message as it is used, but for its topic: with the header that the rig file states
+// (scan_header.h). scanner: nullptr where the rig file does not name the topic.
+void TakeOver(const MessageRef& where,
+              const ScanLineMessage& as_sent,
+              const Scanner* scanner,
+              ScanMessage* message);
 
 }  // namespace plumbline

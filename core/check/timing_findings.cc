@@ -20,6 +20,8 @@ constexpr double kMaxClockStep = 0.3;    // s, between stamps and receipts
 constexpr double kMaxClockApart = 0.25;  // s, between topics
 constexpr int kMinLines = 3;
 constexpr double kSlowRate = 5.0;  // Hz
+constexpr int kMinTurns = 20;      // compared lines that show whether scanners take turns
+constexpr double kTurnsShare = 0.5;  // of these
 
 double MedianOf(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -76,6 +78,51 @@ class StampJudge {
         findings_(findings) {}
 
   void Judge() {
+    const size_t first = findings_->size();
+    JudgeUnread();
+    JudgePassedOver();
+    for (size_t i = first; i < findings_->size(); ++i) {
+      (*findings_)[i].is_told_by_reader = true;
+    }
+    if (topic_.stamps.size() >= kMinLines) {
+      JudgeSharing();
+      JudgeOrder();
+      JudgeGaps();
+      JudgeBeamTimes();
+      return;
+    }
+    if (topic_.stamps.empty() &&
+        (topic_.num_off_plane > 0 || topic_.passed_over.unusable.count > 0)) {
+      return;  // told
+    }
+    const bool is_repeating = topic_.passed_over.repeated.count > 0;
+    Add(Severity::kStop,
+        is_repeating ? "the header stamps do not count up: most repeat the one before"
+                     : "only " + std::to_string(topic_.stamps.size()) + " scan lines",
+        is_repeating ? "let the driver stamp each scan line with the instant of its first beam"
+                     : "check that the scanner runs and that its topic is recorded");
+  }
+
+ private:
+  // Scanners that share a topic, which no order of their lines can part.
+  void JudgeSharing() {
+    const bool takes_turns = topic_.num_compared >= kMinTurns &&
+                             topic_.num_alternating > kTurnsShare * topic_.num_compared;
+    if (topic_.frames.size() < 2 && !takes_turns) return;
+    Add(Severity::kStop,
+        topic_.frames.size() > 1
+            ? "the scan lines are of " + std::to_string(topic_.frames.size()) +
+                  " scanners, by the frames in their headers: " + Enumerate(topic_.frames)
+            : "the scan lines are of two scanners that take turns: " +
+                  PercentOf(static_cast<double>(topic_.num_alternating) /
+                            topic_.num_compared) +
+                  " are unlike the one before, but like the one before that",
+        "give each scanner a topic of its own",
+        Subject::kHeader,
+        true);
+  }
+
+  void JudgeUnread() {
     if (topic_.num_off_plane > 0) {
       Add(topic_.stamps.empty() ? Severity::kStop : Severity::kWarning,
           Count(topic_.num_off_plane, "message is", "messages are") +
@@ -97,26 +144,8 @@ class StampJudge {
           std::to_string(topic_.num_undecodable) + " messages can not be decoded",
           "record again, or accept the loss");
     }
-    JudgePassedOver();
-    if (topic_.stamps.size() >= kMinLines) {
-      JudgeOrder();
-      JudgeGaps();
-      JudgeBeamTimes();
-      return;
-    }
-    if (topic_.stamps.empty() &&
-        (topic_.num_off_plane > 0 || topic_.passed_over.unusable.count > 0)) {
-      return;  // told
-    }
-    const bool is_repeating = topic_.passed_over.repeated.count > 0;
-    Add(Severity::kStop,
-        is_repeating ? "the header stamps do not count up: most repeat the one before"
-                     : "only " + std::to_string(topic_.stamps.size()) + " scan lines",
-        is_repeating ? "let the driver stamp each scan line with the instant of its first beam"
-                     : "check that the scanner runs and that its topic is recorded");
   }
 
- private:
   void Add(Severity severity,
            const std::string& sentence,
            const std::string& advice,
@@ -259,6 +288,7 @@ class StampJudge {
               " microseconds if the scanner turns once per scan line",
           Subject::kHeader,
           true);
+      findings_->back().is_told_by_reader = true;
     } else if (line_s > 1.05 * topic_.period_s) {
       Add(Severity::kWarning,
           "the beams of a scan line would take " + Decimal(1e3 * line_s, 1) +
@@ -366,9 +396,13 @@ void FindTimingFaults(CheckReport* report) {
   for (const TopicSurvey& topic : report->survey.topics) {
     StampJudge(topic, report->survey.start_receipt_ns, common_gaps, &report->findings).Judge();
   }
-  FindAbsences(report);
   FindClocksApart(report);
+  const size_t first_told = report->findings.size();
+  FindAbsences(report);
   TellCommonGaps(common_gaps, report);
+  for (size_t i = first_told; i < report->findings.size(); ++i) {
+    report->findings[i].is_told_by_reader = true;
+  }
   for (size_t i = first; i < report->findings.size(); ++i) {
     Finding& finding = report->findings[i];
     if (finding.about == Subject::kRecording) finding.about = Subject::kClock;

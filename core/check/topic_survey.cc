@@ -20,6 +20,10 @@ constexpr double kNear = 0.5;         // m, of returns that may be from the rig 
 constexpr size_t kLinesForUnit = 20;  // that decide the unit
 constexpr size_t kMaxDeviations = 100'000;
 constexpr int kDeviationStride = 7;
+constexpr size_t kComparedStride = 8;  // of the beams, between lines
+constexpr size_t kMinCompared = 10;    // beams
+// A scanner that moves differs more from the line before last than from the last.
+constexpr float kUnlike = 3.0F;
 constexpr size_t kMaxFrames = 4;             // that are named
 constexpr double kMaxReceiptError = 3600.0;  // s, of a recorder whose clock was set
 // Neighbours so far apart hardly share the errors of scanners that smooth.
@@ -193,7 +197,31 @@ void TopicSurveyor::Take(const ScanMessage& message) {
   if (!HaveOneLayout(line, layout_)) {
     ++survey_.num_other_layouts;
   }
+  CompareWithBefore(line);
   TakeRanges(message, figures);
+}
+
+// Two scanners on one topic take turns.
+void TopicSurveyor::CompareWithBefore(const ScanLine& line) {
+  const std::vector<float>& now = line.ranges;
+  if (now.size() == before_.size() && now.size() == two_before_.size()) {
+    std::vector<float> to_before, to_two_before;
+    for (size_t beam = 0; beam < now.size(); beam += kComparedStride) {
+      const float one = std::abs(now[beam] - before_[beam]);
+      const float two = std::abs(now[beam] - two_before_[beam]);
+      if (!std::isfinite(one) || !std::isfinite(two)) continue;
+      to_before.push_back(one);
+      to_two_before.push_back(two);
+    }
+    if (to_before.size() >= kMinCompared) {
+      ++survey_.num_compared;
+      const float one = QuantileOf(&to_before, 0.5);
+      const float two = QuantileOf(&to_two_before, 0.5);
+      if (one > kUnlike * two) ++survey_.num_alternating;
+    }
+  }
+  two_before_.swap(before_);
+  before_ = now;
 }
 
 void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* figures) {

@@ -84,6 +84,9 @@ struct TopicSurvey {
   std::vector<BeamCounts> beams;        // of the lines with the first layout
   std::vector<SurveyedSecond> seconds;  // that have lines that are used, in their order
   double period_s = 0.0;                // median time between lines; 0: fewer than two lines
+  // Lines that are unlike the one before, but like the one before that; of these compared.
+  int num_alternating = 0;
+  int num_compared = 0;
   double noise_m = 0.0;  // of one range, from neighbouring beams; 0: could not be told
 
   double duration_s() const;  // from the first to the last stamp
@@ -117,6 +120,7 @@ class TopicSurveyor {
   void DecideUnit();
   void Take(const ScanMessage& message);
   void TakeRanges(const ScanMessage& message, SurveyedSecond* figures);
+  void CompareWithBefore(const ScanLine& line);
   void CorrectReceipts();
   void CountSeconds(int64_t start_receipt_ns);
 
@@ -130,6 +134,8 @@ class TopicSurveyor {
   std::vector<size_t> used_;         // in lines_, in the order of their stamps
   std::vector<ScanStamp> unusable_;  // lines
   uint64_t last_fingerprint_ = 0;
+  std::vector<float> before_;  // ranges of the line before, and of the one before that
+  std::vector<float> two_before_;
   std::vector<double> deviations_m_;  // of beams from the line through their neighbours
   uint64_t num_triples_ = 0;
 };

@@ -12,6 +12,7 @@
 #include <memory>
 #include <system_error>
 
+#include "core/check/check.h"
 #include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
 #include "core/floor_plan/floor_plan_files.h"
@@ -29,6 +30,7 @@
 #include "core/trajectory/motion_noise.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
+#include "core/util/one_line.h"
 #include "core/util/stopwatch.h"
 
 namespace plumbline {
@@ -253,6 +255,7 @@ MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
 struct JobWatches {
   Stopwatch total;
   Stopwatch reading;
+  Stopwatch checking;
   Stopwatch writing;  // the judging included
   Stopwatch judging;
 };
@@ -411,6 +414,45 @@ void CheckPoses(const MapJob& job, const Rig& rig) {
               " scanners sit at one pose: fill in body_from_scanner of each");
 }
 
+// What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
+// no map, or a wrong one, would come of it. What scanners have to see for a map to start is
+// left to the mapper, which looks at every scan.
+std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
+  std::vector<Finding> findings;
+  for (const Finding& finding : report.findings) {
+    if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
+        finding.about == Subject::kView || finding.is_told_by_reader) {
+      continue;
+    }
+    if (finding.severity == Severity::kStop && !job.force) {
+      throw Error(job.recording + ": no map, or a wrong one, would come of it: " +
+                  InWords(finding) + "; --force maps it all the same");
+    }
+    findings.push_back(finding);
+  }
+  return findings;
+}
+
+// Adds what was found before mapping to the warnings, and where the map is not consistent
+// names the first of it that moves what scanners see as the likeliest cause.
+void AddFindings(const std::vector<Finding>& findings, Summary* summary) {
+  std::vector<std::string> warnings;
+  for (const Finding& finding : findings) warnings.push_back(InWords(finding));
+  summary->warnings.insert(summary->warnings.begin(), warnings.begin(), warnings.end());
+  if (summary->consistency.verdict == Verdict::kConsistent) return;
+  const auto cause =
+      std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.moves_places || finding.about == Subject::kMounting;
+      });
+  if (cause == findings.end()) return;
+  summary->cause =
+      Cause{cause->moves_places ? "what the recording says of its beams is wrong"
+                                : "a scanner is not as the rig file says",
+            "",
+            OnOneLine((cause->subject.empty() ? "" : cause->subject + ": ") + cause->sentence),
+            OnOneLine(cause->advice)};
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
@@ -423,11 +465,23 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   ResultDirectory output(job.output, job.resume);
   const CheckpointFiles checkpoint = Checkpoint(job, options, output);
   auto reading = std::make_unique<Stopwatch::Running>(&watches.reading);
-  RecordingReader recording(job.recording, rig);
+  RecordingSurveyor surveyor(&rig);
+  RecordingReader recording(
+      job.recording,
+      rig,
+      {[&](const RecordingTopic& topic, const MessageRef& where, const ScanLineMessage& line) {
+         surveyor.Add(topic, where, line);
+       },
+       [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }});
   reading.reset();
+  auto checking = std::make_unique<Stopwatch::Running>(&watches.checking);
+  const std::vector<Finding> findings =
+      CheckFirst(job, CheckSurvey(surveyor.Finish(recording.topics()), rig));
+  checking.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << RecordingLength(recording) << " s";
   LogWarnings(recording.warnings());
+  for (const Finding& finding : findings) LOG(WARNING) << InWords(finding);
   LogFreeSpace(output, job);
 
   const std::vector<MapResult> parts = MapRecording(
@@ -453,6 +507,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   std::vector<Summary> summaries =
       WriteParts(rig, options, parts, progress, &recording, &writers, &watches.judging);
   for (Summary& of_part : summaries) {
+    AddFindings(findings, &of_part);
     of_part.recording =
         std::filesystem::path(job.recording).lexically_normal().filename().string();
     of_part.version = job.version;

@@ -22,6 +22,9 @@ struct MapJob {
   bool resume = false;
   // For that, what following has found is kept where it took at least so long.
   double checkpoint_after_s = 2.0;
+  // Maps a recording although plumbline_check's rules say that no map, or a wrong one, comes
+  // of it; what they say is a warning then.
+  bool force = false;
   bool report = false;  // also write report.html, of each part one
   // Whether the result holds floor plans (core/floor_plan/floor_plan_files.h). A map without
   // rooms has none, which is logged.
@@ -35,7 +38,9 @@ struct MapJob {
 // Maps the recording and writes all files of docs/outputs.md, or none of them. Where the
 // recording could only be mapped in parts, the longest one is written to the output directory,
 // the others to folders part_1, part_2, ... in it, numbered in the order of time. Returns the
-// summary of the longest part. Throws Error.
+// summary of the longest part. Throws Error, also where the recording's clocks, headers or
+// ranges, or the scanners' places in the rig file make a map meaningless (core/check), unless
+// forced.
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress);
 
 }  // namespace plumbline

@@ -23,6 +23,7 @@ constexpr KnownType kKnownTypes[] = {
      MessageKind::kMultiEchoLaserScan},
     {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181", MessageKind::kPointCloud2},
     {"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7", MessageKind::kOdometry},
+    {"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec", MessageKind::kTransforms},
 };
 
 // ROS 2 writes "sensor_msgs/msg/LaserScan".
@@ -87,6 +88,13 @@ bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage*
   if (topic.encoding == MessageEncoding::kCarmen) return ReadCarmenOdometry(data, message);
   SerialReader reader;
   return OpenRosMessage(topic, data, &reader) && ReadOdometry(reader, message);
+}
+
+bool DecodeTransforms(const RecordingTopic& topic,
+                      ByteView data,
+                      std::vector<Transform>* transforms) {
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadTransforms(reader, transforms);
 }
 
 }  // namespace plumbline

@@ -18,5 +18,8 @@ bool DecodeScanLine(const RecordingTopic& topic,
                     bool with_ranges,
                     ScanLineMessage* message);
 bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage* message);
+bool DecodeTransforms(const RecordingTopic& topic,
+                      ByteView data,
+                      std::vector<Transform>* transforms);
 
 }  // namespace plumbline

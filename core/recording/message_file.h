@@ -14,7 +14,14 @@ enum class MessageEncoding { kRos1, kCdr, kCarmen, kUnknown };
 
 // What the program can make of a message. In a CARMEN log, a laser's line is a laser scan and
 // ODOM is odometry.
-enum class MessageKind { kOther, kLaserScan, kMultiEchoLaserScan, kPointCloud2, kOdometry };
+enum class MessageKind {
+  kOther,
+  kLaserScan,
+  kMultiEchoLaserScan,
+  kPointCloud2,
+  kOdometry,
+  kTransforms
+};
 
 // RecordingTopic is what one publisher of one topic has left in a recording.
 struct RecordingTopic {
@@ -26,7 +33,11 @@ struct RecordingTopic {
   uint64_t num_messages = 0;  // that were found, readable or not
 
   bool HasOdometry() const { return kind == MessageKind::kOdometry; }
-  bool HasScanLines() const { return kind != MessageKind::kOther && !HasOdometry(); }
+  // Transforms between frames, such as those of /tf_static.
+  bool HasTransforms() const { return kind == MessageKind::kTransforms; }
+  bool HasScanLines() const {
+    return kind != MessageKind::kOther && !HasOdometry() && !HasTransforms();
+  }
 };
 
 // MessageRef says where a message of a recording is. Only the file's format knows what the

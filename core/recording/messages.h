@@ -34,6 +34,14 @@ struct ScanLineMessage {
   bool IsUsable() const;
 };
 
+// Transform is how a frame stands in another: an element of a tf2_msgs/TFMessage.
+struct Transform {
+  std::string parent;  // frame in which the child stands
+  std::string child;
+  std::array<double, 3> translation = {};                 // m, parent
+  std::array<double, 4> rotation = {0.0, 0.0, 0.0, 1.0};  // quaternion x, y, z, w
+};
+
 // OdometryMessage is where wheels or another system say that the body is: nav_msgs/Odometry,
 // or a CARMEN log's ODOM.
 struct OdometryMessage {

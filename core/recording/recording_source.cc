@@ -34,6 +34,7 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   };
   ScanLineMessage scan_line;
   OdometryMessage odometry;
+  std::vector<Transform> transforms;
   SegmentJoiner joiner([&](const std::vector<MessageRef>& parts, const ScanLineMessage& line) {
     const MessageRef& first = parts.front();
     if (parts.size() > 1) segments_[KeyOf(first)].assign(parts.begin() + 1, parts.end());
@@ -49,6 +50,9 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     } else if (topic.HasOdometry() && visitor.odometry != nullptr) {
       decoded = DecodeOdometry(topic, data, &odometry);
       if (decoded) visitor.odometry(message, odometry);
+    } else if (topic.HasTransforms() && visitor.transforms != nullptr) {
+      decoded = DecodeTransforms(topic, data, &transforms);
+      if (decoded) visitor.transforms(message, transforms);
     }
     if (!decoded && visitor.undecodable != nullptr) visitor.undecodable(message);
     return decoded;

@@ -23,6 +23,7 @@ struct RecordingVisitor {
   // messages is one scan line (segment_joiner.h), of its first message.
   std::function<void(const MessageRef&, const ScanLineMessage&)> scan_line;
   std::function<void(const MessageRef&, const OdometryMessage&)> odometry;
+  std::function<void(const MessageRef&, const std::vector<Transform>&)> transforms;
   // A message of a wanted topic that can not be decoded.
   std::function<void(const MessageRef&)> undecodable;
   bool with_ranges = true;  // false: scan lines without ranges, which is faster

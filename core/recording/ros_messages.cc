@@ -1,6 +1,7 @@
 #include "core/recording/ros_messages.h"
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace plumbline {
@@ -52,6 +53,22 @@ bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessa
   return TakeScanHead(&reader, message) &&
          TakeEchoes(&reader, &message->num_beams, with_ranges ? &message->ranges : nullptr) &&
          TakeEchoes(&reader, &num_intensities, nullptr) && reader.IsAtEnd();
+}
+
+bool ReadTransforms(SerialReader reader, std::vector<Transform>* transforms) {
+  uint32_t num_transforms = 0;
+  transforms->clear();
+  if (!reader.Take(&num_transforms)) return false;
+  for (uint32_t i = 0; i < num_transforms; ++i) {
+    int64_t stamp_ns = 0;
+    Transform one;
+    if (!reader.TakeHeader(&stamp_ns, &one.parent) || !reader.TakeText(&one.child) ||
+        !reader.Take(&one.translation) || !reader.Take(&one.rotation)) {
+      return false;
+    }
+    transforms->push_back(std::move(one));
+  }
+  return reader.IsAtEnd();
 }
 
 bool ReadOdometry(SerialReader reader, OdometryMessage* message) {

@@ -11,6 +11,8 @@ namespace plumbline {
 bool ReadLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message);
 // The first echo of each beam counts.
 bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessage* message);
+// A tf2_msgs/TFMessage.
+bool ReadTransforms(SerialReader reader, std::vector<Transform>* transforms);
 bool ReadOdometry(SerialReader reader, OdometryMessage* message);
 
 }  // namespace plumbline

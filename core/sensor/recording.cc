@@ -142,7 +142,7 @@ struct RecordingReader::Impl {
 
   const std::string& path() const { return source->path(); }
   void CheckTopics(const Rig& rig);
-  void IndexMessages(const Rig& rig);
+  void IndexMessages(const Rig& rig, const RecordingObserver& observer);
   void TakeOdometry(const Rig& rig);
   std::string OdometryFault() const;
   void SortByReceipt();
@@ -189,8 +189,8 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
   }
 }
 
-// First pass: stamps and heads only.
-void RecordingReader::Impl::IndexMessages(const Rig& rig) {
+// First pass: stamps and heads only, unless somebody watches.
+void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserver& observer) {
   std::map<std::string, int> scanner_indices;  // by topic
   for (const Scanner& scanner : rig.scanners) {
     const auto [known, is_new] =
@@ -208,7 +208,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
     return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
   RecordingVisitor visitor;
-  visitor.with_ranges = false;
+  visitor.with_ranges = observer.scan_line != nullptr;
   visitor.wants = [&](const RecordingTopic& topic) {
     return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
            (topic.HasOdometry() && topic.name == rig.odometry_topic);
@@ -222,7 +222,10 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
                        message.Yaw()});
   };
   visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& as_sent) {
-    ScanLineMessage scan = as_sent;  // without ranges
+    if (observer.scan_line != nullptr) {
+      observer.scan_line(source->topics()[ref.topic_index], ref, as_sent);
+    }
+    ScanLineMessage scan = as_sent;
     CorrectHeader(&rig.scanners[static_cast<size_t>(scanner_of(ref))], &scan);
     if (!scan.is_planar) {
       off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
@@ -242,6 +245,9 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig) {
       ++num_odometry_lost;
     } else {
       undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
+      if (observer.undecodable != nullptr) {
+        observer.undecodable(source->topics()[ref.topic_index]);
+      }
     }
   };
   source->Visit(visitor);
@@ -385,10 +391,12 @@ bool RecordingReader::Impl::Next(ScanLine* scan_line) {
   return true;
 }
 
-RecordingReader::RecordingReader(const std::string& path, const Rig& rig)
+RecordingReader::RecordingReader(const std::string& path,
+                                 const Rig& rig,
+                                 const RecordingObserver& observer)
     : impl_(std::make_unique<Impl>(path, rig)) {
   impl_->directions.resize(rig.scanners.size());
-  impl_->IndexMessages(rig);
+  impl_->IndexMessages(rig, observer);
   impl_->CollectWarnings(rig);
 }
 
@@ -408,6 +416,10 @@ int64_t RecordingReader::start_ns() const {
 
 int64_t RecordingReader::end_ns() const {
   return impl_->stamps[impl_->order.positions.back()].stamp_ns;
+}
+
+const std::vector<RecordingTopic>& RecordingReader::topics() const {
+  return impl_->source->topics();
 }
 
 int RecordingReader::num_scan_lines() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,19 @@
 
 namespace plumbline {
 
+struct MessageRef;
+struct RecordingTopic;
+struct ScanLineMessage;
+
+// RecordingObserver sees the messages of a rig's scanners while a recording is opened, in the
+// order of the file and as they were sent, so that it need not be read again for that.
+struct RecordingObserver {
+  // Valid during the call only; ranges included.
+  std::function<void(const RecordingTopic&, const MessageRef&, const ScanLineMessage&)>
+      scan_line;
+  std::function<void(const RecordingTopic&)> undecodable;
+};
+
 // Reads the scan lines of a rig's scanners from a recording of any format that OpenRecording()
 // knows, in the order of their header stamps; scan lines of the same stamp come in the order
 // of the rig's scanners.
@@ -19,7 +33,9 @@ class RecordingReader {
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or
   // has no scan line at all. Of a damaged bag it reads what can be read; warnings() say what
   // is missing.
-  RecordingReader(const std::string& path, const Rig& rig);
+  RecordingReader(const std::string& path,
+                  const Rig& rig,
+                  const RecordingObserver& observer = {});
   ~RecordingReader();
 
   // Moves on to the next scan line; false at the end. Throws Error when the file has changed
@@ -31,6 +47,7 @@ class RecordingReader {
 
   int64_t start_ns() const;    // stamp of the first scan line
   int64_t end_ns() const;      // stamp of the last scan line
+  const std::vector<RecordingTopic>& topics() const;  // of the whole recording
   int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 
+#include "core/mapping/map_job.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 class VerdictTest : public MappingTest {
@@ -43,7 +45,14 @@ TEST_F(VerdictTest, ATurnedScannerIsNamed) {
         scanner.body_from_scanner.rotation *
         Eigen::AngleAxisd(10.0 * M_PI / 180.0, Eigen::Vector3d::UnitZ());
     WriteRecording(recording);
-    const Summary summary = Map();
+    MapJob job = Job();
+    EXPECT_THAT(ErrorOf([&] { RunMapJob(job, [](double) {}); }),
+                AllOf(HasSubstr("recording.bag: no map, or a wrong one, would come of it"),
+                      HasSubstr("scanner " + scanner.name),
+                      HasSubstr("--force")))
+        << run;
+    job.force = true;
+    const Summary summary = RunMapJob(job, [](double) {});
     EXPECT_NE(summary.consistency.verdict, Verdict::kConsistent) << run;
     EXPECT_FALSE(summary.consistency.doubtful_intervals.empty()) << run;
     num_named += static_cast<int>(

@@ -131,5 +131,32 @@ TEST_F(TimingFindingsTest, ATopicThatStopsEarly) {
   EXPECT_THAT(Find(), ElementsAre(IsFinding(Severity::kWarning, "/a", "ends 5.0 s before")));
 }
 
+TEST_F(TimingFindingsTest, ScannersThatShareATopic) {
+  first().frames = {"front", "rear"};
+  second().num_compared = 98;
+  second().num_alternating = 90;
+  const std::vector<Finding> findings = Find();
+  EXPECT_THAT(
+      findings,
+      ElementsAre(IsFinding(Severity::kStop,
+                            "/a",
+                            "of 2 scanners, by the frames in "
+                            "their headers: front and rear"),
+                  IsFinding(Severity::kStop, "/b", "two scanners that take turns: 92 %")));
+  EXPECT_TRUE(findings[0].moves_places);
+}
+
+TEST_F(TimingFindingsTest, WhatThereIsInsteadOfScanLinesIsToldOnce) {
+  first().stamps.clear();
+  first().num_off_plane = 7;
+  first().frames = {"base_link"};
+  second().stamps.clear();
+  second().passed_over.unusable.count = 9;
+  second().unusable_reason = "time_increment is 3 s";
+  EXPECT_THAT(Find(),
+              ElementsAre(IsFinding(Severity::kStop, "/a", "z = 0 in their frame base_link"),
+                          IsFinding(Severity::kStop, "/b", "time_increment is 3 s")));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -178,5 +178,26 @@ TEST_F(TopicSurveyTest, MessagesOutOfTurnAreSorted) {
   EXPECT_NEAR(survey.period_s, 0.1, 1e-9);
 }
 
+TEST_F(TopicSurveyTest, TellsScannersThatTakeTurns) {
+  std::vector<ScanMessage> messages = Take(60);
+  EXPECT_EQ(Survey(messages).num_alternating, 0);
+  for (size_t i = 0; i < messages.size(); i += 2) {
+    for (float& range : messages[i].line.ranges) range += 1.0F;
+  }
+  const TopicSurvey survey = Survey(messages);
+  EXPECT_EQ(survey.num_compared, 58);
+  EXPECT_EQ(survey.num_alternating, 58);
+}
+
+TEST_F(TopicSurveyTest, SaysInWhichUnitTimesWouldMakeSense) {
+  std::vector<ScanMessage> messages = Take(5);
+  messages[0].line.time_increment_s *= 1e9;
+  messages[0].usable = false;
+  const TopicSurvey survey = Survey(messages);
+  EXPECT_NE(survey.unusable_reason.find("in nanoseconds it would take 18.1 ms"),
+            std::string::npos)
+      << survey.unusable_reason;
+}
+
 }  // namespace
 }  // namespace plumbline

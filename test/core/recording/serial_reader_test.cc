@@ -59,6 +59,29 @@ TEST_P(CdrTest, OdometryInEitherByteOrder) {
   EXPECT_EQ(odometry.angular_velocity[2], 0.6);
 }
 
+TEST_P(CdrTest, TransformsInEitherByteOrder) {
+  CdrText text(GetParam());
+  text.Add(uint32_t{2});
+  for (const char* child : {"left", "right"}) {
+    text.Add(uint32_t{5})
+        .Add(uint32_t{6})
+        .Add(std::string("base_link"))
+        .Add(std::string(child));
+    for (const double number : {1.0, 2.0, 3.0, 0.0, 0.0, 0.6, 0.8}) text.Add(number);
+  }
+  SerialReader reader;
+  ASSERT_TRUE(SerialReader::ForCdr(text.view(), &reader));
+  std::vector<Transform> transforms;
+  ASSERT_TRUE(ReadTransforms(reader, &transforms));
+  ASSERT_EQ(transforms.size(), 2u);
+  EXPECT_EQ(transforms[1].parent, "base_link");
+  EXPECT_EQ(transforms[1].child, "right");
+  EXPECT_EQ(transforms[1].translation[2], 3.0);
+  EXPECT_EQ(transforms[1].rotation[3], 0.8);
+  ASSERT_TRUE(SerialReader::ForCdr({text.view().data, text.view().size - 16}, &reader));
+  EXPECT_FALSE(ReadTransforms(reader, &transforms));
+}
+
 INSTANTIATE_TEST_SUITE_P(ByteOrders, CdrTest, ::testing::Bool());
 
 TEST(SerialReaderTest, MessageThatBreaksOffIsNotRead) {
