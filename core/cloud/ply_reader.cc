@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <sstream>
@@ -113,7 +114,6 @@ bool PlyReader::Next(PointBuffer* points) {
   if (!file_.read(block_.data(), static_cast<std::streamsize>(block_.size()))) {
     throw Error(path_ + ": ends within its points: it was not written to the end");
   }
-  num_read_ += num_points;
   const char* end = block_.data() + block_.size();
   for (const char* record = block_.data(); record < end; record += record_bytes_) {
     MapPoint point;
@@ -127,8 +127,13 @@ bool PlyReader::Next(PointBuffer* points) {
       point.normal_world = {
           Take<float>(record, nx_), Take<float>(record, ny_), Take<float>(record, nz_)};
     }
+    if (!point.p_world.allFinite() || !std::isfinite(point.time_s)) {
+      Fail("point " + std::to_string(num_read_ + points->num_points()) +
+           " has a position or time that is no number");
+    }
     points->Add(point);
   }
+  num_read_ += num_points;
   return true;
 }
 

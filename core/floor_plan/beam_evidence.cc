@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <unordered_map>
+
+#include "core/util/error.h"
 
 namespace plumbline {
 namespace {
@@ -236,36 +239,61 @@ class EvidenceCollector {
 
 }  // namespace
 
-FreeGrid::FreeGrid(const Eigen::AlignedBox2d& box)
-    : box_(box),
-      num_columns_(static_cast<int>(std::ceil(box.sizes().x() / kCellM)) + 1),
-      num_rows_(static_cast<int>(std::ceil(box.sizes().y() / kCellM)) + 1),
-      counts_(static_cast<size_t>(num_columns_) * static_cast<size_t>(num_rows_), 0) {}
-
-int FreeGrid::Index(const Eigen::Vector2d& p) const {
-  const double x = (p.x() - box_.min().x()) / kCellM;
-  const double y = (p.y() - box_.min().y()) / kCellM;
-  if (!(x >= 0.0 && y >= 0.0 && x < num_columns_ && y < num_rows_)) return -1;
-  return static_cast<int>(y) * num_columns_ + static_cast<int>(x);
+FreeGrid::FreeGrid(const Eigen::AlignedBox2d& box) : box_(box) {
+  constexpr double kMaxSideM = 5000.0;
+  const double side_m = box.sizes().maxCoeff();
+  if (side_m > kMaxSideM) {
+    char text[120];
+    std::snprintf(
+        text,
+        sizeof(text),
+        "map.ply: its walls lie up to %.0f m apart, farther than those of any building",
+        side_m);
+    throw Error(text);
+  }
+  num_columns_ = static_cast<int>(std::ceil(box.sizes().x() / kCellM)) + 1;
+  num_rows_ = static_cast<int>(std::ceil(box.sizes().y() / kCellM)) + 1;
 }
 
 void FreeGrid::AddBeam(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const int steps = static_cast<int>((b - a).norm() / kCellM) + 1;
   const Eigen::Vector2d step = (b - a) / steps;
   Eigen::Vector2d p = a + 0.5 * step;
-  int last = -1;
+  int last_row = -1;
+  int last_column = -1;
+  int64_t last_block = -1;
+  Block* block = nullptr;
   for (int i = 0; i < steps; ++i, p += step) {
-    const int index = Index(p);
-    if (index < 0 || index == last) continue;
-    Increase(&counts_[static_cast<size_t>(index)]);
-    last = index;
+    const double x = (p.x() - box_.min().x()) / kCellM;
+    const double y = (p.y() - box_.min().y()) / kCellM;
+    if (!(x >= 0.0 && y >= 0.0 && x < num_columns_ && y < num_rows_)) continue;
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(y);
+    if (column == last_column && row == last_row) continue;
+    last_column = column;
+    last_row = row;
+    const int64_t at = int64_t{row / kBlock} * num_columns_ + column / kBlock;
+    if (at != last_block) {
+      block = &blocks_[at];
+      last_block = at;
+    }
+    Increase(&(*block)[static_cast<size_t>(row % kBlock * kBlock + column % kBlock)]);
   }
 }
 
-bool FreeGrid::IsFree(const Eigen::Vector2d& p) const {
+int FreeGrid::CountFree(int row, int from, int to) const {
   constexpr uint16_t kMinBeams = 2;  // one may be a stray
-  const int index = Index(p);
-  return index >= 0 && counts_[static_cast<size_t>(index)] >= kMinBeams;
+  int count = 0;
+  for (int column = from; column < to;) {
+    const int end = std::min(to, (column / kBlock + 1) * kBlock);
+    const auto block = blocks_.find(int64_t{row / kBlock} * num_columns_ + column / kBlock);
+    for (; column < end; ++column) {
+      if (block == blocks_.end()) continue;
+      const size_t at = static_cast<size_t>(row % kBlock * kBlock + column % kBlock);
+      if (block->second[at] >= kMinBeams) ++count;
+    }
+  }
+  return count;
 }
 
 FreeGrid CollectEvidence(const std::vector<PlanePatch>& planes,

@@ -20,6 +20,16 @@ std::string StoreyFileName(size_t storey, const std::string& extension) {
          "." + extension;
 }
 
+// Errors name the directory, too, where they are of the map as a whole.
+FloorPlans PlanOf(const std::string& result_directory, const std::string& rig_file) {
+  const FloorPlanInput input = ReadFloorPlanInput(result_directory, rig_file);
+  try {
+    return MakeFloorPlan(input);
+  } catch (const Error& error) {
+    throw Error(result_directory + ": " + error.what());
+  }
+}
+
 void CreateDirectories(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
@@ -41,7 +51,7 @@ std::vector<PlanFile> FloorPlanFiles(const FloorPlans& plan) {
 FloorPlans RunPlanJob(const std::string& result_directory,
                       const std::string& rig_file,
                       const std::string& output_directory) {
-  const FloorPlans plan = MakeFloorPlan(ReadFloorPlanInput(result_directory, rig_file));
+  const FloorPlans plan = PlanOf(result_directory, rig_file);
   CreateDirectories(output_directory);
   for (const PlanFile& file : FloorPlanFiles(plan)) {
     WriteFileAtomically(output_directory + "/" + file.name, file.content);

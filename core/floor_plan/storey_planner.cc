@@ -99,32 +99,24 @@ class SquareMap {
   SquareMap(const PlanSubdivision& plan, const Eigen::AlignedBox2d& box)
       : box_(box),
         num_columns_(static_cast<int>(std::ceil(box.sizes().x() / FreeGrid::kCellM))),
-        num_rows_(static_cast<int>(std::ceil(box.sizes().y() / FreeGrid::kCellM))),
-        cells_(static_cast<size_t>(num_columns_ * num_rows_), -1) {
+        rows_(static_cast<size_t>(std::ceil(box.sizes().y() / FreeGrid::kCellM))) {
     // A cell is on the left of its half-edges, so that east of one that goes down its cell
     // begins: in each row, a square lies in the cell of the last such edge before it.
-    std::vector<std::vector<std::pair<double, int>>> crossings(static_cast<size_t>(num_rows_));
+    const int num_rows = static_cast<int>(rows_.size());
+    std::vector<std::vector<std::pair<double, int>>> crossings(rows_.size());
     for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
       const Eigen::Vector2d& a = plan.points[static_cast<size_t>(edge.origin)];
       const Eigen::Vector2d& b = plan.points[static_cast<size_t>(edge.target)];
       if (a.y() <= b.y()) continue;
-      for (int row = RowFrom(b.y()); row < num_rows_ && RowY(row) < a.y(); ++row) {
+      for (int row = RowFrom(b.y()); row < num_rows && RowY(row) < a.y(); ++row) {
         if (row < 0) continue;
         const double x = a.x() + (RowY(row) - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
         crossings[static_cast<size_t>(row)].emplace_back(x, edge.cell);
       }
     }
-    for (int row = 0; row < num_rows_; ++row) {
-      auto& of_row = crossings[static_cast<size_t>(row)];
-      std::sort(of_row.begin(), of_row.end());
-      size_t next = 0;
-      int cell = -1;
-      for (int column = 0; column < num_columns_; ++column) {
-        while (next < of_row.size() && of_row[next].first <= Middle(column, row).x()) {
-          cell = of_row[next++].second;
-        }
-        cells_[static_cast<size_t>(row * num_columns_ + column)] = cell;
-      }
+    for (size_t row = 0; row < rows_.size(); ++row) {
+      std::sort(crossings[row].begin(), crossings[row].end());
+      for (const auto& [x, cell] : crossings[row]) AddRun(ColumnFrom(x), cell, &rows_[row]);
     }
   }
 
@@ -132,35 +124,59 @@ class SquareMap {
   int CellAt(const Eigen::Vector2d& p) const {
     const double column = std::floor((p.x() - box_.min().x()) / FreeGrid::kCellM);
     const double row = std::floor((p.y() - box_.min().y()) / FreeGrid::kCellM);
-    if (!(column >= 0.0 && row >= 0.0 && column < num_columns_ && row < num_rows_)) return -1;
-    return cells_[static_cast<size_t>(static_cast<int>(row) * num_columns_ +
-                                      static_cast<int>(column))];
+    if (!(column >= 0.0 && row >= 0.0 && column < num_columns_ &&
+          row < static_cast<double>(rows_.size()))) {
+      return -1;
+    }
+    int cell = -1;
+    for (const Run& run : rows_[static_cast<size_t>(row)]) {
+      if (run.from <= column) cell = run.cell;
+    }
+    return cell;
   }
 
-  // Calls visit(cell, middle) for each square that lies in a cell.
+  // Calls visit(cell, row, from, to) for each run of squares of a row that lie in a cell, from
+  // the column `from` to the one before `to`.
   template <typename Visit>
-  void ForEach(Visit visit) const {
-    for (int row = 0; row < num_rows_; ++row) {
-      for (int column = 0; column < num_columns_; ++column) {
-        const int cell = cells_[static_cast<size_t>(row * num_columns_ + column)];
-        if (cell >= 0) visit(static_cast<size_t>(cell), Middle(column, row));
+  void ForEachRun(Visit visit) const {
+    for (size_t row = 0; row < rows_.size(); ++row) {
+      const std::vector<Run>& runs = rows_[row];
+      for (size_t i = 0; i < runs.size(); ++i) {
+        const int to = i + 1 < runs.size() ? runs[i + 1].from : num_columns_;
+        if (runs[i].cell < 0) continue;
+        visit(static_cast<size_t>(runs[i].cell), static_cast<int>(row), runs[i].from, to);
       }
     }
   }
 
  private:
+  // Squares of a row that lie in one cell, from this column to the next run's.
+  struct Run {
+    int from = 0;
+    int cell = -1;
+  };
+
+  void AddRun(int from, int cell, std::vector<Run>* runs) const {
+    if (from >= num_columns_) return;
+    if (!runs->empty() && runs->back().from == from) {
+      runs->back().cell = cell;
+    } else {
+      runs->push_back({from, cell});
+    }
+  }
   double RowY(int row) const { return box_.min().y() + (row + 0.5) * FreeGrid::kCellM; }
   int RowFrom(double y) const {
     return static_cast<int>(std::ceil((y - box_.min().y()) / FreeGrid::kCellM - 0.5));
   }
-  Eigen::Vector2d Middle(int column, int row) const {
-    return {box_.min().x() + (column + 0.5) * FreeGrid::kCellM, RowY(row)};
+  // The first column whose middle does not lie before x.
+  int ColumnFrom(double x) const {
+    return std::max(
+        0, static_cast<int>(std::ceil((x - box_.min().x()) / FreeGrid::kCellM - 0.5)));
   }
 
   Eigen::AlignedBox2d box_;
   int num_columns_;
-  int num_rows_;
-  std::vector<int> cells_;
+  std::vector<std::vector<Run>> rows_;
 };
 
 // Of each cell, whether it lies outdoors: at the frame or beyond, where the rig never was and
@@ -236,12 +252,10 @@ void LabelCells(const FreeGrid& free,
   for (size_t i = 0; i < cells.size(); ++i) {
     if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
   }
-  squares.ForEach([&](size_t cell, const Eigen::Vector2d& middle) {
-    if (free.IsFree(middle)) {
-      cells[cell].solid += kFreePerM2 * kSquareM2;
-    } else {
-      cells[cell].free += kUnseenPerM2 * kSquareM2;
-    }
+  squares.ForEachRun([&](size_t cell, int row, int from, int to) {
+    const int num_free = free.CountFree(row, from, to);
+    cells[cell].solid += kFreePerM2 * kSquareM2 * num_free;
+    cells[cell].free += kUnseenPerM2 * kSquareM2 * (to - from - num_free);
   });
   regions->is_free = LabelRegions(cells, evidence.borders);
 }

@@ -14,9 +14,7 @@ PointStatistics::Group* GroupAt(size_t index, std::vector<PointStatistics::Group
 }  // namespace
 
 void PointStatistics::Add(const MapPoint& point) {
-  // NaN is 0; no part of a map lasts longer than a day.
-  const auto second =
-      static_cast<size_t>(std::clamp(point.time_s > 0.0 ? point.time_s : 0.0, 0.0, 86400.0));
+  const auto second = static_cast<size_t>(std::max(0.0, point.time_s));
   for (Group* group : {GroupAt(static_cast<size_t>(point.scanner), &by_scanner_),
                        GroupAt(second, &by_second_)}) {
     ++group->points;

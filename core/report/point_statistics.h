@@ -22,6 +22,7 @@ class PointStatistics {
     double sum_squares_m2 = 0.0;  // of the residuals of points on planes
   };
 
+  // Keeps a group for each second up to the point's: its time must be a recording's.
   void Add(const MapPoint& point);
 
   const std::array<int64_t, 2 * kBinsPerSide>& histogram() const { return histogram_; }

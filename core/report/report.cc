@@ -11,10 +11,18 @@
 namespace plumbline {
 namespace {
 
+// Lets the page run what stands in it and show floor plans, and load nothing from anywhere.
+const std::string kPolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src blob: data:; base-uri 'none'; form-action 'none'";
+
 // The page draws itself: its program stands before the points, so that the verdict shows while
 // they are still read.
 std::string BeforePoints(const std::string& title, const ReportContent& content) {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
+         kPolicy +
+         "\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"generator\" content=\"plumbline\">\n<title>" +
          XmlEscaped(title) +

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <system_error>
 #include <unordered_map>
 
@@ -18,6 +17,8 @@
 #include "core/result/plane_covariance.h"
 #include "core/result/result_reader.h"
 #include "core/util/error.h"
+#include "core/util/json_file.h"
+#include "core/util/time.h"
 
 namespace plumbline {
 namespace {
@@ -27,28 +28,6 @@ using Json = nlohmann::ordered_json;
 // More poses or parameters than these would leave little room for points.
 constexpr size_t kMaxPoses = 20'000;
 constexpr size_t kMaxParameters = 1'000;
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw Error(path + ": can not be read: " + std::strerror(errno));
-  return text.str();
-}
-
-Json ReadJson(const std::string& path) {
-  try {
-    return Json::parse(ReadText(path));
-  } catch (const Json::parse_error& error) {
-    throw Error(path + ": byte " + std::to_string(error.byte) + ": is not valid JSON");
-  }
-}
-
-Json ReadObject(const std::string& path) {
-  Json json = ReadJson(path);
-  if (!json.is_object()) throw Error(path + ": is not an object");
-  return json;
-}
 
 template <typename T>
 void AppendBytes(const T& value, std::vector<uint8_t>* bytes) {
@@ -210,8 +189,30 @@ struct Points {
   int64_t num_points = 0;
 };
 
+// Seconds since the recording's start between which a map has points.
+struct TimeSpan {
+  double first_s = 0.0;
+  double last_s = 0.0;
+};
+
+// Throws Error where the trajectory is too long to be shown second by second.
+TimeSpan SpanOf(const std::vector<StampedPose>& poses,
+                int64_t start_ns,
+                const std::string& path) {
+  constexpr double kMaxLengthS = 1e6;  // beyond it, figures by second would fill the page
+  constexpr double kMarginS = 1.0;     // of a scan line before or after its pose
+  const TimeSpan span = {SecondsBetween(start_ns, poses.front().time_ns) - kMarginS,
+                         SecondsBetween(start_ns, poses.back().time_ns) + kMarginS};
+  if (span.first_s < -kMaxLengthS || span.last_s > kMaxLengthS) {
+    throw Error(path + ": has a pose " + FormatSeconds(span.last_s - kMarginS) +
+                " after the recording's start: longer than a report can show");
+  }
+  return span;
+}
+
 Points ReadPoints(const std::string& path,
                   const std::vector<PlanePatch>& planes,
+                  const TimeSpan& span,
                   int64_t max_points) {
   std::unordered_map<int, size_t> index_of;
   for (size_t i = 0; i < planes.size(); ++i) index_of[planes[i].id] = i;
@@ -228,6 +229,10 @@ Points ReadPoints(const std::string& path,
   while (reader.Next(&block)) {
     for (int64_t k = 0; k < block.num_points(); ++k) {
       const MapPoint point = block.At(k);
+      if (point.time_s < span.first_s || point.time_s > span.last_s) {
+        throw Error(path + ": point " + std::to_string(i) + " was taken at " +
+                    FormatSeconds(point.time_s) + ", when trajectory.tum has no pose");
+      }
       uint16_t field = point.plane_id == kMovingPlaneId ? QuantisedPoints::kMoving
                                                         : QuantisedPoints::kOnNoPlane;
       if (point.plane_id >= 0) {
@@ -279,7 +284,7 @@ std::vector<DataSection> ReadFloorPlans(const std::filesystem::path& directory) 
     const auto path =
         directory / (plans.empty() ? "floor_plan.svg" : "floor_plan_" + number + ".svg");
     if (!std::filesystem::exists(path)) return plans;
-    const std::string text = ReadText(path.string());
+    const std::string text = ReadTextFile(path.string());
     plans.push_back({"floor-plan-" + number, {text.begin(), text.end()}});
   }
 }
@@ -312,19 +317,22 @@ ReportContent ReadReportContent(const ReportJob& job) {
   const auto path = [&directory](const char* name) { return (directory / name).string(); };
   Json json;
   json["title"] = job.title;
-  json["summary"] = ReadObject(path("summary.json"));
-  json["evaluation"] = job.evaluation.empty() ? Json() : ReadObject(job.evaluation);
+  json["summary"] = ReadJsonObject<Json>(path("summary.json"));
+  json["evaluation"] = job.evaluation.empty() ? Json() : ReadJsonObject<Json>(job.evaluation);
   const PlaneCovariance covariance = ReadPlaneCovariance(job.result_directory);
   const std::vector<PlanePatch>& planes = covariance.planes();
   if (planes.size() > UINT16_MAX - QuantisedPoints::kFirstPlane) {
     throw Error(path("planes.json") + ": has more planes than a report can show");
   }
-  json["planes"] = ReadJson(path("planes.json"));
-  json["loop_closures"] = ReadJson(path("loop_closures.json"));
+  json["planes"] = ReadJsonFile<Json>(path("planes.json"));
+  json["loop_closures"] = ReadJsonFile<Json>(path("loop_closures.json"));
   const std::vector<StampedPose> poses = ReadTrajectory(path("trajectory.tum"));
   const int64_t start_ns = ReadStartTime(path("summary.json"));
   json["start_s"] = static_cast<double>(start_ns) * 1e-9;
-  const Points points = ReadPoints(path("map.ply"), planes, job.max_points);
+  const Points points = ReadPoints(path("map.ply"),
+                                   planes,
+                                   SpanOf(poses, start_ns, path("trajectory.tum")),
+                                   job.max_points);
   json["statistics"] = StatisticsJson(points.statistics, points.num_points);
 
   ReportContent content;

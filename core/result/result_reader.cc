@@ -1,6 +1,5 @@
 #include "core/result/result_reader.h"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -14,6 +13,7 @@
 
 #include "core/geometry/angles.h"
 #include "core/util/error.h"
+#include "core/util/json_file.h"
 
 namespace plumbline {
 
@@ -26,27 +26,6 @@ constexpr long double kMaxTimeS = 9.2e9L;  // the most that int64 nanoseconds ho
 // long double holds seconds since 1970 with 9 decimals, double does not.
 using Json = nlohmann::
     basic_json<std::map, std::vector, std::string, bool, int64_t, uint64_t, long double>;
-
-std::string ReadText(const std::string& path) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || (text.tellp() <= 0 && errno != 0)) {
-    throw Error(path + ": can not be read: " + std::strerror(errno != 0 ? errno : EIO));
-  }
-  return text.str();
-}
-
-Json ParseJson(const std::string& path) {
-  try {
-    return Json::parse(ReadText(path));
-  } catch (const Json::parse_error& error) {
-    throw Error(path + ": byte " + std::to_string(error.byte) + ": is not valid JSON");
-  } catch (const Json::exception& error) {
-    throw Error(path + ": is not valid JSON: " + error.what());
-  }
-}
 
 int64_t NanosecondsFromLongSeconds(long double seconds) {
   return std::llroundl(seconds * 1e9L);
@@ -205,7 +184,7 @@ StampedPose ParsePose(const std::string& line, const std::string& location) {
 }  // namespace
 
 std::vector<StampedPose> ReadTrajectory(const std::string& path) {
-  std::istringstream text(ReadText(path));
+  std::istringstream text(ReadTextFile(path));
   std::vector<StampedPose> poses;
   std::string line;
   for (int line_number = 1; std::getline(text, line); ++line_number) {
@@ -223,7 +202,7 @@ std::vector<StampedPose> ReadTrajectory(const std::string& path) {
 }
 
 std::vector<PlanePatch> ReadPlanes(const std::string& path) {
-  const Json json = ParseJson(path);
+  const Json json = ReadJsonFile<Json>(path);
   if (!json.is_array()) throw Error(path + ": is not an array of planes");
   std::vector<PlanePatch> planes;
   for (size_t i = 0; i < json.size(); ++i) {
@@ -233,8 +212,7 @@ std::vector<PlanePatch> ReadPlanes(const std::string& path) {
 }
 
 int64_t ReadStartTime(const std::string& path) {
-  const Json json = ParseJson(path);
-  if (!json.is_object()) throw Error(path + ": is not an object");
+  const Json json = ReadJsonObject<Json>(path);
   const auto field = json.find("start_time");
   if (field == json.end()) {
     throw Error(path +
@@ -269,8 +247,7 @@ std::string TextOr(const Json& json, const char* key) {
 }  // namespace
 
 MapOrigin ReadMapOrigin(const std::string& path) {
-  const Json json = ParseJson(path);
-  if (!json.is_object()) throw Error(path + ": is not an object");
+  const Json json = ReadJsonObject<Json>(path);
   MapOrigin origin;
   origin.recording = TextOr(json, "recording");
   origin.version = TextOr(json, "version");

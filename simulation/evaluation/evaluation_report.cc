@@ -1,12 +1,12 @@
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
+#include "core/util/json_file.h"
 #include "simulation/evaluation/evaluation.h"
 
 namespace plumbline {
@@ -15,11 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 ResultFigures ReadFigures(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": can not be opened");
+  const Json json = ReadJsonFile<Json>(path);
   ResultFigures figures;
   try {
-    const Json json = Json::parse(file);
     figures.motion = json.at("motion").get<std::string>();
     figures.reference_plane_id = json.at("reference_plane_id").get<int>();
     figures.residual_rms_m = json.at("residual_rms_m").get<double>();

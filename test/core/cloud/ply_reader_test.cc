@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <limits>
+
 #include "core/cloud/point_cloud_writer.h"
 #include "test/testing/known_points.h"
 #include "test/testing/temporary_directory.h"
@@ -95,6 +98,15 @@ TEST_F(PlyReaderTest, NamesWhatIsWrong) {
   std::string negative = kHeader;
   negative.replace(negative.find("vertex 2"), 8, "vertex -2");
   EXPECT_THAT(ErrorOfReading(negative + "end_header\n"), HasSubstr("'element vertex -2'"));
+}
+
+TEST_F(PlyReaderTest, PointsThatAreNoNumbersAreAnError) {
+  std::string record(kBareBytes, '\0');
+  std::string bad = record;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(&bad[2], &nan, sizeof(nan));  // x
+  EXPECT_THAT(ErrorOfReading(kHeader + std::string("end_header\n") + record + bad),
+              HasSubstr("point 1 has a position or time that is no number"));
 }
 
 }  // namespace

@@ -215,6 +215,20 @@ TEST(FloorPlan, AWallHasItsDoorWhereThereIsAWayRoundItToo) {
   }
 }
 
+TEST(FloorPlan, PointsFarFromEverythingChangeNoRoom) {
+  FloorPlanInput input = TwoMadeUpRooms();
+  const FloorPlans before = MakeFloorPlan(input);
+  for (size_t i = 0; i < 200; ++i) {
+    input.points[50 * i].p_world += Eigen::Vector3f(1000.0f, 1000.0f, 0.0f);
+  }
+  const FloorPlans after = MakeFloorPlan(input);
+  ASSERT_EQ(after.storeys.size(), 1u);
+  ASSERT_EQ(after.storeys[0].rooms.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(after.storeys[0].rooms[i].area_m2, before.storeys[0].rooms[i].area_m2, 1e-6);
+  }
+}
+
 TEST(FloorPlan, AMapWithoutWallsHasNone) {
   MadeUpRooms rooms;
   rooms.AddWay({{1, 2}, {4, 2}});

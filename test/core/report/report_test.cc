@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "core/result/plane_covariance.h"
@@ -180,6 +181,37 @@ TEST_F(ReportTest, NamesWhatIsMissingOrBroken) {
   WriteBytes(Result("summary.json"), "{}");
   EXPECT_THAT(Fault(), HasSubstr("summary.json: has no 'start_time'"));
   EXPECT_FALSE(std::filesystem::exists(job_.output));
+}
+
+TEST_F(ReportTest, NestedJsonIsAnErrorAndNoCrash) {
+  const std::string nested = std::string(200'000, '[') + std::string(200'000, ']');
+  for (const char* name : {"summary.json", "planes.json", "loop_closures.json"}) {
+    WriteResult(10);
+    WriteBytes(Result(name), nested);
+    EXPECT_THAT(Fault(), HasSubstr(Result(name) + ": its arrays and objects are nested more"));
+  }
+}
+
+TEST_F(ReportTest, PointsOutsideTheTrajectoryAreAnError) {
+  for (const double time_s : {1e9, 12.0, -3.0}) {
+    WriteResult(10);
+    std::string map = ReadBytes(Result("map.ply"));
+    const size_t first = map.find("end_header\n") + 11;
+    std::memcpy(&map[first + 12], &time_s, sizeof(time_s));
+    WriteBytes(Result("map.ply"), map);
+    EXPECT_THAT(Fault(), HasSubstr("map.ply: point 0 was taken at "));
+  }
+  WriteResult(10);
+  WriteBytes(Result("trajectory.tum"),
+             "1700000000.123456789 0 0 0 0 0 0 1\n9100000000.123456789 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(Fault(), HasSubstr("trajectory.tum: has a pose 7400000000.000 s after"));
+}
+
+TEST_F(ReportTest, LoadsNothingFromAnywhere) {
+  WriteReport(job_);
+  EXPECT_THAT(ReadBytes(job_.output),
+              HasSubstr("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src "
+                        "'none'; script-src 'unsafe-inline'; "));
 }
 
 TEST_F(ReportTest, NamesReportsOfPartsWhereItStandsBesideThem) {
