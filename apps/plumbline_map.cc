@@ -97,16 +97,9 @@ void Print(const plumbline::Summary& summary) {
       plumbline::ClosingTable(summary,
                               plumbline::ReadPlanes(FLAGS_output + "/planes.json"),
                               plumbline::ReadTrajectory(FLAGS_output + "/trajectory.tum"),
-                              FLAGS_output);
+                              FLAGS_output,
+                              FLAGS_report);
   std::fputs(InColour(table, summary.consistency.verdict).c_str(), stdout);
-  if (FLAGS_report) {
-    std::printf("Report: %s/report.html\n", FLAGS_output.c_str());
-  } else {
-    std::printf(
-        "Next: plumbline_report %s (the map in a browser), plumbline_plan %s (floor plans)\n",
-        FLAGS_output.c_str(),
-        FLAGS_output.c_str());
-  }
 }
 
 plumbline::Summary Map() {

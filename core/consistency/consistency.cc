@@ -179,7 +179,7 @@ class Judge {
     JudgeShares(evidence_.doubled.shares,
                 kMinDoubled,
                 kSlipped,
-                "surfaces stand twice: seen here and, at other times, beside it");
+                "surfaces are doubled: seen here and, at other times, beside it");
     JudgeRevisits();
     AddIntervals(evidence_.jumps,
                  kLost,
@@ -255,17 +255,21 @@ class Judge {
                     const std::string& reason) {
     const std::vector<DoubtfulInterval> intervals = IntervalsOf(marked, kMaxGap, reason);
     if (intervals.empty()) return;
-    Raise(Verdict::kDoubtful);
-    CauseCandidate& candidate = candidates_.emplace_back();
-    candidate.order = kind.order;
-    candidate.start_s = intervals.front().start_s + first_second_;
     char text[80];
     std::snprintf(text,
                   sizeof(text),
                   "from %.0f to %.0f s ",
-                  candidate.start_s,
+                  intervals.front().start_s + first_second_,
                   intervals.front().end_s + first_second_);
-    candidate.cause = {kind.name, "", text + reason, kind.next_step};
+    Doubt(kind.order, {kind.name, "", text + reason, kind.next_step}, intervals);
+  }
+
+  // What everything that makes a map doubtful does. intervals: one at least.
+  void Doubt(CauseOrder order,
+             const Cause& cause,
+             const std::vector<DoubtfulInterval>& intervals) {
+    Raise(Verdict::kDoubtful);
+    candidates_.push_back({order, intervals.front().start_s + first_second_, cause});
     auto& all = report_.consistency.doubtful_intervals;
     all.insert(all.end(), intervals.begin(), intervals.end());
   }
@@ -282,9 +286,8 @@ class Judge {
       marked.push_back(counts && smooth.value() > kDoubtfulShare);
       if (counts) largest = std::max(largest, smooth.value());
     }
-    AddIntervals(marked,
-                 kind,
-                 reason + " (up to " + Percent(largest) + " of the places seen again)");
+    AddIntervals(
+        marked, kind, reason + " (up to " + Percent(largest) + " of the surface seen again)");
     if (largest > kContradictoryShare) Raise(Verdict::kContradictory);
   }
 
@@ -298,7 +301,7 @@ class Judge {
     char text[120];
     std::snprintf(text,
                   sizeof(text),
-                  "the place lies up to %.0f cm off where an earlier visit saw it",
+                  "surfaces lie up to %.0f cm off where an earlier visit saw them",
                   100.0 * largest);
     AddIntervals(marked, kSlipped, text);
   }
@@ -323,20 +326,17 @@ class Judge {
   void JudgeScanners() {
     for (const ScannerFault& fault : evidence_.faults) {
       report_.warnings.push_back(fault.sentence);
-      if (fault.contradicts) {
-        Raise(Verdict::kDoubtful);
-        const std::string& name = rig_.scanners[static_cast<size_t>(fault.scanner_index)].name;
-        CauseCandidate& candidate = candidates_.emplace_back();
-        candidate.order = CauseOrder::kScanner;
-        candidate.cause = {"scanner " + name + " is not as the rig file says",
-                           name,
-                           fault.sentence,
-                           "hold the recording against the rig file with plumbline_check, and "
-                           "measure again where " + name + " sits"};
-        const auto [first, last] = span_;
-        report_.consistency.doubtful_intervals.push_back(
-            {static_cast<double>(first), static_cast<double>(last), fault.sentence});
-      }
+      if (!fault.contradicts) continue;
+      const std::string& name = rig_.scanners[static_cast<size_t>(fault.scanner_index)].name;
+      const auto [first, last] = span_;
+      Doubt(CauseOrder::kScanner,
+            {"scanner " + name + " is not as the rig file says",
+             name,
+             fault.sentence,
+             "hold the recording against the rig file with plumbline_check, and measure again "
+             "where " +
+                 name + " sits"},
+            {{static_cast<double>(first), static_cast<double>(last), fault.sentence}});
     }
   }
 
@@ -361,15 +361,6 @@ class Judge {
                     interval.end_s,
                     interval.direction.c_str(),
                     interval.stddev_m);
-      report_.warnings.emplace_back(text);
-    }
-    for (const DoubtfulInterval& interval : report_.consistency.doubtful_intervals) {
-      std::snprintf(text,
-                    sizeof(text),
-                    "doubtful from %.0f to %.0f s: %s",
-                    interval.start_s,
-                    interval.end_s,
-                    interval.reason.c_str());
       report_.warnings.emplace_back(text);
     }
     if (report_.consistency.verdict == Verdict::kContradictory) {

@@ -12,7 +12,8 @@
 
 namespace plumbline {
 
-// The judgement on a finished map, and sentences for the user.
+// The judgement on a finished map, and warnings for the user of what is no doubt at an
+// interval.
 struct ConsistencyReport {
   Consistency consistency;
   std::optional<Cause> cause;  // none of a consistent map
@@ -34,7 +35,7 @@ struct FinishedMap {
 // Judges a finished map by what it says of itself, since a wrong map can explain every
 // segment by planes of its own and still have small residuals (docs/robustness.md):
 //   - beams that pass through what was a surface at other times,
-//   - surfaces that stand twice, never seen together,
+//   - surfaces that are doubled, never seen together,
 //   - places that a later visit sees shifted,
 //   - poses that jump,
 //   - segments without planes,

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/geometry/angles.h"
+#include "core/result/symptoms.h"
 
 namespace plumbline {
 namespace {
@@ -54,15 +55,9 @@ std::string Deviations(std::vector<double> sigmas, const char* unit) {
 // Whether doubtful intervals cover nearly all of the recording.
 bool IsDoubtfulThroughout(const Summary& summary) {
   constexpr double kNearlyAll = 0.9;
-  std::vector<DoubtfulInterval> intervals = summary.consistency.doubtful_intervals;
-  std::sort(intervals.begin(), intervals.end(), [](const auto& a, const auto& b) {
-    return a.start_s < b.start_s;
-  });
   double covered_s = 0.0;
-  double until_s = 0.0;
-  for (const DoubtfulInterval& interval : intervals) {
-    covered_s += std::max(0.0, interval.end_s - std::max(until_s, interval.start_s));
-    until_s = std::max(until_s, interval.end_s);
+  for (const SymptomGroup& group : GroupSymptoms(summary.consistency.doubtful_intervals)) {
+    covered_s += group.end_s - group.start_s;
   }
   return covered_s >= kNearlyAll * summary.duration_s;
 }
@@ -92,7 +87,8 @@ std::string Kinds(const std::vector<PlanePatch>& planes) {
 std::string ClosingTable(const Summary& summary,
                          const std::vector<PlanePatch>& planes,
                          const std::vector<StampedPose>& trajectory,
-                         const std::string& directory) {
+                         const std::string& directory,
+                         bool has_report) {
   std::string text;
   AppendRow(&text, "what", "value", "unit", "stated standard deviation");
   AppendRow(&text,
@@ -100,7 +96,7 @@ std::string ClosingTable(const Summary& summary,
             Number(summary.duration_s, 1),
             "s",
             "mapped at " + Number(summary.real_time_factor, 1) + " times real time");
-  AppendRow(&text, "the rig's way", Number(Length(trajectory), 1), "m", "");
+  AppendRow(&text, "trajectory", Number(Length(trajectory), 1), "m", "");
   AppendRow(&text, "surfaces", std::to_string(planes.size()), "", Kinds(planes));
   std::vector<double> distances_mm;
   std::vector<double> angles_deg;
@@ -135,11 +131,21 @@ std::string ClosingTable(const Summary& summary,
     text += "\nLikeliest cause: " + cause.name + "\n  what speaks for it: " + cause.evidence +
             "\n  what to do: " + cause.next_step;
   }
+  for (const SymptomGroup& group : GroupSymptoms(summary.consistency.doubtful_intervals)) {
+    Append(&text, "\nDoubtful from %.0f to %.0f s:", group.start_s, group.end_s);
+    for (const Symptom& symptom : group.symptoms) {
+      text += "\n  - " + SymptomText(symptom, group);
+    }
+  }
   Append(
       &text,
       "\nWritten to %s: map.* (points), planes.ply and planes.json (surfaces), "
       "trajectory.tum, summary.json\n",
       directory.c_str());
+  text += has_report ? "Report: " + directory + "/report.html\n"
+                     : "Next: plumbline_report " + directory +
+                           " (the map in a browser), plumbline_plan " + directory +
+                           " (floor plans)\n";
   if (summary.consistency.verdict == Verdict::kDoubtful && IsDoubtfulThroughout(summary)) {
     text += "The map is doubtful from end to end: check it before it is used\n";
   }

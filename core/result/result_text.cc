@@ -11,6 +11,7 @@
 
 #include "core/cloud/surface_colour.h"
 #include "core/geometry/angles.h"
+#include "core/result/symptoms.h"
 
 namespace plumbline {
 
@@ -220,6 +221,13 @@ nlohmann::ordered_json ConsistencyJson(const Consistency& consistency) {
     json["doubtful_intervals"].push_back({{"start_s", interval.start_s},
                                           {"end_s", interval.end_s},
                                           {"reason", interval.reason}});
+  }
+  json["symptoms"] = nlohmann::ordered_json::array();
+  for (const SymptomGroup& group : GroupSymptoms(consistency.doubtful_intervals)) {
+    nlohmann::ordered_json texts = nlohmann::ordered_json::array();
+    for (const Symptom& symptom : group.symptoms) texts.push_back(SymptomText(symptom, group));
+    json["symptoms"].push_back(
+        {{"start_s", group.start_s}, {"end_s", group.end_s}, {"what", texts}});
   }
   json["degenerate_intervals"] = nlohmann::ordered_json::array();
   for (const DegenerateInterval& interval : consistency.degenerate_intervals) {

@@ -6,6 +6,7 @@
 namespace plumbline {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -52,7 +53,7 @@ TEST(ClosingTableTest, StatesNoDeviationsOfAMapThatIsNotConsistent) {
   EXPECT_THAT(text, Not(HasSubstr("1.64")));
   EXPECT_THAT(text, HasSubstr("not stated: the map is doubtful"));
   EXPECT_THAT(text, HasSubstr("Likeliest cause: the rig was lost"));
-  EXPECT_THAT(text, HasSubstr("move slower"));
+  EXPECT_THAT(text, HasSubstr("move slower\nDoubtful from 4 to 6 s:\n  - it jumps\n"));
   EXPECT_THAT(text, Not(HasSubstr("end to end")));
 }
 
@@ -61,8 +62,9 @@ TEST(ClosingTableTest, TheLastLineSaysWhatIsDoubtfulThroughout) {
   summary.duration_s = 20.0;
   summary.consistency.verdict = Verdict::kDoubtful;
   summary.consistency.doubtful_intervals = {{0.0, 12.0, "a"}, {3.0, 5.0, "b"}, {11.0, 20.0, "c"}};
-  const std::string text = ClosingTable(summary, {}, {}, "out");
-  EXPECT_THAT(text, HasSubstr("doubtful from end to end: check it before it is used\n"));
+  const std::string text = ClosingTable(summary, {}, {}, "out", true);
+  EXPECT_THAT(text, HasSubstr("Report: out/report.html\n"));
+  EXPECT_THAT(text, EndsWith("doubtful from end to end: check it before it is used\n"));
 }
 
 TEST(ClosingTableTest, SaysWhereNothingIsStated) {

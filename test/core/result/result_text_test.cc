@@ -95,13 +95,14 @@ TEST(FormatSummaryTest, StatesTheVerdict) {
   Summary summary;
   summary.consistency.verdict = Verdict::kDoubtful;
   summary.consistency.contradicted_share = 0.125;
-  summary.consistency.doubtful_intervals = {{3.0, 5.0, "walls stand twice"}};
+  summary.consistency.doubtful_intervals = {{3.0, 5.0, "walls are doubled"}};
   summary.consistency.degenerate_intervals = {{1.0, 2.0, "vertical", 0.5}};
   const auto json = nlohmann::ordered_json::parse(FormatSummary(summary))["consistency"];
   EXPECT_EQ(json.dump(),
             "{\"verdict\":\"doubtful\",\"contradicted_share\":0.125,"
             "\"doubtful_intervals\":[{\"start_s\":3.0,\"end_s\":5.0,"
-            "\"reason\":\"walls stand twice\"}],"
+            "\"reason\":\"walls are doubled\"}],"
+            "\"symptoms\":[{\"start_s\":3.0,\"end_s\":5.0,\"what\":[\"walls are doubled\"]}],"
             "\"degenerate_intervals\":[{\"start_s\":1.0,\"end_s\":2.0,"
             "\"direction\":\"vertical\",\"stddev_m\":0.5}]}");
   summary.consistency.ends_at_s = 7.5;

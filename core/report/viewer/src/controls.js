@@ -114,7 +114,7 @@ export class Controls {
       check('outlines', 'outlines', true, (on) => {
         view.drawings.outlines.visible = on;
       }),
-      check('path', 'the rig’s way', true, (on) => {
+      check('path', 'trajectory', true, (on) => {
         view.drawings.path.visible = on;
         view.drawings.rig.visible = on;
       }),

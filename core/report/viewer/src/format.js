@@ -32,12 +32,14 @@ const placesFor = (stddev) =>
 // A length in m with its standard deviation in mm.
 export function lengthWithStddev(value, stddev) {
   if (!known(value) || !known(stddev)) return metres(value, 4);
+  if (stddev === 0) return `${metres(value, 4)} (held, not measured)`;
   return `${value.toFixed(placesFor(stddev))} m ± ${digits(1000 * stddev, 2)} mm`;
 }
 
 // An angle in rad with its standard deviation, both in degrees.
 export function angleWithStddev(value, stddev) {
   if (!known(value) || !known(stddev)) return degrees(value, 4);
+  if (stddev === 0) return `${degrees(value, 4)} (held, not measured)`;
   return `${(DEGREES * value).toFixed(placesFor(DEGREES * stddev))}° ± ${digits(DEGREES * stddev, 2)}°`;
 }
 

@@ -20,7 +20,7 @@ import { scannerColour, css } from './colours.js';
 import style from './style.css';
 import { Surfaces } from './surfaces.js';
 import { Timeline } from './timeline.js';
-import { drawFigures, drawVerdict } from './verdict.js';
+import { drawBand, drawFigures, drawVerdict } from './verdict.js';
 import { NoWebgl, View } from './view.js';
 
 const STAGE_WORDS = { total: 'all' };
@@ -164,6 +164,7 @@ function drawFrame(report) {
     below: h('div', {}),
   };
   document.body.append(
+    ...[drawBand(report)].filter(Boolean),
     frame.top,
     h('section', { class: 'view' }, frame.stage, frame.panel),
     frame.below,
@@ -198,7 +199,7 @@ function drawBelow(frame, report, poses, motion, surfaces, plan, plans) {
       h(
         'p',
         { class: 'hint' },
-        `Walls${report.summary.motion === 'planar' ? '' : ' between the heights chosen above'}, and the rig’s way. A click chooses a wall.`,
+        `Walls${report.summary.motion === 'planar' ? '' : ' between the heights chosen above'}, and the trajectory. A click chooses a wall.`,
       ),
       plan.element,
     ),

@@ -78,6 +78,12 @@ export function extents(surface) {
   return [arc, high - low];
 }
 
+// How far the arc of a cylinder, as it was seen, bows out from its chord, in m.
+export function bow(surface) {
+  const halfTurn = Math.min(Math.PI, extents(surface)[0] / (2 * surface.radius));
+  return surface.radius * (1 - Math.cos(halfTurn));
+}
+
 function contains(polygon, normal, point) {
   const [u, v] = tangents(normal);
   const x = dot(point, u);

@@ -11,7 +11,7 @@ import {
   millimetres,
   seconds,
 } from './format.js';
-import { extents } from './surface.js';
+import { bow, extents } from './surface.js';
 
 const TYPES = { horizontal: 'level', vertical: 'upright', general: 'sloping', cylinder: 'round' };
 const RADIANS = Math.PI / 180;
@@ -32,7 +32,7 @@ function facts(rows) {
 }
 
 // What is known of one surface.
-function describe(surface, start, errors) {
+function describe(surface, start, errors, scatter) {
   const rows = [
     ['kind', `${TYPES[surface.type]}, ${size(surface, 2)}`],
     ['distance', lengthWithStddev(surface.distance, surface.sigma_distance_m)],
@@ -46,7 +46,7 @@ function describe(surface, start, errors) {
     ],
     surface.type === 'cylinder' && [
       'radius',
-      lengthWithStddev(surface.radius, surface.sigma_radius_m),
+      radiusInWords(surface, scatter, lengthWithStddev(surface.radius, surface.sigma_radius_m)),
     ],
     ['normal', surface.normal.map((x) => x.toFixed(4)).join(', ')],
     ['points', `${count(surface.num_points)} in ${count(surface.num_segments)} segments`],
@@ -64,6 +64,15 @@ function describe(surface, start, errors) {
     ]);
   }
   return facts(rows);
+}
+
+// A radius is told by how far its arc bows out: of one that bows out less than points scatter,
+// only that is said.
+function radiusInWords(surface, scatter, text) {
+  const bowed = bow(surface);
+  return bowed < scatter
+    ? `not known: bows out by ${millimetres(bowed)} over ${metres(extents(surface)[0], 1)}`
+    : text;
 }
 
 // How two directions lie to each other, in words.
@@ -176,7 +185,12 @@ export class Surfaces {
         'div',
         { class: 'surface', 'data-id': surface.id },
         h('h3', {}, dot, `Surface ${surface.id}`),
-        describe(surface, this.report.start_s, this.errors.get(surface.id)),
+        describe(
+          surface,
+          this.report.start_s,
+          this.errors.get(surface.id),
+          this.report.summary.residual_rms_m,
+        ),
       );
     });
     if (b) parts.unshift(this.drawMeasured(a, b));
@@ -253,7 +267,14 @@ export class Surfaces {
       columns.push([
         'radius',
         (s) => s.radius ?? -1,
-        (s) => (s.radius ? `${metres(s.radius, 3)} ± ${millimetres(s.sigma_radius_m)}` : '–'),
+        (s) =>
+          s.radius
+            ? radiusInWords(
+                s,
+                this.report.summary.residual_rms_m,
+                `${metres(s.radius, 3)} ± ${millimetres(s.sigma_radius_m)}`,
+              )
+            : '–',
       ]);
     }
     if (this.errors.size > 0) {

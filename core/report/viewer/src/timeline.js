@@ -88,7 +88,9 @@ export class Timeline {
     const speed = this.speeds.length ? this.speeds[poseIndex(this.speeds, this.t)].speed : NaN;
     this.readout.textContent =
       `${this.t.toFixed(2)} s · ${digits(speed, 2)} m/s · height ${metres(pose.position[2])} · ` +
-      `position ± ${millimetres(pose.positionStddev)} · direction ± ${degrees(pose.rotationStddev)}`;
+      (this.t === this.start
+        ? 'position held: the origin of the map'
+        : `position ± ${millimetres(pose.positionStddev)} · direction ± ${degrees(pose.rotationStddev)}`);
     this.onChange(this.t, this.mode, pose);
   }
 

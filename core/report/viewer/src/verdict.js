@@ -25,6 +25,49 @@ export function noiseInWords(factor) {
   return `Points scatter only ${digits(scale, 2)} times as far as the rig file's noise says: stated standard deviations may be too large.`;
 }
 
+// What most likely went wrong, before all symptoms of it.
+function causeBlock(cause) {
+  if (!cause) return null;
+  return h(
+    'dl',
+    { class: 'cause' },
+    h('dt', {}, 'Likeliest cause'),
+    h('dd', {}, h('b', {}, cause.name)),
+    h('dt', {}, 'What speaks for it'),
+    h('dd', {}, cause.evidence),
+    h('dt', {}, 'What to do'),
+    h('dd', {}, cause.next_step),
+  );
+}
+
+// The stretches of the recording that are in doubt, each with all that shows it.
+function symptomBlocks(symptoms, onTime) {
+  return symptoms.map((group) =>
+    h(
+      'section',
+      { class: 'symptoms' },
+      h(
+        'h3',
+        {},
+        `Doubtful from ${group.start_s.toFixed(0)} to ${group.end_s.toFixed(0)} s `,
+        h('button', { class: 'link', onclick: () => onTime(group.start_s) }, 'show'),
+      ),
+      h('ul', {}, group.what.map((text) => h('li', {}, text))),
+    ),
+  );
+}
+
+// On top of the page wherever it is scrolled to, so that nobody takes figures of such a map for
+// measured.
+export function drawBand({ summary }) {
+  const verdict = summary.consistency?.verdict;
+  const words = {
+    doubtful: 'The map is doubtful: lengths and areas may be wrong',
+    contradictory: 'The map contradicts the scans it was made from: do not use it',
+  };
+  return words[verdict] ? h('p', { class: 'band', role: 'alert' }, words[verdict]) : null;
+}
+
 // A warning, with a button that shows the time that it names.
 function warningItem(warning, onTime) {
   const text = `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`;
@@ -75,18 +118,20 @@ export function drawVerdict(report, onTime) {
     ...(summary.warnings ?? []).map((warning) => warningItem(warning, onTime)),
     ...partSentences(report),
   ];
-  const open = items.length <= 6;
+  const symptoms = summary.consistency?.symptoms ?? [];
   return h(
     'header',
     { class: `verdict ${verdict ?? 'unknown'}` },
     h('p', { class: 'title' }, h('b', {}, report.title), ` mapped by plumbline`),
     h('h1', {}, word),
     h('p', { class: 'lead' }, sentence, ' ', noiseInWords(summary.variance_factor)),
+    causeBlock(summary.cause),
+    ...symptomBlocks(symptoms, onTime),
     items.length === 0
       ? h('p', { class: 'none' }, 'No warnings.')
       : h(
           'details',
-          { open, class: 'warnings' },
+          { open: true, class: 'warnings' },
           h('summary', {}, `${items.length} ${items.length === 1 ? 'warning' : 'warnings'}`),
           h('ul', {}, items),
         ),
@@ -109,10 +154,25 @@ export function drawFigures(report, poses) {
     h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, h('small', {}, note)));
   const walls = planes.filter((plane) => plane.sigma_angle_deg > 0);
   const worstPose = poses.length ? Math.max(...poses.map((pose) => pose.positionStddev)) : NaN;
+  // Deviations count on every surface and pose being what the map takes it for.
+  const verdict = summary.consistency?.verdict;
+  const trusted = verdict === undefined || verdict === 'consistent';
+  const precision = [
+    figure(
+      `± ${millimetres(median(planes.map((plane) => plane.sigma_distance_m)))}`,
+      'precision of surfaces',
+      `median; in direction ± ${digits(median(walls.map((plane) => plane.sigma_angle_deg)))}°`,
+    ),
+    figure(
+      `± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`,
+      'precision of positions',
+      `median; worst ± ${millimetres(worstPose)}`,
+    ),
+  ];
   return h(
     'dl',
     { class: 'figures' },
-    figure(metres(pathLength(poses), 1), 'the rig’s way', `in ${seconds(summary.duration_s)}`),
+    figure(metres(pathLength(poses), 1), 'trajectory', `in ${seconds(summary.duration_s)}`),
     figure(
       count(planes.length),
       'surfaces',
@@ -128,16 +188,7 @@ export function drawFigures(report, poses) {
       'residuals, RMS',
       `variance factor ${digits(summary.variance_factor)}`,
     ),
-    figure(
-      `± ${millimetres(median(planes.map((plane) => plane.sigma_distance_m)))}`,
-      'precision of surfaces',
-      `median; in direction ± ${digits(median(walls.map((plane) => plane.sigma_angle_deg)))}°`,
-    ),
-    figure(
-      `± ${millimetres(median(poses.map((pose) => pose.positionStddev)))}`,
-      'precision of positions',
-      `median; worst ± ${millimetres(worstPose)}`,
-    ),
+    ...(trusted ? precision : [figure('not stated', 'precision', `the map is ${verdict}`)]),
     ...errorFigure(report.evaluation, figure),
     figure(
       `${digits(summary.real_time_factor)} ×`,

@@ -42,6 +42,7 @@ export class View {
     const context = canvas.getContext('webgl2', {
       antialias: false,
       powerPreference: 'high-performance',
+      preserveDrawingBuffer: true, // a page that is printed takes what was drawn last
     });
     if (!context) throw new NoWebgl();
     this.renderer = new THREE.WebGLRenderer({ canvas, context });
