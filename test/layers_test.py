@@ -12,6 +12,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 LAYERS = ("factors", "core", "simulation")
 CALL = re.compile(r"plumbline_add_library\((\w+)\s(.*?)\)", re.DOTALL)
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)[^;\n]*\{$", re.MULTILINE)
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
 
@@ -63,6 +64,13 @@ def wrong_includes(root, links):
     return wrong
 
 
+def doubled_types(texts):
+    """Names of types that several headers define in our one namespace: whoever links both gets
+    the functions of one of them for both."""
+    names = [name for text in texts for name in TYPE.findall(text)]
+    return sorted({name for name in names if names.count(name) > 1})
+
+
 def circles(links):
     """Folders that reach themselves by links of either kind."""
     return [folder for folder in links
@@ -93,6 +101,13 @@ class Layers(unittest.TestCase):
                       if room in ("core/trajectory", "core/map", "core/estimation")
                       or room.startswith("factors/")}
             self.assertEqual(shared, set(), folder)
+
+    def test_no_two_types_have_one_name(self):
+        texts = [path.read_text(encoding="utf-8") for layer in LAYERS + ("apps",)
+                 for path in sorted((ROOT / layer).rglob("*.h"))]
+        self.assertEqual(doubled_types(texts), [])
+        self.assertEqual(doubled_types(["struct A {\n", "class A : public B {\n", "struct A;\n",
+                                        "struct C {\n"]), ["A"])
 
     def test_an_include_upwards_is_found(self):
         links = dict(self.links)

@@ -219,12 +219,12 @@ Rigid3d InterpolatedTrajectory::Pose(int64_t time_ns) const {
   return {(reference.rotation * RotationFromVector(rotation)).normalized(), translation};
 }
 
-ModelFrame FindModelFrame(const EvaluationInput& input,
-                          const InterpolatedTrajectory& truth,
-                          const PlaneMatchingOptions& options) {
+ModelFrameOfTruth FindModelFrame(const EvaluationInput& input,
+                                 const InterpolatedTrajectory& truth,
+                                 const PlaneMatchingOptions& options) {
   const StampedPose& first = input.trajectory.front();
   const Rigid3d true_start = truth.Pose(first.time_ns);
-  ModelFrame frame;
+  ModelFrameOfTruth frame;
   frame.model_from_truth.rotation =
       RotationFromYaw(Yaw(first.world_from_body.rotation) - Yaw(true_start.rotation));
   frame.model_from_truth.translation =

@@ -57,15 +57,15 @@ struct TrajectoryEvaluation {
   Rigid3d alignment;            // that rigid motion
 };
 
-// ModelFrame says how the truth was brought into the model frame.
-struct ModelFrame {
+// ModelFrameOfTruth says how the truth was brought into the model frame.
+struct ModelFrameOfTruth {
   Rigid3d model_from_truth;
   int reference_face_id = -1;  // the true wall that gives the heading; -1: the first pose does
 };
 
 struct Evaluation {
   ResultFigures figures;
-  ModelFrame frame;
+  ModelFrameOfTruth frame;
   TrajectoryEvaluation trajectory;
   PlaneEvaluation planes;
   // Errors of the planes after the trajectory's alignment, which takes out the error of the
@@ -92,9 +92,9 @@ class InterpolatedTrajectory {
 // position at the first pose, x axis along the normal of the true face that the reference wall
 // shows. Without reference wall, or when no true face fits it, heading and origin are those
 // that make the first poses agree.
-ModelFrame FindModelFrame(const EvaluationInput& input,
-                          const InterpolatedTrajectory& truth,
-                          const PlaneMatchingOptions& options);
+ModelFrameOfTruth FindModelFrame(const EvaluationInput& input,
+                                 const InterpolatedTrajectory& truth,
+                                 const PlaneMatchingOptions& options);
 
 // Computes the errors of a result. Throws Error when the result is empty or begins outside the
 // time span of the truth.

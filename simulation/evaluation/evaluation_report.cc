@@ -53,7 +53,7 @@ Json ToJson(const TrajectoryEvaluation& trajectory) {
           {"relative_1m", ToJson(trajectory.relative_1m)}};
 }
 
-Json ToJson(const ModelFrame& frame) {
+Json ToJson(const ModelFrameOfTruth& frame) {
   const Eigen::Vector3d& p = frame.model_from_truth.translation;
   const Eigen::Quaterniond& q = frame.model_from_truth.rotation;
   return {{"translation", {p.x(), p.y(), p.z()}},

@@ -14,7 +14,7 @@ namespace plumbline {
 struct ColumnPlan {
   std::string location;  // "file:line", for messages
   // Between these lines the same planes bound what is free above all places, in one order.
-  std::vector<PlanSegment> lines;
+  std::vector<PlanLine> lines;
   std::function<FreeColumn(const Eigen::Vector2d&)> free_at;
   std::vector<PlanCircle> circles;  // that arcs among the lines lie on
 };

@@ -21,9 +21,9 @@ using Triangulation =
 
 }  // namespace
 
-std::vector<PlanTriangle> TriangulatePlan(const std::vector<PlanSegment>& segments) {
+std::vector<PlanTriangle> TriangulatePlan(const std::vector<PlanLine>& segments) {
   Triangulation triangulation;
-  for (const PlanSegment& segment : segments) {
+  for (const PlanLine& segment : segments) {
     triangulation.insert_constraint({segment.from.x(), segment.from.y()},
                                     {segment.to.x(), segment.to.y()});
   }

@@ -7,7 +7,7 @@
 namespace plumbline {
 
 // A straight line of the plan between two places.
-struct PlanSegment {
+struct PlanLine {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
 };
@@ -24,6 +24,6 @@ inline constexpr int kNoTriangle = -1;
 // Divides the convex hull of the segments into triangles that no segment crosses, with exact
 // intersections. Corners are rounded to doubles afterwards, so that lines that coincide but
 // for rounding leave triangles without area between them.
-std::vector<PlanTriangle> TriangulatePlan(const std::vector<PlanSegment>& segments);
+std::vector<PlanTriangle> TriangulatePlan(const std::vector<PlanLine>& segments);
 
 }  // namespace plumbline

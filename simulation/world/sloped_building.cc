@@ -204,8 +204,8 @@ class LineCollector {
   }
 
   // With the lines where two planes cross above the boxes of both.
-  std::vector<PlanSegment> Lines() const {
-    std::vector<PlanSegment> lines = lines_;
+  std::vector<PlanLine> Lines() const {
+    std::vector<PlanLine> lines = lines_;
     for (size_t i = 0; i < sheets_.size(); ++i) {
       for (size_t j = 0; j < i; ++j) {
         const HeightPlane& a = sheets_[i].plane;
@@ -234,7 +234,7 @@ class LineCollector {
   }
 
   // The line of height zero of a plane, within a box.
-  static std::optional<PlanSegment> Clipped(const HeightPlane& difference, const Box& box) {
+  static std::optional<PlanLine> Clipped(const HeightPlane& difference, const Box& box) {
     const double slope = difference.gradient.norm();
     if (slope < kSamePlane) return std::nullopt;
     const Eigen::Vector2d up = difference.gradient / slope;
@@ -253,10 +253,10 @@ class LineCollector {
       end = std::min(end, std::max(at_min, at_max));
     }
     if (end - begin < kSamePlane) return std::nullopt;
-    return PlanSegment{foot + begin * along, foot + end * along};
+    return PlanLine{foot + begin * along, foot + end * along};
   }
 
-  std::vector<PlanSegment> lines_;
+  std::vector<PlanLine> lines_;
   std::vector<Sheet> sheets_;
   Box extent_;
 };
@@ -314,7 +314,7 @@ class StoreyStack {
     }
   }
 
-  std::vector<PlanSegment> Lines() const {
+  std::vector<PlanLine> Lines() const {
     LineCollector collector;
     for (const Storey& storey : storeys_) {
       for (const auto* blocks : {&storey.rooms, &storey.ramps, &storey.roof, &storey.walls}) {

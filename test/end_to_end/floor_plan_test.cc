@@ -76,6 +76,71 @@ TEST_F(FloorPlanEndToEndTest, TwoRoomsAreFoundWithTheirAreas) {
   }
 }
 
+// Two rooms with a door between them, and a hall at another height up a ramp.
+Scenario SplitLevel(double step_m) {
+  Scenario scenario;
+  const std::string step = std::to_string(step_m);
+  scenario.building = R"(floor_height_m: 0.0
+ceiling_height_m: 2.8
+outlines:
+  - corners: [[0, 0], [7, 0], [7, 5], [0, 5]]
+  - floor_height_m: )" +
+                      step + R"(
+    ceiling_height_m: )" +
+                      std::to_string(2.8 + step_m) +
+                      R"(
+    corners: [[12, 0], [16, 0], [16, 5], [12, 5]]
+ramps:
+  - {from: [7, 2.5, 0.0], to: [12, 2.5, )" +
+                      step + R"(], width_m: 2.4}
+walls:
+  - from: [4, 0]
+    to: [4, 5]
+    thickness_m: 0.15
+    openings: [{position_m: 2.5, width_m: 1.0, height_m: 2.1}]
+)";
+  scenario.scanners = TiltedRig();
+  for (ScenarioScanner& scanner : scenario.scanners) scanner.beams = 270;
+  scenario.path = R"(path:
+  way_points:
+    - [1.5, 1.5, 0.0]
+    - [2.5, 2.5, 0.0]
+    - [7.0, 2.5, 0.0]
+    - [12.0, 2.5, )" +
+                  step + R"(]
+    - [15.0, 2.0, )" +
+                  step + R"(]
+    - [15.0, 3.2, )" +
+                  step + R"(]
+  corner_radius_m: 0.4
+  body_height_m: 1.4
+speed_m_s: 0.9
+)";
+  return scenario;
+}
+
+class SplitLevelTest : public MappingTest, public ::testing::WithParamInterface<double> {};
+
+TEST_P(SplitLevelTest, FloorsThatMeetAreOneStoreyWithAllItsRooms) {
+  WriteRecording(Simulate(SplitLevel(GetParam())));
+  MapJob job = Job();
+  job.floor_plan = true;
+  RunMapJob(job, [](double) {});
+  const Json json = Json::parse(ReadBytes(Path("result/rooms.json")));
+  ASSERT_EQ(json.at("storeys").size(), 1u);
+  const Json& storey = json["storeys"][0];
+  ASSERT_EQ(storey.at("rooms").size(), 2u);
+  const double true_m2[] = {3.925 * 5.0, 2.925 * 5.0 + 5.0 * 2.4 + 4.0 * 5.0};
+  for (size_t i = 0; i < 2; ++i) {
+    const Json& room = storey["rooms"][i];
+    EXPECT_NEAR(room.at("area_m2").get<double>(), true_m2[i], 0.005 * true_m2[i]);
+  }
+  ASSERT_EQ(storey.at("doors").size(), 1u);
+  EXPECT_NEAR(storey["doors"][0].at("width_m").get<double>(), 1.0, 0.06);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, SplitLevelTest, ::testing::Values(-0.6, 0.4, 1.2));
+
 TEST_F(FloorPlanEndToEndTest, PlansOfStoreysThatAreNoMoreGo) {
   WriteRecording(Simulate(TwoRooms()));
   Map();
