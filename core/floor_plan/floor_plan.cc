@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/floor_plan/beam_evidence.h"
+#include "core/floor_plan/floor_openings.h"
 #include "core/floor_plan/room_measures.h"
 #include "core/floor_plan/room_outlines.h"
 #include "core/floor_plan/storey_doors.h"
@@ -95,6 +96,7 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
     room.number = static_cast<int>(plan.rooms.size()) + 1;
     plan.rooms.push_back(std::move(room));
   }
+  FindFloorOpenings(planes, input.points, origins, level, &plan.rooms);
   plan.doors = FindDoors(regions, planes, plan.rooms);
   plan.windows = FindWindows(regions, planes, plan.rooms);
   plan.walls = FindWalls(input.planes, level, plan.rooms);

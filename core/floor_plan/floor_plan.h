@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,12 +37,21 @@ struct Dimension {
   double stddev_m = 0.0;
 };
 
-// Room is what walls enclose: its clear floor, without door openings and niches.
+// RoomFloorOpening is where a room has no floor, such as over a stair to the storey below.
+struct RoomFloorOpening {
+  double area_m2 = 0.0;
+  double stddev_m2 = 0.0;
+  Eigen::AlignedBox2d box;
+};
+
+// Room is what walls enclose: its clear floor, without door openings, niches and openings in
+// the floor.
 struct Room {
   int number = 0;               // from 1 in the storey, in the order of the rig's visits
   std::vector<RoomLoop> loops;  // the outer one first; others are pillars and the like
   bool entered = false;         // the rig was in it; else it was only looked into
-  double area_m2 = 0.0;
+  std::vector<RoomFloorOpening> floor_openings;
+  double area_m2 = 0.0;  // without these
   double area_stddev_m2 = 0.0;
   double perimeter_m = 0.0;  // of the outer loop
   double unseen_m = 0.0;     // of all its edges, what no wall, door or bridged piece shows

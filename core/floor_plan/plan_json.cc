@@ -57,6 +57,13 @@ Json RoomJson(const Room& room) {
   json["holes"] = Json::array();
   for (size_t i = 1; i < room.loops.size(); ++i)
     json["holes"].push_back(LoopJson(room.loops[i]));
+  json["floor_openings"] = Json::array();
+  for (const RoomFloorOpening& opening : room.floor_openings) {
+    json["floor_openings"].push_back({{"area_m2", Rounded(opening.area_m2)},
+                                      {"sigma_area_m2", Rounded(opening.stddev_m2)},
+                                      {"from", PointJson(opening.box.min())},
+                                      {"to", PointJson(opening.box.max())}});
+  }
   json["dimensions"] = Json::array();
   for (const Dimension& dimension : room.dimensions) {
     json["dimensions"].push_back(DimensionJson(dimension));

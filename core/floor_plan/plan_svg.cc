@@ -138,6 +138,23 @@ void DrawWalls(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   svg->Close();
 }
 
+// Openings in floors: dashed boxes with their diagonals.
+void DrawFloorOpenings(const StoreyPlan& storey, SvgText* svg) {
+  svg->Open("id=\"floor-openings\" fill=\"none\" stroke=\"" + std::string(kWallColour) +
+            "\" stroke-width=\"0.15\" stroke-dasharray=\"1.2 0.6\"");
+  for (const Room& room : storey.rooms) {
+    for (const RoomFloorOpening& opening : room.floor_openings) {
+      const Eigen::Vector2d a = opening.box.min();
+      const Eigen::Vector2d c = opening.box.max();
+      const Eigen::Vector2d b(c.x(), a.y());
+      const Eigen::Vector2d d(a.x(), c.y());
+      svg->AddPath(svg->Path({a, b, c, d}, true) + svg->Path({a, c}, false) +
+                   svg->Path({b, d}, false));
+    }
+  }
+  svg->Close();
+}
+
 void DrawDoorsAndWindows(const StoreyPlan& storey, SvgText* svg) {
   svg->Open("id=\"windows\" fill=\"#ffffff\" stroke=\"" + std::string(kWallColour) +
             "\" stroke-width=\"0.15\"");
@@ -382,6 +399,7 @@ std::string FormatSvg(const FloorPlans& plan, size_t storey) {
   const Paper paper(plan);
   SvgText svg(paper);
   DrawWalls(plan.storeys[storey], paper, &svg);
+  DrawFloorOpenings(plan.storeys[storey], &svg);
   DrawDoorsAndWindows(plan.storeys[storey], &svg);
   DrawTexts(plan.storeys[storey], paper, &svg);
   DrawFoot(plan, storey, paper, &svg);

@@ -56,9 +56,14 @@ void AddArc(const WallFace& face,
   const double to = std::min(half_turn, runs.back().to_m + kArcExtensionM);
   const double chord = 2.0 * std::sqrt(2.0 * kMaxSagittaM * face.curve.radius_m());
   const int count = std::max(1, static_cast<int>(std::ceil((to - from) / chord)));
-  Eigen::Vector2d last = face.curve.At(from);
+  const Eigen::Vector2d begin = face.curve.At(from);
+  // A whole circle ends where it begins, to the last bit: else it encloses nothing.
+  const Eigen::Vector2d end =
+      from == -half_turn && to == half_turn ? begin : face.curve.At(to);
+  Eigen::Vector2d last = begin;
   for (int i = 1; i <= count; ++i) {
-    const Eigen::Vector2d next = face.curve.At(from + (to - from) * i / count);
+    const Eigen::Vector2d next =
+        i < count ? face.curve.At(from + (to - from) * i / count) : end;
     segments->push_back({last, next, label});
     last = next;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -11,6 +12,7 @@
 #include "core/util/time.h"
 #include "simulation/sensing/simulate_recording.h"
 #include "simulation/world/floor_plan.h"
+#include "simulation/world/planar_region.h"
 
 namespace plumbline {
 namespace {
@@ -112,7 +114,7 @@ FloorPlanInput TrueMapOf(const std::string& experiment_name) {
   for (const PlanePatch& face : faces) {
     num_parameters += static_cast<Eigen::Index>(ParameterNames(face).size());
   }
-  constexpr double kVariance = 1e-6;
+  constexpr double kVariance = 1e-8;  // of surfaces that are true
   input.planes = PlaneCovariance(
       faces, kVariance * Eigen::MatrixXd::Identity(num_parameters, num_parameters));
   return input;
@@ -185,6 +187,45 @@ bool LeadsThrough(const Eigen::Vector2d& from,
   return std::abs(door.along.dot(p - door.middle)) < 0.5 * door.width_m;
 }
 
+// What a storey's walls enclose, with its doors shut.
+std::vector<PolygonWithHoles> RoomsOf(const FloorPlan& plan) {
+  PlanarRegion region;
+  for (const Polygon2& outline : plan.outlines) region.Join(outline);
+  for (const Hall& hall : plan.halls) region.Join(hall.corners);
+  for (const Ramp& ramp : plan.ramps) region.Join(ramp.corners);
+  for (const Polygon2& solid : plan.solids) region.Subtract(solid);
+  for (const Wall& wall : plan.walls) {
+    for (const Polygon2& footprint : wall.FootprintsBeside({})) region.Subtract(footprint);
+  }
+  for (const FloorOpening& opening : plan.floor_openings) region.Subtract(opening.corners);
+  return region.Polygons();
+}
+
+double AreaOf(const Polygon2& polygon) {
+  double twice = 0.0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * std::abs(twice);
+}
+
+double AreaOf(const PolygonWithHoles& room) {
+  double area_m2 = AreaOf(room.outer);
+  for (const Polygon2& hole : room.holes) area_m2 -= AreaOf(hole);
+  return area_m2;
+}
+
+std::vector<FloorPlan>::const_iterator NearestStorey(const std::vector<FloorPlan>& truth,
+                                                     const StoreyPlan& storey) {
+  return std::min_element(
+      truth.begin(), truth.end(), [&](const FloorPlan& a, const FloorPlan& b) {
+        return std::abs(a.floor_height - storey.level.floor_m) <
+               std::abs(b.floor_height - storey.level.floor_m);
+      });
+}
+
 class ShippedBuildingTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedBuildingTest, NoPoseLiesInADrawnWallAndDoorsAreTheBuildings) {
@@ -200,11 +241,7 @@ TEST_P(ShippedBuildingTest, NoPoseLiesInADrawnWallAndDoorsAreTheBuildings) {
       if (IsOnStorey(storey, p) && IsDrawnSolid(storey, p.head<2>())) ++num_in_walls;
     }
     EXPECT_EQ(num_in_walls, 0);
-    const auto of_storey = std::min_element(
-        truth.begin(), truth.end(), [&](const FloorPlan& a, const FloorPlan& b) {
-          return std::abs(a.floor_height - storey.level.floor_m) <
-                 std::abs(b.floor_height - storey.level.floor_m);
-        });
+    const auto of_storey = NearestStorey(truth, storey);
     if (of_storey == truth.end()) continue;
     const std::vector<TrueDoor> doors = DoorsOf(*of_storey);
     for (const TrueDoor& door : doors) {
@@ -263,6 +300,49 @@ TEST(ShippedBuildings, HaveAnExperimentEach) {
     if (extension != ".yaml" && extension != ".ply") continue;
     EXPECT_EQ(walked.count(entry.path().lexically_normal()), 1u) << entry.path();
   }
+}
+
+// Rooms of buildings that the plan has as one, too, and of which little was not seen.
+TEST(ShippedBuildings, AreasAreRightWithinTheirDeviations) {
+  constexpr double kMaxUnseenShare = 0.05;
+  constexpr double kRoundingM2 = 0.005;
+  int num_rooms = 0;
+  int num_within_two = 0;
+  for (const char* experiment : {"corridor",
+                                 "office",
+                                 "ramp_and_arc",
+                                 "room",
+                                 "robustness/apse",
+                                 "robustness/curved_corridor",
+                                 "robustness/furniture",
+                                 "robustness/look_alike_wings",
+                                 "robustness/round_room",
+                                 "robustness/two_storeys"}) {
+    const std::vector<FloorPlan> truth = ReadFloorPlans(BuildingOf(experiment).string());
+    for (const StoreyPlan& storey : MakeFloorPlan(TrueMapOf(experiment)).storeys) {
+      for (const PolygonWithHoles& true_room : RoomsOf(*NearestStorey(truth, storey))) {
+        const auto is_here = [&](const Room& room) {
+          return IsIn(true_room.outer, room.label);
+        };
+        if (std::count_if(storey.rooms.begin(), storey.rooms.end(), is_here) != 1) continue;
+        const Room& room = *std::find_if(storey.rooms.begin(), storey.rooms.end(), is_here);
+        if (room.unseen_m > kMaxUnseenShare * room.perimeter_m) continue;
+        const double off_m2 = std::abs(room.area_m2 - AreaOf(true_room));
+        ++num_rooms;
+        if (off_m2 <= 2.0 * room.area_stddev_m2 + kRoundingM2) {
+          ++num_within_two;
+        } else {
+          std::printf("%s, room %d: off by %.3f m2, stated %.3f\n",
+                      experiment,
+                      room.number,
+                      off_m2,
+                      room.area_stddev_m2);
+        }
+      }
+    }
+  }
+  EXPECT_GE(num_rooms, 20);
+  EXPECT_GE(num_within_two, 0.95 * num_rooms);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/floor_plan/map_cloud.h"
 #include "core/floor_plan/plan_drawing.h"
 #include "core/floor_plan/room_outlines.h"
 #include "test/testing/made_up_rooms.h"
@@ -227,6 +228,31 @@ TEST(FloorPlan, PointsFarFromEverythingChangeNoRoom) {
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_NEAR(after.storeys[0].rooms[i].area_m2, before.storeys[0].rooms[i].area_m2, 1e-6);
   }
+}
+
+TEST(FloorPlan, AnOpeningInTheFloorIsNoArea) {
+  FloorPlanInput input = TwoMadeUpRooms();
+  const double before_m2 = MakeFloorPlan(input).storeys.at(0).rooms.at(0).area_m2;
+  // Beams that ended on the floor from x 2 to 3.5, y 0.5 to 1.5 go on to one 2.8 m below.
+  const Eigen::AlignedBox2f hole(Eigen::Vector2f(2.0f, 0.5f), Eigen::Vector2f(3.5f, 1.5f));
+  const BeamOrigins origins(input.rig, input.poses, input.start_ns);
+  int num_through = 0;
+  for (CloudPoint& point : input.points) {
+    if (point.plane_id != 0 || !hole.contains(point.p_world.head<2>())) continue;
+    const Eigen::Vector3f from = origins.At(0, point.time_s)->cast<float>();
+    const float share = (from.z() + 2.8f) / from.z();
+    point.p_world = from + share * (point.p_world - from);
+    point.plane_id = -1;
+    ++num_through;
+  }
+  ASSERT_GT(num_through, 100);
+  const Room room = MakeFloorPlan(input).storeys.at(0).rooms.at(0);
+  ASSERT_EQ(room.floor_openings.size(), 1u);
+  EXPECT_NEAR(room.floor_openings[0].area_m2, 1.5, 2.0 * room.floor_openings[0].stddev_m2);
+  EXPECT_LT(room.floor_openings[0].stddev_m2, 0.25);
+  EXPECT_NEAR(room.area_m2, before_m2 - room.floor_openings[0].area_m2, 1e-9);
+  EXPECT_NEAR(room.floor_openings[0].box.min().x(), 2.0, 0.15);
+  EXPECT_NEAR(room.floor_openings[0].box.max().y(), 1.5, 0.15);
 }
 
 TEST(FloorPlan, AMapWithoutWallsHasNone) {

@@ -107,7 +107,8 @@ TEST(RoomMeasures, ArcsCountAsArcs) {
   RoomLoop& loop = room.loops.emplace_back();
   for (int i = 0; i < 60; ++i) {
     const double turn = 2.0 * M_PI * i / 60.0;
-    loop.push_back({{2.0 * std::cos(turn), 2.0 * std::sin(turn)}, 5, 0.2});
+    const double chord_m = 4.0 * std::sin(M_PI / 60.0);
+    loop.push_back({{2.0 * std::cos(turn), 2.0 * std::sin(turn)}, 5, chord_m});
   }
   MeasureRoom(PlaneCovariance({wall}, covariance), StoreyLevel(), &room);
   EXPECT_NEAR(room.area_m2, 4.0 * M_PI, 1e-6);
@@ -121,6 +122,7 @@ TEST(RoomMeasures, UnseenEdgesAreTold) {
   MeasureRoom(
       PlaneCovariance(SquareWalls(), Eigen::MatrixXd::Zero(8, 8)), StoreyLevel(), &room);
   EXPECT_NEAR(room.unseen_m, 1.5, 1e-12);
+  EXPECT_NEAR(room.area_stddev_m2, 1.5 * 0.1, 1e-12);
   EXPECT_NEAR(room.perimeter_m, 8.0, 1e-12);
 }
 
