@@ -25,8 +25,9 @@ case "${1:-}" in
   *) usage >&2; exit 2 ;;
 esac
 
-# The programs alone: with the tests it takes twice as long.
-"$root/scripts/build.sh" plumbline_bound plumbline_evaluate plumbline_map plumbline_report plumbline_simulate
+# What README and guide call next; the tests would take as long again.
+"$root/scripts/build.sh" plumbline_check plumbline_evaluate plumbline_export plumbline_map \
+  plumbline_plan plumbline_report plumbline_simulate
 
 if $real; then
   out="$root/out/demo_real"
@@ -65,6 +66,8 @@ echo "== Comparing with the truth"
   --evaluation "$out/evaluation.json" \
   --output "$out/floor_plan.png"
 
+echo "== Drawing the floor plan"
+"$bin/plumbline_plan" "$out/result"
 echo "== Writing the report"
 "$bin/plumbline_report" \
   --result="$out/result" \
@@ -98,5 +101,5 @@ print(f"  planes: {planes['matched']} matched, {planes['wrong']} wrong, "
 END
 echo "All figures: $out/evaluation.txt"
 echo "Map:         $out/result/map.ply"
-echo "Floor plan:  $out/floor_plan.png"
+echo "Floor plan:  $out/result/floor_plan.svg, walls against the truth in $out/floor_plan.png"
 echo "Report:      $out/report.html (open it in a browser)"
