@@ -71,7 +71,8 @@ struct PlanDoor {
   double depth_m = 0.0;                               // of the wall; 0: not known
   double width_m = 0.0;
   double width_stddev_m = 0.0;
-  bool has_lintel = false;  // the wall was seen above it
+  bool has_lintel = false;     // the wall was seen above it
+  bool reaches_floor = false;  // beams or the rig passed below where sills are
   int plane_id = -1;
   int rooms[2] = {0, 0};  // numbers; 0: none that is known. One room: a way round leads there
 };
@@ -89,6 +90,9 @@ struct WallPiece {
 struct PlanWindow {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  // Of its width: each jamb lies between the last beam that passed and the next column beside
+  // it in which the wall was hit above sills.
+  double width_stddev_m = 0.0;
 };
 
 struct StoreyPlan {

@@ -121,8 +121,10 @@ std::string FormatRooms(const FloorPlans& plan) {
       json["doors"].push_back(DoorJson(door));
     }
     for (const PlanWindow& window : storey.windows) {
-      json["windows"].push_back(
-          {{"from", PointJson(window.from)}, {"to", PointJson(window.to)}});
+      json["windows"].push_back({{"from", PointJson(window.from)},
+                                 {"to", PointJson(window.to)},
+                                 {"width_m", Rounded((window.to - window.from).norm())},
+                                 {"sigma_width_m", Rounded(window.width_stddev_m)}});
     }
     for (const WallPiece& wall : storey.walls) json["walls"].push_back(WallJson(wall));
     storeys.push_back(std::move(json));

@@ -204,11 +204,13 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
     door.width_m = (gap.to - gap.from).norm();
     door.width_stddev_m = gap.gap.stddev_m;
     door.has_lintel = gap.gap.has_lintel;
+    door.reaches_floor = gap.gap.reaches_floor;
     for (size_t k = i + 1; k < gaps.size(); ++k) {
       const double depth = DepthBetween(gap, gaps[k]);
       if (depth < 0.0 || gaps[k].is_used) continue;
       gaps[k].is_used = true;
       door.has_lintel = door.has_lintel || gaps[k].gap.has_lintel;
+      door.reaches_floor = door.reaches_floor || gaps[k].gap.reaches_floor;
       door.depth_m = depth;
       door.width_m = 0.5 * (door.width_m + (gaps[k].to - gaps[k].from).norm());
       door.width_stddev_m /= std::sqrt(2.0);
@@ -224,10 +226,11 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
   return doors;
 }
 
-// A wide opening behind which no room was seen.
+// A wide opening behind which no room was seen, nor that it goes down to the floor.
 bool IsWindow(const PlanDoor& door) {
   constexpr double kMaxDoorM = 1.5;
-  return door.width_m > kMaxDoorM && (door.rooms[0] == 0) != (door.rooms[1] == 0);
+  return door.width_m > kMaxDoorM && !door.reaches_floor &&
+         (door.rooms[0] == 0) != (door.rooms[1] == 0);
 }
 
 }  // namespace
@@ -247,13 +250,37 @@ std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
   return doors;
 }
 
+namespace {
+
+// Of a window between two columns: both jambs with a uniform deviation.
+double WidthStddev(const WallFace& face, size_t from, size_t to) {
+  constexpr double kJambStddevM = 0.015;  // as of a door
+  const auto is_wall = [&face](size_t column) {
+    int hits = 0;
+    for (size_t level = WallColumn::kNumLow; level < WallColumn::kNumLevels; ++level) {
+      hits += face.columns[column].hits[level];
+    }
+    return hits > 0;
+  };
+  size_t before = from;
+  while (before > 0 && !is_wall(before - 1)) --before;
+  size_t after = to;
+  while (after < face.columns.size() && !is_wall(after)) ++after;
+  const double left_m = WallFace::kColumnM * static_cast<double>(from - before + 1);
+  const double right_m = WallFace::kColumnM * static_cast<double>(after - to + 1);
+  return std::sqrt((left_m * left_m + right_m * right_m) / 12.0 +
+                   2.0 * kJambStddevM * kJambStddevM);
+}
+
+}  // namespace
+
 std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
                                     const std::vector<PlanePatch>& planes,
                                     const std::vector<Room>& rooms) {
   constexpr size_t kMinColumns = 8;
   std::vector<PlanWindow> windows;
   for (const PlanDoor& door : PairedGaps(regions, planes, rooms)) {
-    if (IsWindow(door)) windows.push_back({door.from, door.to});
+    if (IsWindow(door)) windows.push_back({door.from, door.to, door.width_stddev_m});
   }
   for (size_t i = 0; i < regions.faces.size(); ++i) {
     const WallFace& face = regions.faces[i];
@@ -266,7 +293,7 @@ std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
           return face.curve.At(face.start_m +
                                WallFace::kColumnM * static_cast<double>(column));
         };
-        const PlanWindow window = {at(from), at(to)};
+        const PlanWindow window = {at(from), at(to), WidthStddev(face, from, to)};
         const Eigen::Vector2d middle = 0.5 * (window.from + window.to);
         const Eigen::Vector2d before = kProbeM * face.curve.NormalAt(middle);
         if (RoomAt(rooms, middle + before) != 0 && RoomAt(rooms, middle - before) == 0) {

@@ -119,6 +119,10 @@ struct Gap {
   double deep = 0.0;
   double lintel = 0.0;
   double furniture = 0.0;  // it ends below the ceiling, before another wall
+  // Beams that hit and that passed the face up to where sills are, off the gap's ends.
+  int low_hits = 0;
+  int low_passes = 0;
+  bool is_beside_window = false;
   bool rig_passed = false;
   bool is_between = false;  // stretches of the face on both sides are no pillars
 
@@ -127,6 +131,16 @@ struct Gap {
   bool MayBeDoor() const {
     constexpr double kMinOpen = 0.4;
     return width_m() >= kMinDoorM && width_m() <= kMaxDoorM && open >= kMinOpen;
+  }
+  // The wall goes on below it.
+  bool HasSill() const {
+    constexpr int kMinBeams = 2;
+    const bool is_seen = low_hits >= kMinBeams || (is_beside_window && open > 0.0);
+    return is_seen && low_hits >= low_passes && !rig_passed;
+  }
+  bool ReachesFloor() const {
+    constexpr int kMinBeams = 2;
+    return rig_passed || (low_passes >= kMinBeams && low_passes > low_hits);
   }
   bool HasLintel() const {
     constexpr double kMinLintel = 0.5;
@@ -202,7 +216,15 @@ class GapCloser {
       gap.rig_passed = gap.rig_passed || face_.columns[i].rig_passed;
       if (face_.columns[i].hits_above > 0) gap.lintel += share;
       if (face_.columns[i].EndsBelowCeiling()) gap.furniture += share;
+      if (i == gap.first || i + 1 == gap.last) continue;
+      for (size_t level = 0; level < WallColumn::kNumLow; ++level) {
+        gap.low_hits += face_.columns[i].hits[level];
+        gap.low_passes += face_.columns[i].passes[level];
+      }
     }
+    const std::vector<bool>& windows = stretches_.windows;
+    gap.is_beside_window = (gap.first > 0 && windows[gap.first - 1]) ||
+                           (gap.last < windows.size() && windows[gap.last]);
     return gap;
   }
 
@@ -210,6 +232,11 @@ class GapCloser {
     constexpr double kMaxHiddenOpen = 0.15;
     constexpr double kMinFurniture = 0.5;
     if (gap.furniture >= kMinFurniture) return;
+    if (gap.HasSill() && gap.open > 0.0 && gap.width_m() <= kMaxLintelM) {
+      CloseAs(gap, ColumnState::kBridged);
+      for (size_t i = gap.first; i < gap.last; ++i) stretches_.windows[i] = true;
+      return;
+    }
     if (gap.MayBeDoor()) {
       const bool is_door =
           gap.HasLintel() || (gap.is_between && !IsRoomWide(walls_, gap.from_m, gap.to_m));
@@ -301,7 +328,8 @@ class GapCloser {
         gap.from_m + 0.5 * left,
         gap.to_m - 0.5 * right,
         std::sqrt((left * left + right * right) / 12.0 + 2.0 * kJambStddevM * kJambStddevM),
-        gap.HasLintel()};
+        gap.HasLintel(),
+        gap.ReachesFloor()};
   }
 
   size_t at_;

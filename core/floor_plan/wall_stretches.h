@@ -22,6 +22,7 @@ struct DoorGap {
   double to_m = 0.0;
   double stddev_m = 0.0;    // of its width
   bool has_lintel = false;  // the face was hit above it
+  bool reaches_floor = false;  // beams passed below where sills are
 };
 
 // Stretches is a face, column by column: what is wall and what is not.
@@ -43,7 +44,9 @@ struct Stretches {
 // to 8 m) are closed in the same way where the face was hit above nearly all of them. Shorter
 // gaps are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams
 // passed only to end within 0.6 m on what is no wall (up to 8 m: windows, with what stands in
-// their recess). Other gaps stay open, and so does where furniture ends below the ceiling.
+// their recess). A gap below which more beams hit the face than passed it, up to 0.8 m above
+// the floor, has a sill: it is a window, whatever its width, unless the rig went through.
+// Other gaps stay open, and so does where furniture ends below the ceiling.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 
 // Where two faces cross: the parameters on both, m. None where they are nearly parallel.

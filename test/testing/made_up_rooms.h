@@ -43,6 +43,16 @@ class MadeUpRooms {
     }
     faces_.push_back(face);
   }
+  // A face from a to b with a window between two distances from a, from the sill up to the
+  // lintel.
+  void AddWindow(const Eigen::Vector2d& a,
+                 const Eigen::Vector2d& b,
+                 double from_m,
+                 double to_m,
+                 double sill_m) {
+    AddFace(a, b, from_m, to_m);
+    faces_.back().sill_m = sill_m;
+  }
   // The front of a cupboard from a to b, open above its top.
   void AddFront(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double top_m) {
     AddFace(a, b);
@@ -87,6 +97,7 @@ class MadeUpRooms {
     double length_m = 0.0;
     double door_from_m = 0.0;
     double door_to_m = 0.0;
+    double sill_m = 0.0;
     double top_m = kCeilingM;
     PlanePatch patch;
   };
@@ -135,7 +146,8 @@ class MadeUpRooms {
       const double at = -face.patch.SignedDistance(origin) / approach;
       const Eigen::Vector3d p = origin + at * along;
       const double s = face.along.dot(p.head<2>() - face.a);
-      const bool in_door = s > face.door_from_m && s < face.door_to_m && p.z() < kLintelM;
+      const bool in_door = s > face.door_from_m && s < face.door_to_m &&
+                           p.z() >= face.sill_m && p.z() < kLintelM;
       if (at <= 0.0 || at >= range || s < 0.0 || s > face.length_m || in_door) continue;
       if (p.z() > face.top_m) continue;
       range = at;

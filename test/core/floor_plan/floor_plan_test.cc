@@ -230,6 +230,33 @@ TEST(FloorPlan, PointsFarFromEverythingChangeNoRoom) {
   }
 }
 
+TEST(FloorPlan, ASillMakesAWindowAndNoneADoor) {
+  for (const double width_m : {0.9, 1.2, 2.4}) {
+    for (const double sill_m : {0.0, 0.9}) {
+      SCOPED_TRACE(std::to_string(width_m) + " wide, from " + std::to_string(sill_m));
+      MadeUpRooms rooms;
+      rooms.AddFace({0, 0}, {5, 0});
+      rooms.AddWindow({5, 0}, {5, 4}, 1.0, 1.0 + width_m, sill_m);
+      rooms.AddFace({5, 4}, {0, 4});
+      rooms.AddFace({0, 4}, {0, 0});
+      rooms.AddWay({{1, 1}, {3, 1.45}, {3, 2.5}, {1, 3}});
+      const StoreyPlan storey = MakeFloorPlan(rooms.Input()).storeys.at(0);
+      if (sill_m > 0.0) {
+        EXPECT_TRUE(storey.doors.empty());
+        ASSERT_EQ(storey.windows.size(), 1u);
+        const PlanWindow& window = storey.windows[0];
+        EXPECT_NEAR((window.to - window.from).norm(), width_m, 3.0 * window.width_stddev_m);
+        EXPECT_LT(window.width_stddev_m, 0.05);
+      } else {
+        EXPECT_TRUE(storey.windows.empty());
+        ASSERT_EQ(storey.doors.size(), 1u);
+        EXPECT_NEAR(storey.doors[0].width_m, width_m, 3.0 * storey.doors[0].width_stddev_m);
+        EXPECT_TRUE(storey.doors[0].reaches_floor);
+      }
+    }
+  }
+}
+
 TEST(FloorPlan, AnOpeningInTheFloorIsNoArea) {
   FloorPlanInput input = TwoMadeUpRooms();
   const double before_m2 = MakeFloorPlan(input).storeys.at(0).rooms.at(0).area_m2;
