@@ -1,5 +1,8 @@
 #include "core/util/yaml_node.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
@@ -21,6 +24,29 @@ namespace {
 
 // Deeper nesting than any file of ours; stops at anchors that refer to themselves.
 constexpr int kMaxDepth = 32;
+
+// The text that another process writes into a pipe. Throws Error where it does not begin, or
+// does not go on, within some seconds.
+std::string TextOfPipe(const std::string& path) {
+  constexpr int kPatienceMs = 10'000;
+  const int pipe = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  std::string text;
+  ssize_t num_read = -1;
+  while (pipe >= 0) {
+    pollfd wait = {pipe, POLLIN, 0};
+    if (poll(&wait, 1, kPatienceMs) <= 0) break;
+    char bytes[4096];
+    num_read = read(pipe, bytes, sizeof(bytes));
+    if (num_read <= 0) break;
+    text.append(bytes, static_cast<size_t>(num_read));
+    num_read = -1;
+  }
+  if (pipe >= 0) close(pipe);
+  if (num_read != 0) {
+    throw Error(path + ": can not read the file: it is a pipe into which nobody writes");
+  }
+  return text;
+}
 
 std::string LocationOf(const std::string& name, int line) {
   return name + ":" + std::to_string(line);
@@ -159,12 +185,12 @@ struct YamlNode::State {
 YamlNode::YamlNode(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
 YamlNode YamlNode::ReadFile(const std::string& path) {
-  // To open a pipe into which nobody writes would take for ever.
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::is_fifo(status)) return ReadText(TextOfPipe(path), path);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
       !std::filesystem::is_directory(status)) {
-    throw Error(path + ": can not read the file: it is a pipe or a device");
+    throw Error(path + ": can not read the file: it is a device");
   }
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;

@@ -1,8 +1,14 @@
 #include "core/util/yaml_node.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <fstream>
 #include <functional>
+#include <string>
+#include <thread>
 
 #include "core/util/error.h"
 
@@ -123,7 +129,17 @@ TEST(YamlNode, UnreadableFileIsNamed) {
             "no/such.yaml: can not read the file");
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("/"); }), "/: can not read the file");
   EXPECT_EQ(ErrorOf([] { YamlNode::ReadFile("/dev/zero"); }),
-            "/dev/zero: can not read the file: it is a pipe or a device");
+            "/dev/zero: can not read the file: it is a device");
+}
+
+TEST(YamlNode, APipeIsReadAsItIsWritten) {
+  const std::string path = testing::TempDir() + "yaml_pipe_" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::thread writer([&path] { std::ofstream(path) << "a: 7\n"; });
+  const YamlNode node = YamlNode::ReadFile(path);
+  writer.join();
+  std::remove(path.c_str());
+  EXPECT_TRUE(node.Has("a"));
 }
 
 // Each line stands for nine times what the line before does: 9^9 entries in all.
