@@ -46,7 +46,7 @@ DEFINE_bool(
     "the whole recording");
 DEFINE_bool(force,
             false,
-            "map a recording although it is known before that no map, or a wrong one, comes "
+            "map a recording although it is known before that a wrong map comes "
             "of it");
 DEFINE_double(checkpoint_after_s,
               2.0,

@@ -186,6 +186,9 @@ CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig) {
   }
   report.doublings = FindDoublings(report.survey.sample);
   report.attitudes = JudgeAttitudes(sample);
+  for (const std::vector<SampledLine>& lines : sample) {
+    report.turns.push_back(CommonTurns(lines));
+  }
   for (size_t i = 0; i < sample.size() && !rig; ++i) {
     report.travel_directions.push_back(report.attitudes[i].attitude == Attitude::kLevel
                                            ? FindTravelDirection(sample[i])
@@ -207,6 +210,7 @@ CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig) {
   }
   FindTimingFaults(&report);
   FindRangeFaults(&report);
+  FindWheelFaults(&report);
   FindRigFaults(&report);
   Judge(&report);
   return report;

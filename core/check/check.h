@@ -25,6 +25,7 @@ struct CheckReport {
   RecordingSurvey survey;
   std::vector<Doubling> doublings;     // of topics of the survey
   std::vector<OwnAttitude> attitudes;  // by topic of the survey
+  std::vector<std::vector<StepTurn>> turns;  // by topic
   // Without a rig file, by topic: of level scanners, where it shows.
   std::vector<std::optional<TravelDirection>> travel_directions;
 

@@ -12,6 +12,8 @@ namespace plumbline {
 void FindTimingFaults(CheckReport* report);
 // Dead, frozen and blind scanners, units, noise, returns of the rig itself.
 void FindRangeFaults(CheckReport* report);
+// Wheels that say nothing, or not what the scanners see, or not when.
+void FindWheelFaults(CheckReport* report);
 // Topics of rig and recording that do not fit, scanners that do not stand as the rig says.
 void FindRigFaults(CheckReport* report);
 

@@ -9,6 +9,7 @@
 
 #include "core/consistency/scanner_agreement.h"
 #include "core/recording/recording_source.h"
+#include "core/sensor/odometry_collector.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -194,8 +195,14 @@ RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
   const std::unique_ptr<RecordingSource> source = OpenRecording(path);
   RecordingSurveyor surveyor(rig);
   RecordingVisitor visitor;
-  visitor.wants = [](const RecordingTopic& topic) {
-    return topic.HasScanLines() || IsStatic(topic);
+  visitor.wants = [rig](const RecordingTopic& topic) {
+    return topic.HasScanLines() || IsStatic(topic) ||
+           (rig != nullptr && topic.HasOdometry() && topic.name == rig->odometry_topic);
+  };
+  const Rig no_rig;
+  OdometryCollector wheels(rig == nullptr ? no_rig : *rig);
+  visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
+    wheels.Add(message);
   };
   std::vector<Transform> transforms;
   visitor.transforms = [&](const MessageRef&, const std::vector<Transform>& some) {
@@ -218,6 +225,10 @@ RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
     if (topic.frames.size() == 1) frames.push_back(topic.frames.front());
   }
   survey.frames = FindStaticFrames(transforms, frames);
+  survey.wheels_fault = wheels.Fault();
+  if (!wheels.samples().empty() && survey.wheels_fault.empty()) {
+    survey.wheels = std::make_shared<const Odometry>(wheels.samples());
+  }
   return survey;
 }
 

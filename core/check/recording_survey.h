@@ -5,6 +5,7 @@
 
 #include "core/check/static_frames.h"
 #include "core/check/topic_survey.h"
+#include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
@@ -19,6 +20,10 @@ struct RecordingSurvey {
   std::vector<std::string> other_topics;  // names, without scan lines
   std::vector<std::string> warnings;      // what is damaged or missing
   StaticFrames frames;                    // of the topics, by /tf_static
+  // What the rig file's odometry topic says; nullptr where it names none, or of which a fault
+  // says why it is left out.
+  std::shared_ptr<const Odometry> wheels;
+  std::string wheels_fault;
   int64_t start_receipt_ns = 0;           // of the first scan line
   int64_t end_receipt_ns = 0;             // of the last one
   // By topic, in the order of the recording; ranges in metres, those that are no returns NaN.

@@ -99,12 +99,18 @@ double LengthWithin(const std::vector<TurnedTrace>& traces, double turn_rad, dou
   return length;
 }
 
-// By step: the traces of the step's first line with those of the next step's.
-std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLine>& lines) {
+// The first line of each step.
+std::map<int64_t, const SampledLine*> FirstsOf(const std::vector<SampledLine>& lines) {
   std::map<int64_t, const SampledLine*> firsts;
   for (const SampledLine& line : lines) {
     firsts.emplace(line.stamp_ns / NanosecondsFromSeconds(kStep), &line);
   }
+  return firsts;
+}
+
+// By step: the traces of the step's first line with those of the next step's.
+std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLine>& lines) {
+  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines);
   std::map<int64_t, std::vector<TurnedTrace>> turns;
   for (const auto& [step, line] : firsts) {
     const auto next = firsts.find(step + 1);
@@ -115,6 +121,18 @@ std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLin
 }
 
 }  // namespace
+
+std::vector<StepTurn> CommonTurns(const std::vector<SampledLine>& lines) {
+  std::vector<StepTurn> turns;
+  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines);
+  for (const auto& [step, traces] : TurnsOf(lines)) {
+    const double turn = CommonTurn(traces);
+    const double all = LengthWithin(traces, 0.0, 10.0);
+    if (all < kMinSeen || LengthWithin(traces, turn, kSpread) < kTogether * all) continue;
+    turns.push_back({firsts.at(step)->stamp_ns, firsts.at(step + 1)->stamp_ns, turn});
+  }
+  return turns;
+}
 
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample) {
   std::vector<std::map<int64_t, std::vector<TurnedTrace>>> turns;

@@ -26,6 +26,14 @@ struct OwnAttitude {
 // all have to come from one clock.
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample);
 
+// How a scanner's traces turned together in its own frame, in a step of half a second.
+struct StepTurn {
+  int64_t begin_ns = 0;
+  int64_t end_ns = 0;
+  double turn_rad = 0.0;  // against the rig's turn, where the scanner stands level
+};
+std::vector<StepTurn> CommonTurns(const std::vector<SampledLine>& lines);
+
 // Where a scanner that is tilted sees level traces, as those of floor and ceiling.
 struct LevelTraces {
   bool is_seen = false;

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "core/check/check.h"
 #include "core/consistency/consistency.h"
@@ -414,9 +415,16 @@ void CheckPoses(const MapJob& job, const Rig& rig) {
               " scanners sit at one pose: fill in body_from_scanner of each");
 }
 
+// Whether a map comes out wrong by what was found. A scanner that is dead, or too little in
+// view for a start, the mapper finds by itself, and maps with what there is.
+bool MakesMapWrong(const Finding& finding) {
+  return finding.severity == Severity::kStop &&
+         (finding.moves_places || finding.about == Subject::kMounting ||
+          finding.about == Subject::kWheels);
+}
+
 // What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
-// no map, or a wrong one, would come of it. What scanners have to see for a map to start is
-// left to the mapper, which looks at every scan.
+// a wrong map would come of it.
 std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
   std::vector<Finding> findings;
   for (const Finding& finding : report.findings) {
@@ -424,9 +432,9 @@ std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
         finding.about == Subject::kView || finding.is_told_by_reader) {
       continue;
     }
-    if (finding.severity == Severity::kStop && !job.force) {
-      throw Error(job.recording + ": no map, or a wrong one, would come of it: " +
-                  InWords(finding) + "; --force maps it all the same");
+    if (MakesMapWrong(finding) && !job.force) {
+      throw Error(job.recording + ": a wrong map would come of it: " + InWords(finding) +
+                  "; --force maps it all the same");
     }
     findings.push_back(finding);
   }
@@ -475,8 +483,9 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
        [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }});
   reading.reset();
   auto checking = std::make_unique<Stopwatch::Running>(&watches.checking);
-  const std::vector<Finding> findings =
-      CheckFirst(job, CheckSurvey(surveyor.Finish(recording.topics()), rig));
+  RecordingSurvey survey = surveyor.Finish(recording.topics());
+  survey.wheels = recording.odometry();
+  const std::vector<Finding> findings = CheckFirst(job, CheckSurvey(std::move(survey), rig));
   checking.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << RecordingLength(recording) << " s";

@@ -22,8 +22,8 @@ struct MapJob {
   bool resume = false;
   // For that, what following has found is kept where it took at least so long.
   double checkpoint_after_s = 2.0;
-  // Maps a recording although plumbline_check's rules say that no map, or a wrong one, comes
-  // of it; what they say is a warning then.
+  // Maps a recording although the rules of plumbline_check say that a wrong map comes of it;
+  // what they say is a warning then.
   bool force = false;
   bool report = false;  // also write report.html, of each part one
   // Whether the result holds floor plans (core/floor_plan/floor_plan_files.h). A map without

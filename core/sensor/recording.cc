@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/recording/recording_source.h"
+#include "core/sensor/odometry_collector.h"
 #include "core/sensor/scan_header.h"
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
@@ -115,7 +116,7 @@ struct LostMessages {
 
 struct RecordingReader::Impl {
   Impl(const std::string& path, const Rig& rig)
-      : source(OpenRecording(path)), scanners(rig.scanners) {}
+      : source(OpenRecording(path)), scanners(rig.scanners), wheels(rig) {}
 
   std::unique_ptr<RecordingSource> source;
   std::vector<Scanner> scanners;
@@ -126,11 +127,10 @@ struct RecordingReader::Impl {
   std::vector<LostMessages> undecodable;  // by scanner
   std::vector<LostMessages> off_plane;    // by scanner
   std::vector<int> num_without_times;     // by scanner: messages whose time_increment is 0
-  std::vector<OdometrySample> samples;    // until they have all been read
+  OdometryCollector wheels;               // what they say, while it is read
   std::shared_ptr<const Odometry> odometry;
   std::string odometry_fault;
   int num_odometry_lost = 0;  // messages that can not be decoded
-  int num_without_orientation = 0;  // odometry whose quaternion is none, such as all zero
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -144,7 +144,6 @@ struct RecordingReader::Impl {
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig, const RecordingObserver& observer);
   void TakeOdometry(const Rig& rig);
-  std::string OdometryFault() const;
   void SortByReceipt();
   void CollectWarnings(const Rig& rig);
   std::string DamageText() const;
@@ -214,12 +213,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
            (topic.HasOdometry() && topic.name == rig.odometry_topic);
   };
   visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
-    double norm2 = 0.0;
-    for (const double value : message.orientation) norm2 += value * value;
-    if (!(norm2 > 0.5)) ++num_without_orientation;
-    samples.push_back({message.stamp_ns + NanosecondsFromSeconds(rig.odometry_time_offset_s),
-                       {message.position[0], message.position[1]},
-                       message.Yaw()});
+    wheels.Add(message);
   };
   visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& as_sent) {
     if (observer.scan_line != nullptr) {
@@ -273,25 +267,9 @@ void RecordingReader::Impl::TakeOdometry(const Rig& rig) {
                 " that the rig names; topics with odometry in this recording:" +
                 TopicsText(topics) + DamageText());
   }
-  odometry_fault = OdometryFault();
+  odometry_fault = wheels.Fault();
   if (!odometry_fault.empty()) return;
-  odometry = std::make_shared<const Odometry>(std::move(samples));
-}
-
-// Why the odometry says nothing of the motion; empty where it may.
-std::string RecordingReader::Impl::OdometryFault() const {
-  if (num_without_orientation > 0) {
-    return std::to_string(num_without_orientation) + " of " + std::to_string(samples.size()) +
-           " messages have no orientation (their quaternion is not of length 1)";
-  }
-  const bool is_frozen =
-      samples.size() > 1 &&
-      std::all_of(samples.begin(), samples.end(), [this](const OdometrySample& sample) {
-        return sample.position == samples.front().position &&
-               sample.heading == samples.front().heading;
-      });
-  // Of a rig that stands all the time the scans show as much.
-  return is_frozen ? "its pose never changes" : "";
+  odometry = std::make_shared<const Odometry>(wheels.samples());
 }
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.

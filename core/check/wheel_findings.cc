@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/check/findings.h"
+#include "core/check/words.h"
+#include "core/geometry/angles.h"
+#include "core/util/time.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in half a second, that is compared
+constexpr size_t kMinTurns = 5;
+const double kLevel = std::cos(8.0 * kRadiansPerDegree);
+constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
+constexpr double kLagStep = 0.05;  // s
+// Wheels are believed to be late, or to turn the other way, where so little of the
+// disagreement is left then.
+constexpr double kLeft = 0.5;
+// Wheels do not turn as the scanners do where more than this share of the turns is left.
+constexpr double kUnexplained = 0.7;
+
+// Tells whether the wheels turn when and as the level scanners see the rig turn.
+class WheelJudge {
+ public:
+  WheelJudge(CheckReport* report, const Odometry& wheels) : report_(report), wheels_(wheels) {}
+
+  void Judge() {
+    CollectTurns();
+    if (num_covered_ == 0 && num_seen_ > 0) {
+      Add(Severity::kWarning,
+          "the wheels say nothing of the time of the scan lines: their stamps are of another "
+          "clock",
+          "let both take their stamps from one clock, or state odometry: {time_offset_s: "
+          "...}");
+      return;
+    }
+    if (turns_.size() < kMinTurns) return;
+    double all = 0.0;
+    for (const StepTurn& turn : turns_) all += std::abs(turn.turn_rad);
+    const double as_stated = LeftOver(0.0, 1.0);
+    double best_lag_s = 0.0;
+    double best = as_stated;
+    double best_mirrored = as_stated;
+    for (double lag_s = -kMaxLag; lag_s < kMaxLag + 0.5 * kLagStep; lag_s += kLagStep) {
+      const double left = LeftOver(lag_s, 1.0);
+      best_mirrored = std::min(best_mirrored, LeftOver(lag_s, -1.0));
+      if (left >= best) continue;
+      best = left;
+      best_lag_s = lag_s;
+    }
+    if (best_mirrored < kLeft * best && best_mirrored < kLeft * all) {
+      Add(Severity::kStop,
+          "the wheels turn the other way round than the scanners see the rig turn",
+          "leave them out of the rig file, or let their driver count turns to the left");
+    } else if (best > kUnexplained * all) {
+      Add(Severity::kStop,
+          "the wheels do not turn as the scanners see the rig turn: " + PercentOf(best / all) +
+              " of the turns are left",
+          "leave them out of the rig file; their pose has to be in a frame with z up");
+    } else if (best < kLeft * as_stated && std::abs(best_lag_s) > 1.5 * kLagStep) {
+      Add(Severity::kWarning,
+          "the wheels are stamped about " + Decimal(std::abs(best_lag_s), 2) + " s too " +
+              (best_lag_s > 0.0 ? "late" : "early") + ", by when they and the scanners turn",
+          "in the rig file: odometry: {time_offset_s: " +
+              Decimal(report_->rig->odometry_time_offset_s - best_lag_s, 2) + "}");
+    }
+  }
+
+ private:
+  void Add(Severity severity, const std::string& sentence, const std::string& advice) {
+    report_->findings.push_back(
+        {severity, report_->rig->odometry_topic, sentence, advice, Subject::kWheels});
+  }
+
+  // The turns of level scanners, as turns of the rig, while the wheels say something.
+  void CollectTurns() {
+    for (size_t i = 0; i < report_->rig->scanners.size(); ++i) {
+      const Scanner& scanner = report_->rig->scanners[i];
+      const double up = (scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ()).z();
+      if (std::abs(up) < kLevel || report_->topics_of_scanners[i] < 0) continue;
+      const auto topic = static_cast<size_t>(report_->topics_of_scanners[i]);
+      const int64_t margin_ns = NanosecondsFromSeconds(kMaxLag);
+      for (StepTurn turn : report_->turns[topic]) {
+        ++num_seen_;
+        if (wheels_.Covers(turn.begin_ns, turn.end_ns)) ++num_covered_;
+        // What stands turns the other way in the scanner's frame.
+        turn.turn_rad *= up > 0.0 ? -1.0 : 1.0;
+        if (std::abs(turn.turn_rad) < kMinTurn ||
+            !wheels_.Covers(turn.begin_ns - margin_ns, turn.end_ns + margin_ns)) {
+          continue;
+        }
+        turns_.push_back(turn);
+      }
+    }
+  }
+
+  // What the wheels leave of the turns, if theirs are so much later, rad.
+  double LeftOver(double lag_s, double sign) const {
+    const int64_t lag_ns = NanosecondsFromSeconds(lag_s);
+    double left = 0.0;
+    for (const StepTurn& turn : turns_) {
+      const auto motion = wheels_.Between(turn.begin_ns + lag_ns, turn.end_ns + lag_ns);
+      left += std::abs(turn.turn_rad - (motion ? sign * motion->turn : 0.0));
+    }
+    return left;
+  }
+
+  CheckReport* report_;
+  const Odometry& wheels_;
+  std::vector<StepTurn> turns_;
+  size_t num_seen_ = 0;
+  size_t num_covered_ = 0;
+};
+
+}  // namespace
+
+void FindWheelFaults(CheckReport* report) {
+  if (!report->rig || report->rig->odometry_topic.empty()) return;
+  const RecordingSurvey& survey = report->survey;
+  if (!survey.wheels_fault.empty()) {
+    report->findings.push_back({Severity::kWarning,
+                                report->rig->odometry_topic,
+                                "the wheels are left out: " + survey.wheels_fault,
+                                "look at the driver, or leave them out of the rig file",
+                                Subject::kWheels,
+                                false,
+                                true});
+  } else if (survey.wheels != nullptr) {
+    WheelJudge(report, *survey.wheels).Judge();
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/recording/messages.h"
+#include "core/sensor/odometry.h"
+#include "core/sensor/rig.h"
+
+namespace plumbline {
+
+// OdometryCollector takes a recording's odometry message by message.
+class OdometryCollector {
+ public:
+  // rig: has to outlive the collector.
+  explicit OdometryCollector(const Rig& rig) : rig_(rig) {}
+
+  void Add(const OdometryMessage& message);
+  // Why it says nothing of the motion: no orientation, or a pose that never changes; empty
+  // where it may.
+  std::string Fault() const;
+  const std::vector<OdometrySample>& samples() const { return samples_; }
+
+ private:
+  const Rig& rig_;
+  std::vector<OdometrySample> samples_;
+  int num_without_orientation_ = 0;  // whose quaternion is none, such as all zero
+};
+
+}  // namespace plumbline
