@@ -38,8 +38,9 @@ constexpr int kFewResiduals = 150;
 
 // Ends where another step would find nothing: after one that lowered the cost by no more than
 // the tolerance, or by what its quadratic model said to within that, or that no group had to
-// be linearised anew for; and where the next one would raise it, by what linearisations of the
-// groups leave out: Ceres would factor again and again until its damping tells.
+// be linearised anew for; and where one would raise it: a later one by what linearisations of
+// the groups leave out, the first one because it is too long. Ceres would factor again and again
+// until its damping tells.
 class LastStep final : public ceres::IterationCallback {
  public:
   LastStep(const SolverOptions& options, const EstimationProblem& problem)
@@ -49,9 +50,7 @@ class LastStep final : public ceres::IterationCallback {
     const int num_before =
         std::exchange(num_linearisations_, NumGroupLinearisations(problem_));
     if (step.iteration == 0) return ceres::SOLVER_CONTINUE;
-    if (!step.step_is_successful) {
-      return has_lowered_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-    }
+    if (!step.step_is_successful) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     has_lowered_ = true;
     const double tolerance = std::max(
         options_.cost_tolerance, options_.share_tolerance * (step.cost + step.cost_change));
@@ -62,6 +61,8 @@ class LastStep final : public ceres::IterationCallback {
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
                : ceres::SOLVER_CONTINUE;
   }
+
+  bool has_lowered() const { return has_lowered_; }
 
  private:
   const SolverOptions& options_;
@@ -135,25 +136,28 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
   options.linear_solver_type = ceres_problem.get()->NumResiduals() < kFewResiduals
                                    ? ceres::DENSE_NORMAL_CHOLESKY
                                    : ceres::SPARSE_NORMAL_CHOLESKY;
-  // What the solvers start from is close, and damping would only slow the weakly determined
-  // directions, the shape of a long loop above all.
-  options.initial_trust_region_radius = 1e12;
   options.max_num_iterations = options_.max_iterations;
   constexpr double kLeastTolerance = 1e-9;  // of the cost, where the caller sets none
   options.function_tolerance =
       options_.share_tolerance > 0.0 ? options_.share_tolerance : kLeastTolerance;
-  LastStep last_step(options_, *problem);
-  options.callbacks.push_back(&last_step);
   options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
   options.logging_type = VLOG_IS_ON(2) ? ceres::PER_MINIMIZER_ITERATION : ceres::SILENT;
   ceres::Solver::Summary summary;
   ++num_solves;
+  // What the solvers start from is close, and damping would only slow the weakly determined
+  // directions, the shape of a long loop above all.
+  LastStep last_step(options_, *problem);
+  options.initial_trust_region_radius = 1e12;
+  options.callbacks = {&last_step};
   ceres::Solve(options, ceres_problem.get(), &summary);
-  VLOG(1) << summary.BriefReport() << "; " << summary.num_residuals_reduced << " residuals, "
-          << summary.preprocessor_time_in_seconds << " s preparing, "
-          << summary.jacobian_evaluation_time_in_seconds << " s linearising, "
-          << summary.residual_evaluation_time_in_seconds << " s evaluating, "
-          << summary.linear_solver_time_in_seconds << " s solving";
+  if (!last_step.has_lowered() && summary.num_unsuccessful_steps > 0) {
+    // The whole step is too long: half of it, as damping by the normal matrix' diagonal gives,
+    // and less where that fails.
+    options.initial_trust_region_radius = 1.0;
+    options.callbacks.clear();
+    ceres::Solve(options, ceres_problem.get(), &summary);
+  }
+  VLOG(1) << summary.BriefReport();
   if (!summary.IsSolutionUsable()) throw Error("the estimation failed: " + summary.message);
   return Linearise<Equations>(*problem);
 }
