@@ -36,39 +36,44 @@ std::atomic<int64_t> num_solves = 0;
 // ones for the other.
 constexpr int kFewResiduals = 150;
 
-// Ends where another step would find nothing: after one that lowered the cost by no more than
-// the tolerance, or by what its quadratic model said to within that, or that no group had to
-// be linearised anew for; and where one would raise it: a later one by what linearisations of
-// the groups leave out, the first one because it is too long. Ceres would factor again and again
-// until its damping tells.
+// Ends a solution where another step would find nothing: after one that lowered the cost by no
+// more than the tolerance, or, being whole, by what its quadratic model said to within that,
+// or that no group had to be linearised anew for; and at the first whole step that would have
+// raised the cost.
 class LastStep final : public ceres::IterationCallback {
  public:
-  LastStep(const SolverOptions& options, const EstimationProblem& problem)
-      : options_(options), problem_(problem) {}
+  LastStep(const SolverOptions& options, const EstimationProblem& problem, bool shortened)
+      : options_(options), problem_(problem), shortened_(shortened) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
     const int num_before =
         std::exchange(num_linearisations_, NumGroupLinearisations(problem_));
     if (step.iteration == 0) return ceres::SOLVER_CONTINUE;
-    if (!step.step_is_successful) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-    has_lowered_ = true;
+    if (!step.step_is_successful) {
+      has_failed_ = true;
+      return shortened_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    }
+    has_failed_ = false;
     const double tolerance = std::max(
         options_.cost_tolerance, options_.share_tolerance * (step.cost + step.cost_change));
     const double off_model = step.cost_change * std::abs(1.0 / step.relative_decrease - 1.0);
     const bool is_linear =
         !problem_.group_terms().empty() && num_linearisations_ == num_before;
-    return step.cost_change <= tolerance || off_model <= tolerance || is_linear
-               ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-               : ceres::SOLVER_CONTINUE;
+    is_done_ = step.cost_change <= tolerance ||
+               (!shortened_ && (off_model <= tolerance || is_linear));
+    return is_done_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
-  bool has_lowered() const { return has_lowered_; }
+  bool is_done() const { return is_done_; }
+  bool has_failed() const { return has_failed_; }  // the last one
 
  private:
   const SolverOptions& options_;
   const EstimationProblem& problem_;
+  bool shortened_;
+  bool is_done_ = false;
+  bool has_failed_ = false;
   int num_linearisations_ = 0;
-  bool has_lowered_ = false;
 };
 
 std::vector<FactorTerm> GroupTermsOf(const EstimationProblem& problem) {
@@ -144,20 +149,25 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
   options.logging_type = VLOG_IS_ON(2) ? ceres::PER_MINIMIZER_ITERATION : ceres::SILENT;
   ceres::Solver::Summary summary;
   ++num_solves;
-  // What the solvers start from is close, and damping would only slow the weakly determined
-  // directions, the shape of a long loop above all.
-  LastStep last_step(options_, *problem);
-  options.initial_trust_region_radius = 1e12;
-  options.callbacks = {&last_step};
-  ceres::Solve(options, ceres_problem.get(), &summary);
-  if (!last_step.has_lowered() && summary.num_unsuccessful_steps > 0) {
-    // The whole step is too long: half of it, as damping by the normal matrix' diagonal gives,
-    // and less where that fails.
-    options.initial_trust_region_radius = 1.0;
-    options.callbacks.clear();
+  const auto solve = [&](bool shortened) {
+    // What the solvers start from is close, and damping would only slow the weakly determined
+    // directions, the shape of a long loop above all. Where a whole step is too long, half of
+    // it, as damping by the normal matrix' diagonal gives, and less where that fails.
+    constexpr double kNoDamping = 1e12;
+    constexpr int kMaxShortened = 4;
+    LastStep last_step(options_, *problem, shortened);
+    options.initial_trust_region_radius = shortened ? 1.0 : kNoDamping;
+    options.max_num_iterations = shortened ? kMaxShortened : options_.max_iterations;
+    if (segments_ == CeresProblem::Segments::kInGroups) options.callbacks = {&last_step};
     ceres::Solve(options, ceres_problem.get(), &summary);
+    VLOG(1) << summary.BriefReport();
+    return last_step;
+  };
+  for (int i = 0; i < options_.max_iterations; ++i) {
+    if (!solve(false).has_failed()) break;
+    const LastStep shortened = solve(true);
+    if (shortened.has_failed() || shortened.is_done()) break;
   }
-  VLOG(1) << summary.BriefReport();
   if (!summary.IsSolutionUsable()) throw Error("the estimation failed: " + summary.message);
   return Linearise<Equations>(*problem);
 }

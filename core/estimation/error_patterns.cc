@@ -76,9 +76,14 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
     : ErrorPatterns(rig, trajectory, landmarks, layout, planar) {
   Resize(kNumProbes);
   const int num_border = layout.size() - num_band_;
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.size(), num_border);
-  unit.bottomRows(num_border).setIdentity();
-  landmark_rows_ = factor.Solve(unit);
+  landmark_rows_.resize(layout.size(), num_border);
+  constexpr int kColumnsAtOnce = 64;  // of right sides, which take as much memory as the rows
+  for (int first = 0; first < num_border; first += kColumnsAtOnce) {
+    const int num = std::min(kColumnsAtOnce, num_border - first);
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.size(), num);
+    unit.block(num_band_ + first, 0, num, num).setIdentity();
+    landmark_rows_.middleCols(first, num) = factor.Solve(unit);
+  }
 }
 
 void ErrorPatterns::Resize(int num_probes) {

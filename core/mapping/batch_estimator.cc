@@ -59,6 +59,15 @@ int SamplingOf(const MapState& state) {
   return std::max(1, static_cast<int>(scans * kSamplingInterval / std::max(span_s, 1.0)));
 }
 
+// Ceres' Jacobian of an hour takes 6 GB and more, several times as much as all else.
+SolverKind SolverOf(const MapState& state, const BatchOptions& options) {
+  constexpr int kMaxControlPoints = 12000;  // ten minutes of the default knots
+  const bool is_long = state.trajectory.num_control_points() > kMaxControlPoints;
+  LOG_IF(INFO, is_long && options.solver == SolverKind::kCeres)
+      << "the final estimation of so long a recording is by Gauss-Newton of our own";
+  return is_long ? SolverKind::kGaussNewton : options.solver;
+}
+
 }  // namespace
 
 BatchEstimator::BatchEstimator(const Rig& rig,
@@ -93,7 +102,8 @@ FinalEstimate BatchEstimator::EstimateFinally() {
   for (int step = 0;; ++step) {
     problem = BuildProblem(options_.batch.factor, 0.0);
     ArrowheadEquations equations =
-        MakeBatchSolver(options_.batch.solver, kFinalOptions)->Solve(problem.get());
+        MakeBatchSolver(SolverOf(*state_, options_.batch), kFinalOptions)
+            ->Solve(problem.get());
     VLOG(1) << "cost " << equations.cost;
     const std::vector<MotionEvidence> evidence = FindMotionEvidence(
         motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));

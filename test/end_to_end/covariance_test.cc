@@ -143,8 +143,10 @@ TEST_F(CovarianceTest, NormalEquationsHaveTheSolutionOfCeres) {
         .Solve(problem_.get());
     const std::vector<double> by_ceres = Values();
     MoveAway(mapped);
+    // In groups it ends where shortened steps, too, would raise the cost by what the groups'
+    // linearisations leave out.
     CeresSolver<NormalEquations>({50, 1e-14, 0.0}).Solve(problem_.get());
-    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-5);
+    EXPECT_LT(LargestDifference(Values(), by_ceres), 1e-4);
     MoveAway(mapped);
     const NormalEquations equations =
         GaussNewtonSolver<NormalEquations>({50, 1e-14, 0.0}).Solve(problem_.get());
