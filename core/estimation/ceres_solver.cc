@@ -141,14 +141,12 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
   options.linear_solver_type = ceres_problem.get()->NumResiduals() < kFewResiduals
                                    ? ceres::DENSE_NORMAL_CHOLESKY
                                    : ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = options_.max_iterations;
   constexpr double kLeastTolerance = 1e-9;  // of the cost, where the caller sets none
   options.function_tolerance =
       options_.share_tolerance > 0.0 ? options_.share_tolerance : kLeastTolerance;
   options.num_threads = 1;  // Ceres sums costs by thread: more would change the result
   options.logging_type = VLOG_IS_ON(2) ? ceres::PER_MINIMIZER_ITERATION : ceres::SILENT;
   ceres::Solver::Summary summary;
-  ++num_solves;
   const auto solve = [&](bool shortened) {
     // What the solvers start from is close, and damping would only slow the weakly determined
     // directions, the shape of a long loop above all. Where a whole step is too long, half of
@@ -159,6 +157,7 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
     options.initial_trust_region_radius = shortened ? 1.0 : kNoDamping;
     options.max_num_iterations = shortened ? kMaxShortened : options_.max_iterations;
     if (segments_ == CeresProblem::Segments::kInGroups) options.callbacks = {&last_step};
+    ++num_solves;
     ceres::Solve(options, ceres_problem.get(), &summary);
     VLOG(1) << summary.BriefReport();
     return last_step;
