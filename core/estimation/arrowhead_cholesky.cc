@@ -193,55 +193,89 @@ std::vector<int> ArrowheadCholesky::BorderRows(const Level& level,
   return rows;
 }
 
-void ArrowheadCholesky::ForwardSubdomain(const Level& level,
-                                         const Subdomain& subdomain,
-                                         Eigen::MatrixXd* x) const {
-  const std::vector<int> rows = BorderRows(level, subdomain);
-  Eigen::MatrixXd border = (*x)(rows, Eigen::all);
-  Eigen::MatrixXd before;
+std::vector<int> ArrowheadCholesky::TileRows(const Level& level, const Subdomain& subdomain) {
+  std::vector<int> rows;
+  for (size_t k = subdomain.begin; k < subdomain.end; ++k) {
+    for (int i = 0; i < level.tiles[k].size(); ++i) rows.push_back(level.tiles[k].first + i);
+  }
+  return rows;
+}
+
+Eigen::Index ArrowheadCholesky::Level::NumRows(size_t subdomain) const {
+  Eigen::Index sum = 0;
+  for (size_t k = subdomains[subdomain].begin; k < subdomains[subdomain].end; ++k) {
+    sum += tiles[k].size();
+  }
+  return sum;
+}
+
+void ArrowheadCholesky::Forward(const Level& level,
+                                const Subdomain& subdomain,
+                                Eigen::MatrixXd* rows,
+                                Eigen::MatrixXd* border) {
+  Eigen::Index at = 0;
   for (size_t k = subdomain.begin; k < subdomain.end; ++k) {
     const ArrowheadTile& tile = level.tiles[k];
-    Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
-    if (k > subdomain.begin) y.noalias() -= level.tiles[k - 1].next * before;
+    auto y = rows->middleRows(at, tile.size());
+    if (k > subdomain.begin) {
+      const ArrowheadTile& before = level.tiles[k - 1];
+      y.noalias() -= before.next * rows->middleRows(at - before.size(), before.size());
+    }
     LowerOf(tile).solveInPlace(y);
-    border.topRows(tile.border.rows()).noalias() -= tile.border * y;
-    x->middleRows(tile.first, tile.size()) = y;
-    before = std::move(y);
+    border->topRows(tile.border.rows()).noalias() -= tile.border * y;
+    at += tile.size();
   }
-  (*x)(rows, Eigen::all) = border;
 }
 
-void ArrowheadCholesky::BackwardSubdomain(const Level& level,
-                                          const Subdomain& subdomain,
-                                          Eigen::MatrixXd* x) const {
-  const Eigen::MatrixXd border = (*x)(BorderRows(level, subdomain), Eigen::all);
-  Eigen::MatrixXd after;
+void ArrowheadCholesky::Backward(const Level& level,
+                                 const Subdomain& subdomain,
+                                 const Eigen::MatrixXd& border,
+                                 Eigen::MatrixXd* rows) {
+  Eigen::Index at = rows->rows();
   for (size_t k = subdomain.end; k-- > subdomain.begin;) {
     const ArrowheadTile& tile = level.tiles[k];
-    Eigen::MatrixXd y = x->middleRows(tile.first, tile.size());
+    at -= tile.size();
+    auto y = rows->middleRows(at, tile.size());
     y.noalias() -= tile.border.transpose() * border.topRows(tile.border.rows());
-    if (k + 1 < subdomain.end) y.noalias() -= tile.next.transpose() * after;
+    if (k + 1 < subdomain.end) {
+      y.noalias() -= tile.next.transpose() *
+                     rows->middleRows(at + tile.size(), level.tiles[k + 1].size());
+    }
     UpperOf(tile).solveInPlace(y);
-    x->middleRows(tile.first, tile.size()) = y;
-    after = std::move(y);
   }
 }
 
-Eigen::MatrixXd ArrowheadCholesky::Solve(const Eigen::MatrixXd& right_side) const {
-  Eigen::MatrixXd x = right_side;
+void ArrowheadCholesky::SolveCorner(Eigen::Ref<Eigen::MatrixXd> x) const {
+  if (x.rows() == 0) return;
+  x = corner_scale_.asDiagonal() * x;
+  corner_factor_.solveInPlace(x);
+  x = corner_scale_.asDiagonal() * x;
+}
+
+Eigen::MatrixXd ArrowheadCholesky::Solve(Eigen::MatrixXd right_side) const {
+  Eigen::MatrixXd& x = right_side;
   for (const Level& level : levels_) {
-    for (const Subdomain& subdomain : level.subdomains) ForwardSubdomain(level, subdomain, &x);
+    for (const Subdomain& subdomain : level.subdomains) {
+      const std::vector<int> tiles = TileRows(level, subdomain);
+      const std::vector<int> borders = BorderRows(level, subdomain);
+      Eigen::MatrixXd rows = x(tiles, Eigen::all);
+      Eigen::MatrixXd border = x(borders, Eigen::all);
+      Forward(level, subdomain, &rows, &border);
+      x(tiles, Eigen::all) = rows;
+      x(borders, Eigen::all) = border;
+    }
   }
-  auto corner = x.bottomRows(x.rows() - num_band_);
-  if (corner.rows() > 0) {
-    const Eigen::MatrixXd scaled = corner_scale_.asDiagonal() * corner;
-    corner = corner_scale_.asDiagonal() * corner_factor_.solve(scaled);
-  }
+  SolveCorner(x.bottomRows(x.rows() - num_band_));
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
-    for (const Subdomain& subdomain : level->subdomains)
-      BackwardSubdomain(*level, subdomain, &x);
+    for (const Subdomain& subdomain : level->subdomains) {
+      const std::vector<int> tiles = TileRows(*level, subdomain);
+      const Eigen::MatrixXd border = x(BorderRows(*level, subdomain), Eigen::all);
+      Eigen::MatrixXd rows = x(tiles, Eigen::all);
+      Backward(*level, subdomain, border, &rows);
+      x(tiles, Eigen::all) = rows;
+    }
   }
-  return x;
+  return right_side;
 }
 
 Eigen::MatrixXd ArrowheadCholesky::BorderInverse(const Subdomain& subdomain,

@@ -43,8 +43,8 @@ class ArrowheadCholesky {
   explicit ArrowheadCholesky(ArrowheadMatrix matrix);
 
   int size() const { return num_band_ + static_cast<int>(corner_scale_.size()); }
-  // The solution for each column of the right side.
-  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_side) const;
+  // The solution for each column of the right side, in the right side's own memory.
+  Eigen::MatrixXd Solve(Eigen::MatrixXd right_side) const;
 
   // The inverse's entries by Takahashi's recursion, from the last elimination to the first, in
   // the factorisation's own memory, which it takes away.
@@ -64,6 +64,8 @@ class ArrowheadCholesky {
     std::vector<ArrowheadTile> tiles;
     std::vector<size_t> separators;  // positions of the tiles that the next level holds
     std::vector<Subdomain> subdomains;
+
+    Eigen::Index NumRows(size_t subdomain) const;
   };
 
   static void Cut(Level* level);
@@ -80,14 +82,19 @@ class ArrowheadCholesky {
                      int num_right,
                      const Subdomain& subdomain,
                      std::vector<ArrowheadTile>* tiles);
-  // Substitution through a subdomain, in the rows of x.
-  void ForwardSubdomain(const Level& level,
-                        const Subdomain& subdomain,
-                        Eigen::MatrixXd* x) const;
-  void BackwardSubdomain(const Level& level,
-                         const Subdomain& subdomain,
-                         Eigen::MatrixXd* x) const;
-  // Rows of all variables that a subdomain's last tile has in its border.
+  // Substitution through a subdomain. rows: of its tiles, one below the other; border: rows of
+  // [ left separator | seen | right separator ], which Forward() takes from.
+  static void Forward(const Level& level,
+                      const Subdomain& subdomain,
+                      Eigen::MatrixXd* rows,
+                      Eigen::MatrixXd* border);
+  static void Backward(const Level& level,
+                       const Subdomain& subdomain,
+                       const Eigen::MatrixXd& border,
+                       Eigen::MatrixXd* rows);
+  void SolveCorner(Eigen::Ref<Eigen::MatrixXd> x) const;
+  // Rows of all variables in a subdomain's tiles, and of those in its last tile's border.
+  static std::vector<int> TileRows(const Level& level, const Subdomain& subdomain);
   std::vector<int> BorderRows(const Level& level, const Subdomain& subdomain) const;
 
   int num_band_;
@@ -96,6 +103,8 @@ class ArrowheadCholesky {
   Eigen::MatrixXd corner_;  // lower triangle, until it is factored
   Eigen::LLT<Eigen::MatrixXd> corner_factor_;
   Eigen::VectorXd corner_scale_;  // the factor is that of S corner S, S = diag(scale)
+
+  friend class BorderSolver;
 };
 
 }  // namespace plumbline

@@ -40,10 +40,11 @@ Kind KindOf(int pattern) {
 
 // Products of all patterns V, V^T Q V, where Q takes away what the estimate adapts to. They
 // are the scores' covariance by noise, and what the scores are of an error of 1.
-Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns, const Eigen::MatrixXd& shifts) {
+Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns,
+                                const Eigen::MatrixXd& loads,
+                                const Eigen::MatrixXd& shifts) {
   const Eigen::Index size = patterns.products().cols();
-  return patterns.products() -
-         patterns.loads().leftCols(size).transpose() * shifts.leftCols(size);
+  return patterns.products() - loads.leftCols(size).transpose() * shifts.leftCols(size);
 }
 
 // The variance of the cells' deviation by the method of moments: with the scores q = F^T r and
@@ -136,7 +137,8 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
 }  // namespace
 
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
-  const Eigen::MatrixXd products = AdaptedProducts(patterns, factor.Solve(patterns.loads()));
+  const Eigen::MatrixXd products =
+      AdaptedProducts(patterns, patterns.loads(), factor.Solve(patterns.loads()));
   if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
   const KnownErrors known = FindKnownErrors(patterns, products);
   const Eigen::VectorXd scores = kScale * known.basis.transpose() * patterns.scanner_scores();
@@ -150,8 +152,9 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
                                           const std::function<void()>& rescore,
                                           ErrorPatterns* patterns) {
   const int num_scanner = patterns->num_scanner_patterns();
-  const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
-  const Eigen::MatrixXd products = AdaptedProducts(*patterns, shifts);
+  const Eigen::MatrixXd loads = patterns->loads().leftCols(patterns->products().cols());
+  Eigen::MatrixXd shifts = factor.Solve(patterns->TakeLoads());
+  const Eigen::MatrixXd products = AdaptedProducts(*patterns, loads, shifts);
   const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
@@ -176,15 +179,14 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   errors.range_bias_m = std::sqrt(scanners.variances[kRange]);
   errors.rotation_rad = std::sqrt(scanners.variances[kRotation]);
   errors.translation_m = std::sqrt(scanners.variances[kTranslation]);
-  errors.shift.resize(shifts.rows(), shifts.cols());
-  errors.shift.leftCols(num_scanner) = shifts.leftCols(num_scanner) * scanners.root;
-  errors.shift.rightCols(kNumProbes) =
-      std::sqrt(cells / kNumProbes) * shifts.rightCols(kNumProbes);
-  const Eigen::MatrixXd effects = patterns->CellEffectsOnLandmarks();
-  const Eigen::MatrixXd by_scanners =
-      errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
+  shifts.leftCols(num_scanner) *= scanners.root;
+  shifts.rightCols(kNumProbes) *= std::sqrt(cells / kNumProbes);
+  errors.shift = std::move(shifts);
+  const Eigen::MatrixXd effects = patterns->TakeCellEffectsOnLandmarks();
+  const auto by_scanners = errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
   errors.landmarks = by_scanners * by_scanners.transpose();
-  errors.landmarks += cells * effects * effects.transpose();
+  errors.landmarks.selfadjointView<Eigen::Lower>().rankUpdate(effects, cells);
+  errors.landmarks.triangularView<Eigen::StrictlyUpper>() = errors.landmarks.transpose();
   return errors;
 }
 

@@ -75,15 +75,7 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
                              const ArrowheadCholesky& factor)
     : ErrorPatterns(rig, trajectory, landmarks, layout, planar) {
   Resize(kNumProbes);
-  const int num_border = layout.size() - num_band_;
-  landmark_rows_.resize(layout.size(), num_border);
-  constexpr int kColumnsAtOnce = 64;  // of right sides, which take as much memory as the rows
-  for (int first = 0; first < num_border; first += kColumnsAtOnce) {
-    const int num = std::min(kColumnsAtOnce, num_border - first);
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(layout.size(), num);
-    unit.block(num_band_ + first, 0, num, num).setIdentity();
-    landmark_rows_.middleCols(first, num) = factor.Solve(unit);
-  }
+  cell_effects_.emplace(factor);
 }
 
 void ErrorPatterns::Resize(int num_probes) {
@@ -240,7 +232,6 @@ int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
       sign = (state >> 63) != 0 ? 1.0 : -1.0;
     }
     cell_scores_.push_back(0.0);
-    effects_.resize(effects_.size() + static_cast<size_t>(landmark_rows_.cols()), 0.0);
   }
   return found->second;
 }
@@ -376,13 +367,6 @@ void ErrorPatterns::Add(const Observation& observation) {
   SetScannerCoefficients(observation, nodes);
   const int num_pose_rows = static_cast<int>(basis.pose_load.rows());
   const int plane_size = landmark.num_parameters();
-  Eigen::MatrixXd effect;  // on the landmarks
-  if (landmark_rows_.cols() > 0) {
-    effect = landmark_rows_.middleRows(basis.first_column, num_pose_rows).transpose() *
-             basis.pose_load;
-    effect.noalias() += landmark_rows_.middleRows(plane_column, plane_size).transpose() *
-                        basis.plane_load.topRows(plane_size);
-  }
   auto by_probe = coefficients_.rightCols(num_probes());
   by_probe.setZero();
   for (const CellShare& share : shares_) {
@@ -391,10 +375,15 @@ void ErrorPatterns::Add(const Observation& observation) {
     by_probe.row(0) += share.slope * signs;
     by_probe.row(2) += share.offset * signs;
     cell_scores_[cell] += share.slope * basis.score[0] + share.offset * basis.score[2];
-    if (effect.size() == 0) continue;
-    Eigen::Map<Eigen::VectorXd>(effects_.data() + cell * static_cast<size_t>(effect.rows()),
-                                effect.rows()) +=
-        share.slope * effect.col(0) + share.offset * effect.col(2);
+    if (!cell_effects_) continue;
+    cell_effects_->AddToBand(
+        basis.first_column,
+        share.slope * basis.pose_load.col(0) + share.offset * basis.pose_load.col(2),
+        share.cell);
+    cell_effects_->AddToBorder(plane_column - num_band_,
+                               share.slope * basis.plane_load.col(0).head(plane_size) +
+                                   share.offset * basis.plane_load.col(2).head(plane_size),
+                               share.cell);
   }
   loads_.middleRows(basis.first_column, num_pose_rows).noalias() +=
       basis.pose_load.lazyProduct(coefficients_);
@@ -406,9 +395,8 @@ void ErrorPatterns::Add(const Observation& observation) {
       coefficients_.leftCols(num_scanner_patterns_).transpose() * basis.score;
 }
 
-Eigen::MatrixXd ErrorPatterns::CellEffectsOnLandmarks() const {
-  return Eigen::Map<const Eigen::MatrixXd>(
-      effects_.data(), landmark_rows_.cols(), static_cast<Eigen::Index>(cells_.size()));
+Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {
+  return cell_effects_->TakeSolution();
 }
 
 Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {

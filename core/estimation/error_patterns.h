@@ -4,11 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
 #include "core/estimation/block_layout.h"
+#include "core/estimation/border_solver.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
@@ -58,8 +61,9 @@ class ErrorPatterns {
   int num_scanner_patterns() const { return num_scanner_patterns_; }
   // Orthonormal basis of what turns and shifts all scanners together, as the body would.
   Eigen::MatrixXd CommonScannerPatterns() const;
-  // J^T V by column: the scanners' patterns, then the probes.
+  // J^T V by column: the scanners' patterns, then the probes. May be taken away.
   const Eigen::MatrixXd& loads() const { return loads_; }
+  Eigen::MatrixXd TakeLoads() { return std::move(loads_); }
   // V^T V of the scanners' patterns and the first kNumTraceProbes probes.
   const Eigen::MatrixXd& products() const { return products_; }
   // V^T r.
@@ -70,8 +74,9 @@ class ErrorPatterns {
   void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
   // Sums up a segment's scores of its cells anew, without what has been explained.
   void RescoreCells(const Observation& observation);
-  // What each cell's deviation of 1 m does to the landmarks: their parameters x cells.
-  Eigen::MatrixXd CellEffectsOnLandmarks() const;
+  // What each cell's deviation of 1 m does to the landmarks: their parameters x cells. To be
+  // called once.
+  Eigen::MatrixXd TakeCellEffectsOnLandmarks();
 
  private:
   // Poses at the nodes of a scan line.
@@ -161,7 +166,7 @@ class ErrorPatterns {
   const int num_scanner_patterns_;
   std::vector<Surface> surfaces_;      // by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated
-  Eigen::MatrixXd landmark_rows_;      // of the inverse normal matrix, transposed; or none
+  std::optional<BorderSolver> cell_effects_;  // on the landmarks; column: a cell
   std::vector<Nodes> nodes_;           // of the last scan lines
   size_t next_nodes_ = 0;
   std::unordered_map<uint64_t, int> cells_;  // by landmark and node
@@ -176,7 +181,6 @@ class ErrorPatterns {
   Eigen::VectorXd scanner_scores_;
   std::vector<double> cell_scores_;
   std::vector<Eigen::Matrix<double, kNumProbes, 1>> signs_;  // by cell
-  std::vector<double> effects_;                              // landmark parameters by cell
 };
 
 }  // namespace plumbline
