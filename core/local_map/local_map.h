@@ -11,8 +11,11 @@ namespace plumbline {
 
 // A direction in which a cell says where its surface lies.
 struct SurfaceDirection {
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // to the side that was seen
   double variance = 0.0;  // m^2, of the cell's points along it
+  // rad^2, of the normal's own error: what it seems to say along the surface is no more than
+  // this.
+  Eigen::Matrix3d normal_covariance = Eigen::Matrix3d::Zero();
 };
 
 // LocalCell holds the normal distribution of the points in one cell of space.
@@ -20,7 +23,14 @@ class LocalCell {
  public:
   explicit LocalCell(const Eigen::Vector3d& centre_world) : centre_(centre_world) {}
 
-  void Add(const Eigen::Vector3d& p_world, double scan_normal_z, int scan_index);
+  // from_world: the scanner.
+  void Add(const Eigen::Vector3d& p_world,
+           const Eigen::Vector3d& from_world,
+           double scan_normal_z,
+           int scan_index);
+  // Whether the points are of a surface's other side than the one that this point is on, which
+  // a scanner sees from there.
+  bool IsOtherSide(const Eigen::Vector3d& p_world, const Eigen::Vector3d& from_world) const;
 
   int num_points() const { return num_points_; }
   int last_scan() const { return last_scan_; }
@@ -41,6 +51,7 @@ class LocalCell {
   Eigen::Vector3d centre_;
   Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();       // of p - centre
   Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();  // of p - centre with themselves
+  Eigen::Vector3d sum_views_ = Eigen::Vector3d::Zero();  // from the points to the scanners
   double sum_scan_normal_z2_ = 0.0;
   int num_points_ = 0;
   int num_scans_ = 0;  // that the points are of
@@ -56,23 +67,27 @@ class LocalCell {
 // normal-distributions transform"), with two differences. A single scan line is thin across
 // its scan plane whatever it meets: a cell gives only the directions that its points
 // determine, across a patch that several sweeps have covered, or, for level scan planes,
-// across a line or around a post, taken to be upright. And a cell that has seen enough takes
-// in no more points: it would follow the drift of the poses that it is to hold.
+// across a line or around a post, taken to be upright. A cell that has seen enough takes
+// in no more points: it would follow the drift of the poses that it is to hold. And a wall has
+// two sides, which lie in one cube where it is thinner than that: points that can not be seen
+// from where the others were have a cell of their own.
 class LocalMap {
  public:
   // min_age_scans: a cell says nothing before it has been seen over so many scans: what
   // somebody who walks along with the rig leaves behind is no place.
   LocalMap(double cell_m, bool planar, int min_age_scans);
 
-  // Adds a point that a scanner with this scan plane normal saw. Points of one scan come
-  // together; scan_index never decreases. may_found: whether
-  // it may be the first of its cell.
+  // Adds a point that a scanner at from_world with this scan plane normal saw. Points of one
+  // scan come together; scan_index never decreases. may_found: whether it may be the first of
+  // its cell.
   void Add(const Eigen::Vector3d& p_world,
+           const Eigen::Vector3d& from_world,
            const Eigen::Vector3d& scan_normal,
            int scan_index,
            bool may_found);
-  // The cell of a point, or nullptr where too little was seen.
-  const LocalCell* Find(const Eigen::Vector3d& p_world) const;
+  // The cell of a point, seen from there, or nullptr where too little was seen.
+  const LocalCell* Find(const Eigen::Vector3d& p_world,
+                        const Eigen::Vector3d& from_world) const;
   // Forgets the cells that were not seen since this scan.
   void ForgetBefore(int scan_index);
 
@@ -80,6 +95,8 @@ class LocalMap {
   using Key = uint64_t;
   Key KeyOf(const Eigen::Vector3d& p_world) const;
   Eigen::Vector3d CentreOf(Key key) const;
+  // The cell to which a point that is seen from there belongs, or would belong.
+  Key KeySeenFrom(const Eigen::Vector3d& p_world, const Eigen::Vector3d& from_world) const;
 
   double cell_m_;
   bool planar_;

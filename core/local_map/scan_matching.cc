@@ -1,6 +1,7 @@
 #include "core/local_map/scan_matching.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,6 @@
 
 #include "core/geometry/matrix_types.h"
 #include "core/sensor/beam_instant.h"
-#include "factors/linear_algebra/square_root_marginalisation.h"
 #include "factors/spline/so3.h"
 
 namespace plumbline {
@@ -52,41 +52,77 @@ constexpr double kMaxMovingShare = 0.4;
 // walks has hardly moved.
 constexpr size_t kTracedBeams = 60;
 constexpr double kTracePeriod = 0.05;  // s
+// Share of what all points say, below which a direction of the pose is open.
+constexpr double kMinInformation = 1e-9;
 // The local map forgets at these intervals.
 constexpr double kForgetPeriod = 5.0;  // s
+
+// What normal equations say, as residuals offset + root * error: only in directions in which
+// they say something.
+struct PoseRoot {
+  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> root;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> offset;
+};
 
 // Collects the normal equations of a pose's error: rotation (rad, world frame), position (m).
 class PoseEquations {
  public:
   explicit PoseEquations(const Rigid3d& world_from_body) : world_from_body_(world_from_body) {}
 
+  // normal_covariance: of the normal's own error e, which adds e e^T to the equations. On
+  // average that is its covariance, and no knowledge of where the surface lies: it is taken
+  // away. With it, walls would hold back a rig that moves along them, since the spots that
+  // beams take on a wall go along: a cell's new points lie before the mean of its earlier
+  // ones.
   void Add(const Eigen::Vector3d& p_world,
-           const Eigen::Vector3d& normal,
-           double residual,
+           const SurfaceDirection& direction,
+           const Eigen::Vector3d& deviation,
            double weight) {
-    Eigen::Matrix<double, 6, 1> row;
-    row << (p_world - world_from_body_.translation).cross(normal), normal;
-    hessian_.noalias() += weight * row * row.transpose();
-    gradient_ += weight * residual * row;
+    const Eigen::Vector3d lever = p_world - world_from_body_.translation;
+    Eigen::Matrix<double, 6, 3> by_pose;
+    by_pose << Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity();
+    for (int i = 0; i < 3; ++i) {
+      by_pose.col(i).head<3>() = lever.cross(Eigen::Vector3d::Unit(i));
+    }
+    const Eigen::Matrix3d information =
+        weight *
+        (direction.normal * direction.normal.transpose() - direction.normal_covariance);
+    scale_ += weight * (by_pose * direction.normal).cwiseAbs2();
+    hessian_.noalias() += by_pose * information * by_pose.transpose();
+    gradient_.noalias() += by_pose * (information * deviation);
   }
 
-  const Matrix6d& hessian() const { return hessian_; }
-  const Eigen::Matrix<double, 6, 1>& gradient() const { return gradient_; }
-  PoseConstraint ConstraintAt(int64_t time_ns, double weight) const {
+  PoseRoot Root(double weight) const {
+    const Eigen::Matrix<double, 6, 1> scale = scale_.unaryExpr(
+        [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; });
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scale.asDiagonal() * hessian_ *
+                                                         scale.asDiagonal());
+    const auto num = (solver.eigenvalues().array() > kMinInformation).count();
+    const auto values = solver.eigenvalues().tail(num).array();
+    const auto vectors = solver.eigenvectors().rightCols(num);
+    PoseRoot known;
+    known.root = (weight * values).sqrt().matrix().asDiagonal() * vectors.transpose() *
+                 scale.unaryExpr([](double value) { return value > 0.0 ? 1.0 / value : 0.0; })
+                     .asDiagonal();
+    known.offset = (weight / values).sqrt().matrix().asDiagonal() *
+                   (vectors.transpose() * scale.cwiseProduct(gradient_));
+    return known;
+  }
+
+  PoseConstraint ConstraintAt(int64_t time_ns, const PoseRoot& known) const {
     PoseConstraint constraint;
     constraint.time_ns = time_ns;
     constraint.measurement.world_from_body = world_from_body_.rotation;
     constraint.measurement.position = world_from_body_.translation;
-    const MarginalisedSystem root = Marginalise(weight * hessian_, weight * gradient_, 0);
-    const Eigen::Index rank = root.root.rows();
-    constraint.measurement.root.topRows(rank) = root.root;
-    constraint.measurement.offset.head(rank) = root.offset;
+    constraint.measurement.root.topRows(known.root.rows()) = known.root;
+    constraint.measurement.offset.head(known.offset.size()) = known.offset;
     return constraint;
   }
 
  private:
   Rigid3d world_from_body_;
   Matrix6d hessian_ = Matrix6d::Zero();
+  Eigen::Matrix<double, 6, 1> scale_ = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> gradient_ = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
@@ -193,6 +229,7 @@ void ScanMatcher::MatchLine(const Line& line,
       About(predicted.translation, of_line.head<3>(), of_line.tail<3>());
   PoseEquations equations(correction * predicted);
   const Eigen::Matrix3d turn = correction.rotation.toRotationMatrix();
+  const Eigen::Vector3d from_world = turn * motion.nodes()[1].col(2) + correction.translation;
   CellPoints current;
   int num_cells = 0;
   const auto take = [&] {
@@ -208,10 +245,8 @@ void ScanMatcher::MatchLine(const Line& line,
       const double residual = direction.normal.dot(deviation);
       const double share = residual * residual / (kRobustWidth * kRobustWidth * variance);
       is_near = is_near && residual * residual < kNear * kNear * variance;
-      equations.Add(p_world,
-                    direction.normal,
-                    residual,
-                    1.0 / (variance * (1.0 + share) * (1.0 + share)));
+      equations.Add(
+          p_world, direction, deviation, 1.0 / (variance * (1.0 + share) * (1.0 + share)));
     }
     if (is_near) match->num_near += current.num;
     ++num_cells;
@@ -221,7 +256,7 @@ void ScanMatcher::MatchLine(const Line& line,
     if (chosen != nullptr && !(*chosen)[static_cast<size_t>(line.beams[i])]) continue;
     const Eigen::Vector3d p_world =
         turn * motion.ToWorld(line.p_scanner[i], line.times_ns[i]) + correction.translation;
-    const LocalCell* cell = maps_[static_cast<size_t>(level)].Find(p_world);
+    const LocalCell* cell = maps_[static_cast<size_t>(level)].Find(p_world, from_world);
     if (cell != current.cell) {
       take();
       current = {cell, Eigen::Vector3d::Zero(), 0};
@@ -233,9 +268,11 @@ void ScanMatcher::MatchLine(const Line& line,
   take();
   match->num_cells += num_cells;
   if (num_cells == 0) return;
-  match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), repeated_weight_));
-  match->hessian += repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
-  match->gradient += repeated_weight_ * by_motion.transpose() * equations.gradient();
+  const PoseRoot known = equations.Root(repeated_weight_);
+  match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), known));
+  const Eigen::Matrix<double, Eigen::Dynamic, 12, 0, 6, 12> root = known.root * by_motion;
+  match->hessian.noalias() += root.transpose() * root;
+  match->gradient.noalias() += root.transpose() * known.offset;
 }
 
 Eigen::Matrix<double, 6, 12> ScanMatcher::ByMotion(const Line& line) const {
@@ -432,7 +469,7 @@ void ScanMatcher::Remember(const Trajectory& trajectory, bool may_found) {
       // Large cells fill with fewer points.
       const size_t num_levels = i % kCoarseStride == 0 ? maps_.size() : 1;
       for (size_t level = 0; level < num_levels; ++level) {
-        maps_[level].Add(p_world, normal, scan_index_, may_found);
+        maps_[level].Add(p_world, from_world, normal, scan_index_, may_found);
       }
     }
   }
