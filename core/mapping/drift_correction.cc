@@ -89,7 +89,7 @@ std::optional<double> CorrectDrift(const Rig& rig,
   if (placed.closures.empty() || Hold(placed.closures, visits)) return std::nullopt;
   const auto num_found = static_cast<double>(placed.closures.size()) + placed.num_contradicted;
   if (placed.num_contradicted > kMaxContradictedShare * num_found) {
-    LOG(WARNING) << "places seen again contradict each other: " << placed.num_contradicted
+    LOG(WARNING) << "loop closures contradict each other: " << placed.num_contradicted
                  << " of " << num_found << " pairs of visits; the drift stays";
     return std::nullopt;
   }
@@ -106,9 +106,9 @@ std::optional<double> CorrectDrift(const Rig& rig,
   const int num_merged = MergeVisitedWalls(state);
   PlaceWalls(rig, state);
   RebuildLandmarks(rig, state);
-  LOG(INFO) << "places seen again: " << placed.closures.size()
-            << " pairs of visits; the way is bent by up to " << largest_m << " m, and "
-            << num_merged << " walls become one with others";
+  LOG(INFO) << "loop closures: " << placed.closures.size()
+            << " pairs of visits; the trajectory is corrected by up to " << largest_m
+            << " m, and " << num_merged << " walls become one with others";
   return largest_m;
 }
 

@@ -58,6 +58,13 @@ std::vector<StampedPose> Poses(const MapResult& result) {
   return poses;
 }
 
+// The first position is the map's origin: held, not measured.
+void HoldOrigin(std::vector<StampedCovariance>* covariances) {
+  if (covariances->empty()) return;
+  covariances->front().covariance.topRows<3>().setZero();
+  covariances->front().covariance.leftCols<3>().setZero();
+}
+
 std::vector<StampedCovariance> PoseCovariances(const MapResult& result) {
   std::vector<StampedCovariance> covariances;
   const std::vector<int> position_first = {3, 4, 5, 0, 1, 2};
@@ -66,6 +73,7 @@ std::vector<StampedCovariance> PoseCovariances(const MapResult& result) {
         result.batch.covariance.PoseAt(result.state.trajectory, time_ns);
     covariances.push_back({time_ns, covariance(position_first, position_first)});
   }
+  HoldOrigin(&covariances);
   return covariances;
 }
 

@@ -107,6 +107,28 @@ TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
   EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("the recording has no such topic"));
 }
 
+// A map is written where the rig file is wrong, but the exit code says what it is worth.
+TEST_F(ProgramsTest, AMapThatContradictsItselfIsThree) {
+  ASSERT_EQ(Run("plumbline_simulate --experiment=" + std::string(PLUMBLINE_CONFIGS_DIR) +
+                "/experiments/room.yaml --seed=1 --output=" + Path("room"))
+                .exit_code,
+            0);
+  const std::string command =
+      "plumbline_map " + Path("room/recording.bag") + " --output=" + Path("out");
+  EXPECT_EQ(Run(command).exit_code, 0);
+  std::string rig = ReadBytes(Path("room/rig.yaml"));
+  const std::string is_there = "translation: [0, 0.1, 0]";
+  ASSERT_THAT(rig, HasSubstr(is_there));
+  rig.replace(rig.find(is_there), is_there.size(), "translation: [0, 0.6, 0]");
+  WriteBytes(Path("room/rig.yaml"), rig);
+  EXPECT_EQ(Run(command).exit_code, 1);
+  const Outcome outcome = Run(command + " --force");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("do not trust it"));
+  EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("Verdict: contradictory"));
+  EXPECT_THAT(ReadBytes(Path("out/summary.json")), HasSubstr("\"contradictory\""));
+}
+
 TEST_F(ProgramsTest, WrongUsageIsTwo) {
   for (const char* program :
        {"plumbline_bound",

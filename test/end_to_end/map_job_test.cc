@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "core/options/config.h"
 #include "core/result/result_reader.h"
@@ -109,6 +110,33 @@ TEST_F(MapJobTest, ConfigUsedGivesTheSameResultAgain) {
   Map(config);
   EXPECT_EQ(ReadBytes(Path("result/config_used.yaml")), config);
   EXPECT_TRUE(ReadBytes(Path("result/trajectory.tum")) == trajectory);
+}
+
+// It is the map's origin, whose position nobody measures; directions are measured there, too.
+TEST_F(MapJobTest, TheFirstPositionIsHeld) {
+  WriteRecording(Simulate(Base()));
+  Map();
+  std::istringstream file(ReadBytes(Path("result/trajectory_covariance.csv")));
+  std::string line;
+  std::getline(file, line);
+  for (const bool is_first : {true, false}) {
+    std::getline(file, line);
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream values(line);
+    double time_s = 0.0;
+    values >> time_s;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) {
+        double value = -1.0;
+        values >> value;
+        if (i == j) {
+          EXPECT_EQ(value == 0.0, is_first && i < 3) << line;
+        } else if (is_first && i < 3) {
+          EXPECT_EQ(value, 0.0) << line;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(MapJobTest, LeavesNothingButTheResult) {
