@@ -20,11 +20,15 @@ bool IsMended(const std::vector<MountingCorrection>& corrections) {
   });
 }
 
-// Whether the correction of one scanner explains what an other header would, and more.
+// Whether another mounting, or the correction of one scanner, explains what an other header
+// would, and more.
 bool IsExplainedByMounting(const OtherHeader& header,
                            const std::vector<std::vector<SampledLine>>& sample,
-                           const MountedRig& rig) {
+                           const MountedRig& rig,
+                           const std::vector<std::string>& names) {
   constexpr double kMore = 0.025;  // of the places
+  const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
+  if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
   for (size_t i = 0; i < rig.size(); ++i) {
     if (corrections[i].num_compared == 0) continue;
@@ -67,8 +71,10 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
     pair.a = indices[pair.a];
     pair.b = indices[pair.b];
   }
-  report->other_header = FindOtherHeader(as_sent, report->survey.topics, mounted, names);
-  if (report->other_header && IsExplainedByMounting(*report->other_header, as_sent, mounted)) {
+  report->other_header =
+      FindOtherHeader(as_sent, report->survey.topics, mounted, present.scanners);
+  if (report->other_header &&
+      IsExplainedByMounting(*report->other_header, as_sent, mounted, names)) {
     report->other_header.reset();
   }
   const std::vector<std::vector<SampledLine>>& sample =

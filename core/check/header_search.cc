@@ -58,9 +58,10 @@ SampledLine Stretched(SampledLine line, double ratio) {
   return line;
 }
 
-// An other header of a topic: what becomes of a line, and in words.
+// An other header of a topic: what becomes of a line and of the rig file, and in words.
 struct Alternative {
   std::function<SampledLine(const SampledLine&)> change;
+  std::function<void(Scanner*)> state;
   std::string words;   // after "of left and right"
   std::string advice;  // after "in the rig file: "
 };
@@ -70,23 +71,27 @@ std::vector<Alternative> AlternativesOf(const TopicSurvey& topic) {
   const double num_beams = topic.num_beams;
   if (num_beams < 3) return alternatives;
   for (const double ratio : {(num_beams - 1.0) / num_beams, num_beams / (num_beams - 1.0)}) {
+    const double increment = ratio * topic.angle_increment;
     alternatives.push_back(
         {[ratio](const SampledLine& line) { return Stretched(line, ratio); },
+         [increment](Scanner* scanner) { scanner->angle_increment_rad = increment; },
          std::string("angle_increment is too ") + (ratio < 1.0 ? "large" : "small") +
              " by one beam's share",
-         "angle_increment_deg: " +
-             Decimal(ratio * topic.angle_increment * kDegreesPerRadian, 6)});
+         "angle_increment_deg: " + Decimal(increment * kDegreesPerRadian, 6)});
   }
   const double stated_s = topic.time_increment_s;
   const double turning_s = topic.period_s * std::abs(topic.angle_increment) / (2.0 * M_PI);
   if (turning_s > 0.0 && std::abs(stated_s / turning_s - 1.0) > kOtherTime) {
-    alternatives.push_back({[turning_s](const SampledLine& line) {
-                              SampledLine other = line;
-                              other.time_increment_s = turning_s;
-                              return other;
-                            },
-                            "time_increment is wrong: the scanner turns once per scan line",
-                            "time_increment_s: " + Decimal(turning_s, 9)});
+    alternatives.push_back(
+        {[turning_s](const SampledLine& line) {
+           SampledLine other = line;
+           other.time_increment_s = turning_s;
+           return other;
+         },
+         [turning_s](Scanner* scanner) { scanner->time_increment_s = turning_s; },
+         std::string("time_increment is ") + (stated_s == 0.0 ? "0" : "wrong") +
+             ": the scanner turns once per scan line",
+         "time_increment_s: " + Decimal(turning_s, 9)});
   }
   if (stated_s > 0.0) {
     const double last_s = (num_beams - 1.0) * stated_s;
@@ -96,14 +101,36 @@ std::vector<Alternative> AlternativesOf(const TopicSurvey& topic) {
                               other.time_increment_s = -line.time_increment_s;
                               return other;
                             },
+                            [stated_s, last_s](Scanner* scanner) {
+                              scanner->time_increment_s = -stated_s;
+                              scanner->time_offset_s += last_s;
+                            },
                             "beams are given the other way round than they are measured",
                             "time_increment_s: " + Decimal(-stated_s, 9) +
                                 ", time_offset_s: " + Decimal(last_s, 6)});
+    alternatives.push_back(
+        {[last_s](const SampledLine& line) {
+           SampledLine other = line;
+           other.stamp_ns -= NanosecondsFromSeconds(last_s);
+           return other;
+         },
+         [last_s](Scanner* scanner) { scanner->time_offset_s -= last_s; },
+         "stamps are those of the last beam, " + Decimal(1e3 * last_s, 0) + " ms too late",
+         "time_offset_s: " + Decimal(-last_s, 6)});
   }
   return alternatives;
 }
 
 }  // namespace
+
+Rig WithHeaders(Rig rig, const OtherHeader& headers) {
+  for (const Scanner& stated : headers.scanners) {
+    for (Scanner& scanner : rig.scanners) {
+      if (scanner.name == stated.name) scanner = stated;
+    }
+  }
+  return rig;
+}
 
 double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
   return CompareAll(sample, rig).near_share;
@@ -112,10 +139,11 @@ double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
 std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
                                            const std::vector<TopicSurvey>& topics,
                                            const MountedRig& rig,
-                                           const std::vector<std::string>& names) {
+                                           const std::vector<Scanner>& scanners) {
   const Places stated = CompareAll(sample, rig);
   if (stated.num == 0) return std::nullopt;
-  const double variance = 0.25 / static_cast<double>(stated.num);  // of a share, at most
+  const double variance =  // of the share
+      stated.near_share * (1.0 - stated.near_share) / static_cast<double>(stated.num);
   const double min_gain = std::max(kMinGain, kMinSigmas * std::sqrt(variance));
   std::optional<OtherHeader> best;
   std::vector<std::vector<size_t>> groups(1);  // all at once, and each
@@ -138,8 +166,9 @@ std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
                        sample[source].end(),
                        other.sample[source].begin(),
                        own[k].change);
-        other.scanners.push_back(scanner);
-        who.push_back(names[scanner]);
+        other.scanners.push_back(scanners[scanner]);
+        own[k].state(&other.scanners.back());
+        who.push_back(scanners[scanner].name);
         advice.push_back(own[k].advice);
       }
       const Places so = CompareAll(other.sample, rig);

@@ -6,12 +6,13 @@
 
 #include "core/check/topic_survey.h"
 #include "core/check/view_comparison.h"
+#include "core/sensor/rig.h"
 
 namespace plumbline {
 
 // What the drivers may have meant by their headers, under which the scanners agree.
 struct OtherHeader {
-  std::vector<size_t> scanners;  // whose headers are other
+  std::vector<Scanner> scanners;  // whose headers are other, as the rig file has to state them
   std::string words;             // "time_increment is wrong ..."
   std::string advice;
   double share_as_stated = 0.0;  // of the places that two scanners see, within 1.5 cm
@@ -24,11 +25,14 @@ struct OtherHeader {
 // way round than time_increment says. Returns the one under which the scanners agree clearly
 // better than as the recording says; nothing where there is none.
 //   topics   of the sample
-//   names    of the scanners of the rig
+//   scanners of the rig, as the rig file states them
 std::optional<OtherHeader> FindOtherHeader(const std::vector<std::vector<SampledLine>>& sample,
                                            const std::vector<TopicSurvey>& topics,
                                            const MountedRig& rig,
-                                           const std::vector<std::string>& names);
+                                           const std::vector<Scanner>& scanners);
+
+// The rig file that states these headers instead of the recording's.
+Rig WithHeaders(Rig rig, const OtherHeader& headers);
 
 // The share of the places that any two scanners see within 1.5 cm of each other.
 double NearShareOfAll(const std::vector<std::vector<SampledLine>>& sample,

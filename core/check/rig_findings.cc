@@ -156,7 +156,8 @@ class RigJudge {
                                  other.words + ": so, " + PercentOf(other.share_so) +
                                      " of the places that two scanners see agree to 1.5 cm, "
                                      "as it is " +
-                                     PercentOf(other.share_as_stated),
+                                     PercentOf(other.share_as_stated) +
+                                     "; plumbline_map takes it so",
                                  other.advice,
                                  Subject::kHeader,
                                  true});
@@ -193,19 +194,25 @@ class RigJudge {
     JudgeUncompared();
   }
 
-  // Names the one scanner whose correction brings most of the places together.
+  // Names the one scanner whose correction brings most of the places together. Where those of
+  // two bring as many, as where these compare with each other alone, the simpler one is right.
   bool JudgeCorrections() {
     const std::vector<MountingCorrection>& corrections = report_->corrections;
-    size_t worst = 0;
-    double most = 0.0;
+    const auto gain = [&](size_t i) {
+      return corrections[i].num_compared *
+             (corrections[i].moved_share - corrections[i].near_share);
+    };
+    const auto num_parts = [&](size_t i) { return NameParts(corrections[i]).words.size(); };
+    std::optional<size_t> found;
     for (size_t i = 0; i < corrections.size(); ++i) {
-      const double gain = corrections[i].moved_share - corrections[i].near_share;
-      if (gain < kMinGain || NameParts(corrections[i]).words.empty()) continue;
-      if (gain * corrections[i].num_compared <= most) continue;
-      most = gain * corrections[i].num_compared;
-      worst = i;
+      const double least = kMinGain * corrections[i].num_compared;
+      if (gain(i) < least || num_parts(i) == 0) continue;
+      const double more = found ? gain(i) - gain(*found) : gain(i);
+      const bool is_alike = found && std::abs(more) < least;
+      if (is_alike ? num_parts(i) < num_parts(*found) : more > 0.0) found = i;
     }
-    if (most == 0.0) return false;
+    if (!found) return false;
+    const size_t worst = *found;
     const NamedParts parts = NameParts(corrections[worst]);
     const std::string who =
         "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +

@@ -16,6 +16,7 @@ void TakeOver(const MessageRef& where,
   message->frame_id = scan.frame_id;
   message->is_planar = scan.is_planar;
   message->usable = scan.is_planar && scan.IsUsable();
+  if (!scan.IsUsable()) message->unusable_reason = WhyUnusable(scan);
   message->stated_min_range_m = scan.range_min;
   message->stated_max_range_m = scan.range_max;
   ScanLine& line = message->line;

@@ -25,6 +25,7 @@ struct ScanMessage {
   std::string frame_id;    // empty where the format has none
   bool is_planar = true;   // false: a point cloud that does not lie in one scan plane
   bool usable = true;      // false: no beams, or angles or times that make no sense
+  std::string unusable_reason;
   // Limits as the driver states them, m; 0 where it states none.
   double stated_min_range_m = 0.0;
   double stated_max_range_m = 0.0;

@@ -10,7 +10,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kStep = 0.5;       // s, in which a turn is looked for
+constexpr double kStep = 0.5;       // s, in which a scanner's attitude shows
+constexpr double kShortStep = 0.2;  // s, in which a turn is measured
 constexpr double kMinLength = 0.5;  // m, of a trace whose turn counts
 constexpr double kMaxTurn = 40.0 * kRadiansPerDegree;
 constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in a step, of a rig that turns
@@ -100,17 +101,19 @@ double LengthWithin(const std::vector<TurnedTrace>& traces, double turn_rad, dou
 }
 
 // The first line of each step.
-std::map<int64_t, const SampledLine*> FirstsOf(const std::vector<SampledLine>& lines) {
+std::map<int64_t, const SampledLine*> FirstsOf(const std::vector<SampledLine>& lines,
+                                               double step_s) {
   std::map<int64_t, const SampledLine*> firsts;
   for (const SampledLine& line : lines) {
-    firsts.emplace(line.stamp_ns / NanosecondsFromSeconds(kStep), &line);
+    firsts.emplace(line.stamp_ns / NanosecondsFromSeconds(step_s), &line);
   }
   return firsts;
 }
 
 // By step: the traces of the step's first line with those of the next step's.
-std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLine>& lines) {
-  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines);
+std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLine>& lines,
+                                                    double step_s) {
+  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines, step_s);
   std::map<int64_t, std::vector<TurnedTrace>> turns;
   for (const auto& [step, line] : firsts) {
     const auto next = firsts.find(step + 1);
@@ -120,16 +123,26 @@ std::map<int64_t, std::vector<TurnedTrace>> TurnsOf(const std::vector<SampledLin
   return turns;
 }
 
+// The mean instant at which the traces of a line were seen.
+int64_t MeanInstant(const SampledLine& line) {
+  int64_t sum_ns = 0;
+  for (const SampledSegment& segment : line.segments) {
+    sum_ns += line.InstantAt(segment.At(0.5)) - line.stamp_ns;
+  }
+  return line.stamp_ns +
+         sum_ns / std::max<int64_t>(1, static_cast<int64_t>(line.segments.size()));
+}
+
 }  // namespace
 
 std::vector<StepTurn> CommonTurns(const std::vector<SampledLine>& lines) {
   std::vector<StepTurn> turns;
-  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines);
-  for (const auto& [step, traces] : TurnsOf(lines)) {
+  const std::map<int64_t, const SampledLine*> firsts = FirstsOf(lines, kShortStep);
+  for (const auto& [step, traces] : TurnsOf(lines, kShortStep)) {
     const double turn = CommonTurn(traces);
     const double all = LengthWithin(traces, 0.0, 10.0);
     if (all < kMinSeen || LengthWithin(traces, turn, kSpread) < kTogether * all) continue;
-    turns.push_back({firsts.at(step)->stamp_ns, firsts.at(step + 1)->stamp_ns, turn});
+    turns.push_back({MeanInstant(*firsts.at(step)), MeanInstant(*firsts.at(step + 1)), turn});
   }
   return turns;
 }
@@ -140,7 +153,7 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
       together;               // by scanner: steps in which most traces turn alike
   std::set<int64_t> turning;  // steps in which any scanner's do
   for (const std::vector<SampledLine>& lines : sample) {
-    turns.push_back(TurnsOf(lines));
+    turns.push_back(TurnsOf(lines, kStep));
     together.emplace_back();
     for (const auto& [step, traces] : turns.back()) {
       const double turn = CommonTurn(traces);

@@ -26,7 +26,7 @@ struct OwnAttitude {
 // all have to come from one clock.
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample);
 
-// How a scanner's traces turned together in its own frame, in a step of half a second.
+// How a scanner's traces turned together in its own frame, in a step of a fifth of a second.
 struct StepTurn {
   int64_t begin_ns = 0;
   int64_t end_ns = 0;

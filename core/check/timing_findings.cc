@@ -100,7 +100,9 @@ class StampJudge {
         is_repeating ? "the header stamps do not count up: most repeat the one before"
                      : "only " + std::to_string(topic_.stamps.size()) + " scan lines",
         is_repeating ? "let the driver stamp each scan line with the instant of its first beam"
-                     : "check that the scanner runs and that its topic is recorded");
+                     : "check that the scanner runs and that its topic is recorded",
+        Subject::kClock,
+        is_repeating);
   }
 
  private:

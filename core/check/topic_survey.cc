@@ -46,36 +46,6 @@ size_t HistogramBin(double range) {
       std::clamp(bin, 0.0, static_cast<double>(kBinsPerDecade * kDecades - 1)));
 }
 
-// Why a line is not usable.
-std::string ReasonOf(const ScanLine& line) {
-  if (line.num_beams() == 0) return "no beams";
-  if (!std::isfinite(line.angle_min) || !std::isfinite(line.angle_increment)) {
-    return "angle_min or angle_increment are no numbers";
-  }
-  if (line.angle_increment == 0.0) return "angle_increment is 0";
-  char text[160];
-  const double line_s = line.num_beams() * line.time_increment_s;
-  std::snprintf(text,
-                sizeof(text),
-                "time_increment is %g s, so that a scan line would take %g s",
-                line.time_increment_s,
-                line_s);
-  std::string reason = text;
-  // The unit in which a line takes less than the longest that there is.
-  for (const auto& [unit, factor] :
-       {std::make_pair("milliseconds", 1e-3), {"microseconds", 1e-6}, {"nanoseconds", 1e-9}}) {
-    if (!(factor * line_s > 0.0 && factor * line_s < kMaxScanSeconds)) continue;
-    std::snprintf(text,
-                  sizeof(text),
-                  "; in %s it would take %g ms (time_increment_s: %g)",
-                  unit,
-                  1e3 * factor * line_s,
-                  factor * line.time_increment_s);
-    return reason + text;
-  }
-  return reason;
-}
-
 bool HaveOneLayout(const ScanLine& a, const ScanLine& b) {
   return a.num_beams() == b.num_beams() && std::abs(a.angle_min - b.angle_min) <= 1e-6 &&
          std::abs(a.angle_increment - b.angle_increment) <= 1e-9;
@@ -143,7 +113,7 @@ void TopicSurveyor::Add(const ScanMessage& message) {
     return;
   }
   if (!message.usable) {
-    if (unusable_.empty()) survey_.unusable_reason = ReasonOf(message.line);
+    if (unusable_.empty()) survey_.unusable_reason = message.unusable_reason;
     unusable_.push_back({message.line.stamp_ns, 0, false, message.receipt_ns});
     return;
   }
@@ -310,7 +280,7 @@ int64_t TopicSurveyor::Order() {
   }
   Rig one;
   one.scanners.resize(1);
-  const ScanOrder order = OrderScanLines(one, stamps);
+  const ScanOrder order = OrderScanLines(one, stamps, {survey_.unusable_reason});
   survey_.passed_over = order.passed_over.front();
   survey_.period_s = order.scan_period_s;
   size_t last = 0;

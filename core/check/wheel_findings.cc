@@ -10,9 +10,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in half a second, that is compared
+constexpr double kMinTurnRate = 16.0 * kRadiansPerDegree;  // 1/s, that is compared
 constexpr size_t kMinTurns = 5;
-const double kLevel = std::cos(8.0 * kRadiansPerDegree);
 constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
 constexpr double kLagStep = 0.05;  // s
 // Wheels are believed to be late, or to turn the other way, where so little of the
@@ -79,7 +78,7 @@ class WheelJudge {
     for (size_t i = 0; i < report_->rig->scanners.size(); ++i) {
       const Scanner& scanner = report_->rig->scanners[i];
       const double up = (scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ()).z();
-      if (std::abs(up) < kLevel || report_->topics_of_scanners[i] < 0) continue;
+      if (report_->heights[i].is_tilted || report_->topics_of_scanners[i] < 0) continue;
       const auto topic = static_cast<size_t>(report_->topics_of_scanners[i]);
       const int64_t margin_ns = NanosecondsFromSeconds(kMaxLag);
       for (StepTurn turn : report_->turns[topic]) {
@@ -87,7 +86,8 @@ class WheelJudge {
         if (wheels_.Covers(turn.begin_ns, turn.end_ns)) ++num_covered_;
         // What stands turns the other way in the scanner's frame.
         turn.turn_rad *= up > 0.0 ? -1.0 : 1.0;
-        if (std::abs(turn.turn_rad) < kMinTurn ||
+        if (std::abs(turn.turn_rad) <
+                kMinTurnRate * SecondsBetween(turn.begin_ns, turn.end_ns) ||
             !wheels_.Covers(turn.begin_ns - margin_ns, turn.end_ns + margin_ns)) {
           continue;
         }

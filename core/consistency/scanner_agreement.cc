@@ -79,24 +79,47 @@ void AddDifferences(const std::map<int, MeansOfScanners>& means,
   }
 }
 
-void AddAloneShares(const std::vector<std::vector<int64_t>>& points,
+// Points on planes, by scanner.
+using Counts = std::vector<int64_t>;
+
+// How well any scanner but one can see a surface, from whatever direction the rig faces it:
+// the sine of the angle between the surface and the best scan plane, the rig upright. 0 of a
+// floor, where all others are level.
+double VisibilityToOthers(const Rig& rig,
+                          size_t scanner,
+                          const Eigen::Vector3d& normal_world) {
+  double best = 0.0;
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    if (i == scanner) continue;
+    const Eigen::Vector3d axis =
+        rig.scanners[i].body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+    const double cosine = normal_world.z() * axis.z();
+    best = std::max(best, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+  }
+  return best;
+}
+
+// points: by landmark. What the others can not see says nothing of whether they see the same.
+void AddAloneShares(const Rig& rig,
+                    const MapState& state,
+                    const std::vector<Counts>& points,
                     std::vector<ScannerAgreement>* agreements) {
-  std::vector<int64_t> alone(agreements->size(), 0);
-  std::vector<int64_t> all(agreements->size(), 0);
-  for (const std::vector<int64_t>& of_scanners : points) {
+  std::vector<double> alone(agreements->size(), 0.0);
+  std::vector<double> all(agreements->size(), 0.0);
+  for (size_t landmark = 0; landmark < points.size(); ++landmark) {
+    const Counts& of_scanners = points[landmark];
     int64_t sum = 0;
     for (const int64_t count : of_scanners) sum += count;
-    for (size_t i = 0; i < of_scanners.size(); ++i) {
-      all[i] += of_scanners[i];
+    for (size_t i = 0; i < of_scanners.size() && sum > 0; ++i) {
+      const double weight = VisibilityToOthers(rig, i, state.landmarks[landmark].Normal()) *
+                            static_cast<double>(of_scanners[i]);
       const auto others = static_cast<double>(sum - of_scanners[i]);
-      if (others < kAloneShare * static_cast<double>(sum)) alone[i] += of_scanners[i];
+      all[i] += weight;
+      if (others < kAloneShare * static_cast<double>(sum)) alone[i] += weight;
     }
   }
   for (size_t i = 0; i < agreements->size(); ++i) {
-    if (all[i] > 0) {
-      (*agreements)[i].alone_share =
-          static_cast<double>(alone[i]) / static_cast<double>(all[i]);
-    }
+    if (all[i] > 0.0) (*agreements)[i].alone_share = alone[i] / all[i];
   }
 }
 
@@ -307,8 +330,7 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
                                               int64_t start_ns) {
   const size_t num_scanners = rig.scanners.size();
   std::vector<ScannerAgreement> agreements(num_scanners);
-  std::vector<std::vector<int64_t>> points(state.landmarks.size(),
-                                           std::vector<int64_t>(num_scanners, 0));
+  std::vector<Counts> points(state.landmarks.size(), Counts(num_scanners, 0));
   SharedPoses poses(rig, state.trajectory);
   for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
     std::map<int, MeansOfScanners> means;
@@ -334,7 +356,7 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
     }
     AddDifferences(means, &agreements);
   }
-  AddAloneShares(points, &agreements);
+  AddAloneShares(rig, state, points, &agreements);
   for (size_t i = 0; i < num_scanners; ++i) {
     ScannerAgreement& agreement = agreements[i];
     const double num_segments = std::max(1, agreement.num_segments);

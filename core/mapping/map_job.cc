@@ -437,7 +437,7 @@ std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
   std::vector<Finding> findings;
   for (const Finding& finding : report.findings) {
     if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
-        finding.about == Subject::kView || finding.is_told_by_reader) {
+        finding.about == Subject::kView) {
       continue;
     }
     if (MakesMapWrong(finding) && !job.force) {
@@ -449,21 +449,31 @@ std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
   return findings;
 }
 
-// Adds what was found before mapping to the warnings, and where the map is not consistent
-// names the first of it that moves what scanners see as the likeliest cause.
-void AddFindings(const std::vector<Finding>& findings, Summary* summary) {
+// What the recording's reader does not tell itself.
+std::vector<std::string> WarningsOf(const std::vector<Finding>& findings) {
   std::vector<std::string> warnings;
-  for (const Finding& finding : findings) warnings.push_back(InWords(finding));
+  for (const Finding& finding : findings) {
+    if (!finding.is_told_by_reader) warnings.push_back(InWords(finding));
+  }
+  return warnings;
+}
+
+// Adds what was found before mapping to the warnings, and where the map is not consistent
+// names as the likeliest cause the first of it by which no right map comes.
+void AddFindings(const std::vector<Finding>& findings, Summary* summary) {
+  const std::vector<std::string> warnings = WarningsOf(findings);
   summary->warnings.insert(summary->warnings.begin(), warnings.begin(), warnings.end());
   if (summary->consistency.verdict == Verdict::kConsistent) return;
   const auto cause =
       std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.moves_places || finding.about == Subject::kMounting;
+        return finding.severity == Severity::kStop || finding.moves_places ||
+               finding.about == Subject::kMounting ||
+               (finding.about == Subject::kWheels && !finding.is_told_by_reader);
       });
   if (cause == findings.end()) return;
   summary->cause =
-      Cause{cause->moves_places ? "what the recording says of its beams is wrong"
-                                : "a scanner is not as the rig file says",
+      Cause{cause->about == Subject::kMounting ? "a scanner is not as the rig file says"
+                                               : "the recording is not as it should be",
             "",
             OnOneLine((cause->subject.empty() ? "" : cause->subject + ": ") + cause->sentence),
             OnOneLine(cause->advice)};
@@ -474,7 +484,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
   auto total = std::make_unique<Stopwatch::Running>(&watches.total);
   CheckFormats(job);
-  const Rig rig = ReadRig(job.rig);
+  Rig rig = ReadRig(job.rig);
   CheckPoses(job, rig);
   const MapperOptions options = OptionsOf(job, rig);
   // Before the work, so that an output that can not be written shows first.
@@ -482,23 +492,29 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   const CheckpointFiles checkpoint = Checkpoint(job, options, output);
   auto reading = std::make_unique<Stopwatch::Running>(&watches.reading);
   RecordingSurveyor surveyor(&rig);
-  RecordingReader recording(
-      job.recording,
-      rig,
-      {[&](const RecordingTopic& topic, const MessageRef& where, const ScanLineMessage& line) {
-         surveyor.Add(topic, where, line);
-       },
-       [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }});
+  std::optional<RecordingReader> reader;
+  const RecordingObserver observer = {
+      [&](const RecordingTopic& topic, const MessageRef& where, const ScanLineMessage& line) {
+        surveyor.Add(topic, where, line);
+      },
+      [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }};
+  reader.emplace(job.recording, rig, observer);
   reading.reset();
   auto checking = std::make_unique<Stopwatch::Running>(&watches.checking);
-  RecordingSurvey survey = surveyor.Finish(recording.topics());
-  survey.wheels = recording.odometry();
-  const std::vector<Finding> findings = CheckFirst(job, CheckSurvey(std::move(survey), rig));
+  RecordingSurvey survey = surveyor.Finish(reader->topics());
+  survey.wheels = reader->odometry();
+  const CheckReport report = CheckSurvey(std::move(survey), rig);
+  const std::vector<Finding> findings = CheckFirst(job, report);
+  if (report.other_header) {
+    rig = WithHeaders(rig, *report.other_header);
+    reader.emplace(job.recording, rig);
+  }
+  RecordingReader& recording = *reader;
   checking.reset();
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << RecordingLength(recording) << " s";
   LogWarnings(recording.warnings());
-  for (const Finding& finding : findings) LOG(WARNING) << InWords(finding);
+  LogWarnings(WarningsOf(findings));
   LogFreeSpace(output, job);
 
   const std::vector<MapResult> parts = MapRecording(

@@ -127,6 +127,7 @@ struct RecordingReader::Impl {
   std::vector<LostMessages> undecodable;  // by scanner
   std::vector<LostMessages> off_plane;    // by scanner
   std::vector<int> num_without_times;     // by scanner: messages whose time_increment is 0
+  std::vector<std::string> unusable_reasons;  // by scanner: of the first such message
   OdometryCollector wheels;               // what they say, while it is read
   std::shared_ptr<const Odometry> odometry;
   std::string odometry_fault;
@@ -203,6 +204,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   undecodable.resize(rig.scanners.size());
   off_plane.resize(rig.scanners.size());
   num_without_times.resize(rig.scanners.size(), 0);
+  unusable_reasons.resize(rig.scanners.size());
   const auto scanner_of = [&](const MessageRef& ref) {
     return scanner_indices.at(source->topics()[ref.topic_index].name);
   };
@@ -228,6 +230,8 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
     if (scan.angles.empty() && scan.num_beams > 1 && scan.time_increment == 0.0f) {
       ++num_without_times[static_cast<size_t>(scanner_of(ref))];
     }
+    std::string& why = unusable_reasons[static_cast<size_t>(scanner_of(ref))];
+    if (why.empty() && !scan.IsUsable()) why = WhyUnusable(scan);
     messages.push_back(ref);
     stamps.push_back({scan.stamp_ns,
                       scanner_of(ref),
@@ -248,7 +252,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   CheckTopics(rig);
   TakeOdometry(rig);
   SortByReceipt();
-  order = OrderScanLines(rig, stamps);
+  order = OrderScanLines(rig, stamps, unusable_reasons);
   orders.assign(stamps.size(), -1);
   for (size_t i = 0; i < order.positions.size(); ++i) {
     orders[order.positions[i]] = static_cast<int64_t>(i);

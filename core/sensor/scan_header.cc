@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 #include "core/util/time.h"
 
@@ -45,6 +47,35 @@ void CorrectHeader(const Scanner* scanner, ScanLineMessage* message) {
   turned.angle_increment = message->angle_increment;
   turned.time_increment = -message->time_increment;
   if (message->time_increment < 0.0f && turned.IsUsable()) Reverse(message);
+}
+
+std::string WhyUnusable(const ScanLineMessage& message) {
+  if (message.num_beams == 0) return "no beams";
+  if (!std::isfinite(message.angle_min) || !std::isfinite(message.angle_increment)) {
+    return "angle_min or angle_increment are no numbers";
+  }
+  if (message.angle_increment == 0.0f) return "angle_increment is 0";
+  char text[160];
+  const double line_s = message.num_beams * static_cast<double>(message.time_increment);
+  std::snprintf(text,
+                sizeof(text),
+                "time_increment is %g s, so that a scan line would take %g s",
+                message.time_increment,
+                line_s);
+  const std::string reason = text;
+  // The unit in which a line takes less than the longest that there is.
+  for (const auto& [unit, factor] :
+       {std::make_pair("milliseconds", 1e-3), {"microseconds", 1e-6}, {"nanoseconds", 1e-9}}) {
+    if (!(factor * line_s > 0.0 && factor * line_s < kMaxScanSeconds)) continue;
+    std::snprintf(text,
+                  sizeof(text),
+                  "; in %s it would take %g ms (time_increment_s: %g)",
+                  unit,
+                  1e3 * factor * line_s,
+                  factor * message.time_increment);
+    return reason + text;
+  }
+  return reason;
 }
 
 bool IsStatedLimit(const ScanLineMessage& message, float range) {

@@ -258,6 +258,7 @@ void FindPeriod(ScannerStamps* scanner, std::vector<double>* all_periods_s) {
 
 void WarnOfPassedOver(const std::string& name,
                       const ScannerStamps& scanner,
+                      const std::string& unusable_reason,
                       int64_t start_ns,
                       std::vector<std::string>* warnings) {
   const auto warn = [&](const PassedOver& passed_over, const std::string& reason) {
@@ -267,7 +268,8 @@ void WarnOfPassedOver(const std::string& name,
                         SecondsText(SecondsBetween(start_ns, passed_over.first_ns)));
   };
   warn(scanner.passed_over.unusable,
-       "no ranges, or angles or time increments that make no sense");
+       "no ranges, or angles or times that make no sense" +
+           (unusable_reason.empty() ? "" : " (" + unusable_reason + ")"));
   warn(scanner.passed_over.repeated, "time stamps repeated");
   warn(scanner.passed_over.jumped, "time stamps that jump against the others");
   if (scanner.passed_over.apart.count == 0) return;
@@ -320,7 +322,9 @@ void WarnOfGaps(const std::vector<ScanStamp>& stamps, ScanOrder* order) {
 
 }  // namespace
 
-ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
+ScanOrder OrderScanLines(const Rig& rig,
+                         const std::vector<ScanStamp>& stamps,
+                         const std::vector<std::string>& unusable_reasons) {
   std::vector<ScannerStamps> scanners(rig.scanners.size());
   for (size_t position = 0; position < stamps.size(); ++position) {
     ScannerStamps& scanner = scanners[static_cast<size_t>(stamps[position].scanner_index)];
@@ -360,7 +364,11 @@ ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps) {
     const std::string& name = rig.scanners[i].name;
     // Where nothing is left there is no start to count from.
     const int64_t origin_ns = empty ? scanners[i].passed_over.unusable.first_ns : start_ns;
-    WarnOfPassedOver(name, scanners[i], origin_ns, &order.warnings);
+    WarnOfPassedOver(name,
+                     scanners[i],
+                     i < unusable_reasons.size() ? unusable_reasons[i] : "",
+                     origin_ns,
+                     &order.warnings);
     WarnOfAbsence(name, scanners[i], start_ns, end_ns, &order.warnings);
   }
   if (!empty) WarnOfGaps(stamps, &order);

@@ -54,7 +54,10 @@ struct ScanOrder {
 //   - a scanner without any scan line, one that starts late or stops early: by more than 1 s
 //     and 10 of its periods;
 //   - a gap in all scanners at once: more than 0.5 s and 10 periods.
-// Times in warnings count from the first scan line that is used.
-ScanOrder OrderScanLines(const Rig& rig, const std::vector<ScanStamp>& stamps);
+// Times in warnings count from the first scan line that is used. unusable_reasons: by scanner,
+// of the first message that is not usable.
+ScanOrder OrderScanLines(const Rig& rig,
+                         const std::vector<ScanStamp>& stamps,
+                         const std::vector<std::string>& unusable_reasons = {});
 
 }  // namespace plumbline

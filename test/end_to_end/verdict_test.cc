@@ -34,6 +34,33 @@ TEST_F(VerdictTest, ARightRigIsConsistent) {
   EXPECT_LT(summary.consistency.contradicted_share, 0.05);
 }
 
+// Beams without times bend what a slow scanner sees; the scanners together show which they
+// have.
+TEST_F(VerdictTest, BeamTimesThatAreMissingAreTakenFromTheTurn) {
+  Scenario scenario;
+  scenario.building = TrapezoidRoom();
+  scenario.scanners = TiltedRig();
+  for (ScenarioScanner& scanner : scenario.scanners) {
+    scanner.scan_rate_hz = 10.0;
+    scanner.range_noise_m = 0.01;
+  }
+  scenario.path = TrapezoidWalk(6.0, 1.0);
+  const SimulatedRecording right = Simulate(scenario);
+  SimulatedRecording recording = right;
+  for (ScanLine& line : recording.scan_lines) line.time_increment_s = 0.0;
+  WriteRecording(recording);
+  const Summary summary = Map();
+  EXPECT_EQ(summary.consistency.verdict, Verdict::kConsistent);
+  ASSERT_FALSE(summary.warnings.empty());
+  EXPECT_THAT(summary.warnings.front(),
+              AllOf(HasSubstr("time_increment is 0: the scanner turns once per scan line"),
+                    HasSubstr("plumbline_map takes it so"),
+                    HasSubstr("time_increment_s: ")));
+  EXPECT_LT(EvaluateResult(right).trajectory.aligned.position_m.max, 0.02);
+  // What was used stands in the result.
+  EXPECT_TRUE(ReadRig(Path("result/rig_used.yaml")).scanners[0].time_increment_s);
+}
+
 // In so short a walk it is not named each time; the map is never taken for a right one.
 TEST_F(VerdictTest, ATurnedScannerIsNamed) {
   constexpr int kNumRuns = 4;

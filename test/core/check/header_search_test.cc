@@ -15,8 +15,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::vector<std::string> kNames = {"top", "left", "right"};
-
 // The paper's rig takes the lines; each test changes their headers.
 class HeaderSearchTest : public testing::Test {
  protected:
@@ -32,7 +30,12 @@ class HeaderSearchTest : public testing::Test {
       topic.period_s = 1.0 / TurningRig::kRate;
       topics.push_back(topic);
     }
-    return FindOtherHeader(sample, topics, AsRigFileSays(rig_, {0, 1, 2}), kNames);
+    return FindOtherHeader(sample, topics, AsRigFileSays(rig_, {0, 1, 2}), rig_.scanners);
+  }
+  static std::vector<std::string> NamesOf(const OtherHeader& other) {
+    std::vector<std::string> names;
+    for (const Scanner& scanner : other.scanners) names.push_back(scanner.name);
+    return names;
   }
   template <typename Change>
   void ChangeAll(const Change& change) {
@@ -52,8 +55,10 @@ TEST_F(HeaderSearchTest, NamesBeamsWithoutTimes) {
   ChangeAll([](ScanLine* line) { line->time_increment_s = 0.0; });
   const std::optional<OtherHeader> other = Find();
   ASSERT_TRUE(other);
-  EXPECT_THAT(other->words, HasSubstr("time_increment is wrong"));
-  EXPECT_THAT(other->scanners, ElementsAre(0u, 1u, 2u));
+  EXPECT_THAT(other->words, HasSubstr("time_increment is 0: the scanner turns once"));
+  EXPECT_THAT(NamesOf(*other), ElementsAre("scanner0", "scanner1", "scanner2"));
+  const Rig stated = WithHeaders(rig_, *other);
+  EXPECT_NEAR(*stated.scanners[2].time_increment_s, time_increment_s, 1e-6);
   EXPECT_NEAR(other->sample[1][0].time_increment_s, time_increment_s, 1e-6);
   EXPECT_GT(other->share_so, other->share_as_stated);
 }
@@ -66,6 +71,18 @@ TEST_F(HeaderSearchTest, NamesAnglesThatAreTooFarApart) {
   const std::optional<OtherHeader> other = Find();
   ASSERT_TRUE(other);
   EXPECT_THAT(other->words, HasSubstr("angle_increment is too large"));
+}
+
+TEST_F(HeaderSearchTest, NamesStampsOfTheLastBeam) {
+  const double line_s = (lines_[1][0].num_beams() - 1) * lines_[1][0].time_increment_s;
+  for (ScanLine& line : lines_[1]) line.stamp_ns += NanosecondsFromSeconds(line_s);
+  const std::optional<OtherHeader> other = Find();
+  ASSERT_TRUE(other);
+  EXPECT_THAT(other->words, HasSubstr("stamps are those of the last beam"));
+  EXPECT_THAT(NamesOf(*other), ElementsAre("scanner1"));
+  const Rig stated = WithHeaders(rig_, *other);
+  EXPECT_NEAR(stated.scanners[1].time_offset_s, -line_s, 1e-6);
+  EXPECT_EQ(stated.scanners[0].time_offset_s, 0.0);
 }
 
 TEST_F(HeaderSearchTest, NamesBeamsThatAreTurnedRound) {

@@ -30,6 +30,7 @@ class WheelFindingsTest : public testing::Test {
     report_.rig->scanners = {scanner};
     report_.rig->odometry_topic = "/odom";
     report_.topics_of_scanners = {0};
+    report_.heights.resize(1);
     report_.turns.emplace_back();
     for (double time_s = 0.0; time_s < 30.0; time_s += 0.5) {
       report_.turns[0].push_back({kStartNs + NanosecondsFromSeconds(time_s),

@@ -84,6 +84,29 @@ TEST_F(ScannerAgreementTest, NamesAScannerOffAllPlanes) {
   EXPECT_THAT(faults[0].sentence, HasSubstr("only 5 % of its points lie on planes"));
 }
 
+// Scanner 1 sees the wall of scanner 0 and more of a plane that scanner 0 does not see:
+// another wall is suspicious, a floor is what a level scanner can not see.
+TEST_F(ScannerAgreementTest, WhatALevelScannerCanNotSeeIsNotSeenAlone) {
+  for (const bool is_floor : {false, true}) {
+    HandMadeMap map(2);
+    const int wall = map.AddWall(5.0, -2.0, 2.0);
+    const int other = map.AddWall(4.0, -2.0, 2.0);
+    if (is_floor) {
+      Landmark& floor = map.state().landmarks[static_cast<size_t>(other)];
+      floor = MakeHorizontalLandmark(1.0, {4.0, 0.0, -1.0});
+      floor.id = other;
+    }
+    for (int second = 0; second < 12; ++second) {
+      map.SeeAlong(second, wall, {5.0, -2.0}, {5.0, 2.0}, 0);
+      map.SeeAlong(second, wall, {5.0, -2.0}, {5.0, 2.0}, 1);
+      map.SeeAlong(second, other, {4.0, -2.0}, {4.0, 2.0}, 1);
+    }
+    const auto agreements = CompareScanners(map.rig(), map.state(), activity_, 0);
+    EXPECT_NEAR(agreements[1].alone_share, is_floor ? 0.0 : 0.5, 1e-9);
+    EXPECT_EQ(agreements[0].alone_share, 0.0);
+  }
+}
+
 TEST_F(ScannerAgreementTest, NamesAScannerThatSitsElsewhere) {
   constexpr double kShift = 0.1;  // m, of what scanner 1 sees
   const int wall = map_.AddWall(5.0, -2.0, 2.0);

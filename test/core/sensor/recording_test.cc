@@ -262,7 +262,20 @@ TEST_F(RecordingTest, PassesOverWhatMakesNoSense) {
   EXPECT_THAT(DeliveredStampsMs(&reader), ElementsAre(0, 200));
   EXPECT_THAT(reader.warnings(),
               ElementsAre("scanner 'top': 7 scan lines passed over: no ranges, or angles or "
-                          "time increments that make no sense, first at 0.025 s"));
+                          "times that make no sense (no beams), first at 0.025 s"));
+}
+
+TEST_F(RecordingTest, NamesTheUnitOfTimeIncrements) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::LaserScan message = MakeMessage(kStart);
+    message.ranges.assign(100, 1.0f);
+    message.time_increment = 70000.0f;
+    Record(&bag, "/top_scan", message);
+  }
+  EXPECT_THAT(ErrorOf([&] { RecordingReader(path_, MakeRig({"top"})); }),
+              AllOf(HasSubstr("has no scan lines of the rig's scanners"),
+                    HasSubstr("in nanoseconds it would take 7 ms (time_increment_s: 7e-05)")));
 }
 
 TEST_F(RecordingTest, RangesAtTheStatedLimitAreNoReturns) {
