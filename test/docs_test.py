@@ -54,6 +54,11 @@ class Docs(unittest.TestCase):
         self.assertEqual([file for number, file in rows
                           if not file.startswith(number + "-")], [])
 
+    def test_the_index_has_each_page(self):
+        text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+        self.assertEqual([page.name for page in sorted((ROOT / "docs").glob("*.md"))
+                          if page.name != "index.md" and f"]({page.name})" not in text], [])
+
     def test_what_is_broken_is_found(self):
         page = ROOT / "docs" / "index.md"
         text = "[a](nowhere.md) [b](terms.md#no-such-heading) [c](terms.md) `[d](code.md)`"

@@ -40,6 +40,26 @@ def read_part(path):
     return job_runner.read_text(path)
 
 
+def write_variant(case, path, scanner, length_m=None, faults=None):
+    """Writes an experiment like one that is shipped, and its rig beside it.
+    scanner: what is other about each scanner of the rig file. length_m: of the way. faults: from
+    the names of the scanners to the simulator's section "faults"."""
+    source = of_case(case)
+    experiment = yaml.safe_load(job_runner.read_text(source))
+    rig = yaml.safe_load(job_runner.read_text(source.parent / experiment["rig"]))
+    for one in rig["scanners"]:
+        one.update(scanner)
+    experiment["building"] = str((source.parent / experiment["building"]).resolve())
+    experiment["rig"] = f"{path.stem}_rig.yaml"
+    if length_m is not None:
+        experiment["path"]["length_m"] = length_m
+    if faults is not None:
+        experiment["faults"] = faults([one["name"] for one in rig["scanners"]])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.with_name(experiment["rig"]).write_text(yaml.safe_dump(rig), encoding="utf-8")
+    path.write_text(yaml.safe_dump(experiment), encoding="utf-8")
+
+
 def checksum(experiment):
     """A number that changes when anything changes that the simulation depends on."""
     text = repr(sorted(read(experiment).items()))

@@ -28,8 +28,6 @@ import dataclasses
 import re
 import sys
 
-import yaml
-
 import experiment_files
 import job_runner
 import series
@@ -144,32 +142,12 @@ def parse_arguments():
     return parser.parse_args()
 
 
-def read_yaml(path):
-    return yaml.safe_load(job_runner.read_text(path))
-
-
-def write_experiment(recording, fault, path):
-    """Writes an experiment with the fault, and the rig that it names, beside each other."""
-    source = experiment_files.of_case(recording.experiment)
-    experiment = read_yaml(source)
-    rig = read_yaml(source.parent / experiment["rig"])
-    for scanner in rig["scanners"]:
-        scanner.update(recording.scanner)
-    experiment["building"] = str((source.parent / experiment["building"]).resolve())
-    experiment["rig"] = f"{path.stem}_rig.yaml"
-    if recording.length_m is not None:
-        experiment["path"]["length_m"] = recording.length_m
-    if fault.simulated is not None:
-        experiment["faults"] = fault.simulated([scanner["name"] for scanner in rig["scanners"]])
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.with_name(experiment["rig"]).write_text(yaml.safe_dump(rig), encoding="utf-8")
-    path.write_text(yaml.safe_dump(experiment), encoding="utf-8")
-
-
 def faulty_job(arguments, case, name, seed):
     fault = FAULTS[case]
     experiment = arguments.output / "experiments" / f"{case}_{name}.yaml"
-    write_experiment(fault.recordings[name], fault, experiment)
+    recording = fault.recordings[name]
+    experiment_files.write_variant(recording.experiment, experiment, scanner=recording.scanner,
+                                   length_m=recording.length_m, faults=fault.simulated)
     folder = "truth"
     commands = [(arguments.binaries / "plumbline_simulate", f"--experiment={experiment}",
                  f"--seed={seed}", "--output=truth")]
