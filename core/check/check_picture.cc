@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <sstream>
 
 #include "core/check/check_text.h"
 #include "core/check/svg_canvas.h"
@@ -334,18 +335,20 @@ class RigView {
   Eigen::Matrix<double, 2, 3> axes_;
 };
 
-// Draws the findings' first words, and returns where they end.
+// Writes the findings, and returns where they end.
 double DrawFindings(const CheckReport& report, double y, SvgCanvas* canvas) {
   constexpr size_t kMaxFindings = 12;
-  constexpr size_t kMaxLetters = 175;
+  constexpr size_t kLineLetters = 170;
   for (size_t i = 0; i < std::min(kMaxFindings, report.findings.size()); ++i) {
     const Finding& finding = report.findings[i];
     std::string text = NameOf(finding.severity) + "  " +
                        (finding.subject.empty() ? "" : finding.subject + ": ") +
                        finding.sentence;
-    if (text.size() > kMaxLetters) text = text.substr(0, kMaxLetters - 3) + "...";
-    canvas->Text({kMargin, y}, text, 11, "start", ColourOf(finding.severity));
-    y += 16.0;
+    if (!finding.advice.empty()) text += " -> " + finding.advice;
+    std::istringstream lines(Wrapped(text, "", "", kLineLetters));
+    for (std::string line; std::getline(lines, line); y += 16.0) {
+      canvas->Text({kMargin, y}, line, 11, "start", ColourOf(finding.severity));
+    }
   }
   if (report.findings.size() > kMaxFindings) {
     canvas->Text(

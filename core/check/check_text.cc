@@ -18,30 +18,6 @@ std::string Padded(const std::string& text, size_t width) {
   return text.size() >= width ? text : text + std::string(width - text.size(), ' ');
 }
 
-// Breaks a text into lines that begin with an indent.
-std::string Wrapped(const std::string& text,
-                    const std::string& first,
-                    const std::string& indent) {
-  std::string wrapped;
-  std::string line = first;
-  size_t begin = 0;
-  bool is_new = true;
-  while (begin < text.size()) {
-    size_t end = text.find(' ', begin);
-    if (end == std::string::npos) end = text.size();
-    const std::string word = text.substr(begin, end - begin);
-    if (!is_new && line.size() + 1 + word.size() > kTextWidth) {
-      wrapped += line + "\n";
-      line = indent;
-      is_new = true;
-    }
-    line += (is_new ? "" : " ") + word;
-    is_new = false;
-    begin = end + 1;
-  }
-  return wrapped + line + "\n";
-}
-
 std::string RateOf(const TopicSurvey& topic) {
   return topic.period_s > 0.0 ? Decimal(1.0 / topic.period_s, 1) + " Hz" : "-";
 }
@@ -245,10 +221,11 @@ std::string FormatCheckText(const CheckReport& report) {
     const std::string subject = finding.subject.empty() ? "" : finding.subject + ": ";
     text += Wrapped(OnOneLine(subject + finding.sentence),
                     "  " + Padded(NameOf(finding.severity), 9),
-                    std::string(11, ' '));
+                    std::string(11, ' '),
+                    kTextWidth);
     if (finding.advice.empty()) continue;
     text +=
-        Wrapped(OnOneLine(finding.advice), std::string(11, ' ') + "-> ", std::string(14, ' '));
+        Wrapped(OnOneLine(finding.advice), std::string(11, ' ') + "-> ", std::string(14, ' '), kTextWidth);
   }
   if (report.findings.empty()) text += "\n  nothing to complain of\n";
   return text;

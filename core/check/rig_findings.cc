@@ -218,7 +218,10 @@ class RigJudge {
         "scanner " + NameOf(worst) + " seems " + Enumerate(parts.words) +
         ", by the places that it " +
         (rig_.scanners.size() > 2 ? "and others see" : "and the other see");
-    Add(parts.is_large ? Severity::kStop : Severity::kWarning,
+    const MountingCorrection& correction = corrections[worst];
+    const bool mends_most = 2.0 * (correction.moved_share - correction.near_share) >
+                            1.0 - correction.near_share;  // of what does not agree
+    Add(parts.is_large && mends_most ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +
             " of them " + "agree to 1.5 cm, as it is " +

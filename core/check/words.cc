@@ -46,4 +46,28 @@ std::string Enumerate(const std::vector<std::string>& names) {
   return words;
 }
 
+std::string Wrapped(const std::string& text,
+                    const std::string& first,
+                    const std::string& indent,
+                    size_t width) {
+  std::string wrapped;
+  std::string line = first;
+  size_t begin = 0;
+  bool is_new = true;
+  while (begin < text.size()) {
+    size_t end = text.find(' ', begin);
+    if (end == std::string::npos) end = text.size();
+    const std::string word = text.substr(begin, end - begin);
+    if (!is_new && line.size() + 1 + word.size() > width) {
+      wrapped += line + "\n";
+      line = indent;
+      is_new = true;
+    }
+    line += (is_new ? "" : " ") + word;
+    is_new = false;
+    begin = end + 1;
+  }
+  return wrapped + line + "\n";
+}
+
 }  // namespace plumbline

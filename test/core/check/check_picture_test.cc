@@ -53,6 +53,21 @@ TEST(CheckPictureTest, ShowsEveryTopicAndTheRig) {
   }
 }
 
+TEST(CheckPictureTest, LongFindingsAreBrokenIntoLines) {
+  CheckReport report = MakeReport();
+  std::string words;
+  for (int i = 0; i < 100; ++i) words += "word" + std::to_string(i) + " ";
+  report.findings.push_back({Severity::kWarning, "/scan_2", words, "the advice"});
+  const std::string svg = DrawCheck(report);
+  for (const char* text : {"word0 ", "word50 ", "word99", "the advice"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  // A line ends within the picture.
+  EXPECT_THAT(svg, Not(HasSubstr("word0 word1 word2 word3 word4 word5 word6 word7 word8 word9 "
+                                 "word10 word11 word12 word13 word14 word15 word16 word17 "
+                                 "word18 word19 word20 word21 word22 word23 word24 word25")));
+}
+
 TEST(CheckPictureTest, ATopicWithoutLinesHasARow) {
   CheckReport report = MakeReport();
   report.survey.sample[1].clear();
