@@ -97,7 +97,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   result.landmarks_ = result.inverse_.border();
   if (errors.shift.size() == 0) return result;
   result.landmarks_ += errors.landmarks;
-  result.shift_ = errors.shift.topRows(num_band);
+  result.shift_ = std::move(errors.shift);
   return result;
 }
 

@@ -87,13 +87,18 @@ class Batch {
     TakeBackClosures();
     RebuildLandmarks(rig_, state_);
     const std::vector<int> merged_into = MergePlanes(rig_, options_, apart_, state_);
-    int num_dropped = DropRedundantPlanes(rig_, options_.loop_closure, state_) +
-                      DropPassedThrough(rig_, state_);
+    const RuleOptions& rules = options_.rules;
+    int num_dropped = 0;
+    if (rules.redundant_planes) {
+      num_dropped += DropRedundantPlanes(rig_, options_.loop_closure, state_);
+    }
+    if (rules.passed_through_planes) num_dropped += DropPassedThrough(rig_, state_);
     std::vector<bool> is_merged(state_->landmarks.size(), false);
     for (const int id : merged_into) is_merged[static_cast<size_t>(id)] = true;
     if (!merged_into.empty()) RebuildLandmarks(rig_, is_merged, state_);
-    const int num_bent = BendWalls(rig_, options_.association, state_) +
-                         BendRowsOfChords(rig_, options_.association, state_);
+    int num_bent = 0;
+    if (rules.bent_walls) num_bent += BendWalls(rig_, options_.association, state_);
+    if (rules.rows_of_chords) num_bent += BendRowsOfChords(rig_, options_.association, state_);
     const int num_changed = Reassociate(rig_, options_, state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);
@@ -148,8 +153,8 @@ class Batch {
     const int num_resegmented = ResegmentRecording(
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
     openings_ = counted.OpeningsOf(state_->landmarks);
-    const int num_dropped = DropObliqueFalsePlanes(state_) +
-                            DropWeakPlanes(options_.planes, state_) +
+    const int num_oblique = options_.rules.oblique_planes ? DropObliqueFalsePlanes(state_) : 0;
+    const int num_dropped = num_oblique + DropWeakPlanes(options_.planes, state_) +
                             DecideGeneralPlanes(rig_, options_.association, state_);
     VLOG(1) << "ends of " << num_resegmented << " segments moved, " << num_dropped
             << " segments taken from planes that this leaves too little";

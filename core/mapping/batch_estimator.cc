@@ -182,10 +182,13 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
     });
   };
   // Most of the time goes into recordings that show such errors.
-  ErrorPatterns sampled(rig_, state_->trajectory, state_->landmarks, layout, planar_);
-  for_each(SamplingOf(*state_),
-           [&](const Observation& observation) { sampled.Add(observation); });
-  if (!ShowCorrelatedErrors(sampled, factor)) return {};
+  const auto are_shown = [&] {
+    ErrorPatterns sampled(rig_, state_->trajectory, state_->landmarks, layout, planar_);
+    for_each(SamplingOf(*state_),
+             [&](const Observation& observation) { sampled.Add(observation); });
+    return ShowCorrelatedErrors(sampled, factor);
+  };
+  if (!are_shown()) return {};
   ErrorPatterns patterns(rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
   for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(

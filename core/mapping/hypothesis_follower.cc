@@ -51,7 +51,8 @@ HypothesisFollower::HypothesisFollower(const Rig& rig,
                                        double scan_period_s,
                                        std::shared_ptr<const Odometry> odometry)
     : follower_(std::make_unique<ScanFollower>(
-          rig, planar, options, scan_period_s, std::move(odometry))) {}
+          rig, planar, options, scan_period_s, std::move(odometry))),
+      is_on_(options.rules.second_hypothesis) {}
 
 void HypothesisFollower::Follow(const Scan& scan) {
   if (by_motion_ != nullptr) {
@@ -61,7 +62,7 @@ void HypothesisFollower::Follow(const Scan& scan) {
     follower_->Follow(scan);
     if (!follower_->is_open()) {
       may_fork_ = true;
-    } else if (may_fork_ && follower_->scan_matcher() != nullptr) {
+    } else if (is_on_ && may_fork_ && follower_->scan_matcher() != nullptr) {
       Fork(scan.end_ns);
     }
   }

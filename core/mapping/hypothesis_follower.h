@@ -55,6 +55,7 @@ class HypothesisFollower {
   int64_t held_by_motion_ns_ = 0;  // the same of by_motion_
   int64_t forked_ns_ = 0;
   int64_t last_scan_ns_ = 0;
+  const bool is_on_;      // whether there may be a second hypothesis
   bool may_fork_ = true;  // walls have held the position since the last fork
 };
 

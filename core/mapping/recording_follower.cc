@@ -58,7 +58,7 @@ bool RecordingFollower::WheelsCover(int64_t begin_ns, int64_t end_ns) const {
 
 bool RecordingFollower::TryToStart(const Scan& scan, double now_s) {
   trials_.Follow(scan);
-  if (trials_.WantsStart(now_s)) {
+  if (trials_.WantsStart(now_s) && (trials_.empty() || options_.rules.several_starts)) {
     const bool is_first = trials_.empty();
     std::unique_ptr<HypothesisFollower> follower = StartWith(scan, now_s);
     if (follower != nullptr) {

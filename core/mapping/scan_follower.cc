@@ -449,7 +449,9 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   }
   if (may_found) StartPlanes(options_.planes.min_scans);
   tentative_planes_.DropStale(scan.end_ns);
-  const double share = tracker_->FollowsWell(scan.end_ns) ? 1.0 : 0.5;
+  const bool in_half_steps =
+      options_.rules.half_window_steps && !tracker_->FollowsWell(scan.end_ns);
+  const double share = in_half_steps ? 0.5 : 1.0;
   const int step = static_cast<int>(
       share * std::max(2.0, options_.window.step_s / state_->trajectory.knot_interval_s()));
   if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {

@@ -56,6 +56,26 @@ void VisitTrajectory(Options& o, Visitor& v) {
   });
 }
 
+template <typename Options, typename Visitor>
+void VisitRules(Options& o, Visitor& v) {
+  v.Section("rules", [&](auto& s) {
+    s.Flag("second_hypothesis", o.rules.second_hypothesis);
+    s.Flag("thin_evidence", o.rules.thin_evidence);
+    s.Flag("points_over_planes", o.rules.points_over_planes);
+    s.Flag("sudden_drop", o.rules.sudden_drop);
+    s.Flag("loosened_poses", o.rules.loosened_poses);
+    s.Flag("jolts", o.rules.jolts);
+    s.Flag("half_window_steps", o.rules.half_window_steps);
+    s.Flag("several_starts", o.rules.several_starts);
+    s.Flag("beams_behind_walls", o.rules.beams_behind_walls);
+    s.Flag("redundant_planes", o.rules.redundant_planes);
+    s.Flag("passed_through_planes", o.rules.passed_through_planes);
+    s.Flag("oblique_planes", o.rules.oblique_planes);
+    s.Flag("bent_walls", o.rules.bent_walls);
+    s.Flag("rows_of_chords", o.rules.rows_of_chords);
+  });
+}
+
 // Visit() is the one place that ties every option to its YAML name and range. A visitor sees
 // sections and fields in a fixed order; one reads, one writes, one checks.
 template <typename Options, typename Visitor>
@@ -110,6 +130,7 @@ void Visit(Options& o, Visitor& v) {
     s.Number("length_noise", o.odometry.length_noise, 1e-3, 10.0);
     s.Number("turn_noise", o.odometry.turn_noise, 1e-3, 10.0);
   });
+  VisitRules(o, v);
   VisitWholeMap(o, v);
 }
 

@@ -120,6 +120,38 @@ struct PointOptions {
   double max_age_s = 20.0;
 };
 
+// Rules that were made for cases, each of which can be left out to ask whether it still pays
+// (scripts/analysis/ablation.py, which names the cases). All are on by default.
+struct RuleOptions {
+  // While walls leave the position open, a second follower goes on by the motion alone.
+  bool second_hypothesis = true;
+  // Few short segments do not move the pose by much against the prediction.
+  bool thin_evidence = true;
+  // Where a scan lies well in the local map and the planes would have it elsewhere, the local
+  // map holds it.
+  bool points_over_planes = true;
+  // A scan of which suddenly fewer segments find their planes is one of unsteady motion...
+  bool sudden_drop = true;
+  // ...after which the window's newest poses are not trusted.
+  bool loosened_poses = true;
+  // Segments are looked for as far off as a jolt moves the rig.
+  bool jolts = true;
+  // The window is solved twice as often where segments hardly find their planes.
+  bool half_window_steps = true;
+  // Several scans are tried as the map's first.
+  bool several_starts = true;
+  // Beams that pass behind a wall are taken from its segments while the rig is followed.
+  bool beams_behind_walls = true;
+  // What the batch takes for no planes: those that repeat another, those that beams pass
+  // through, and oblique ones across corners.
+  bool redundant_planes = true;
+  bool passed_through_planes = true;
+  bool oblique_planes = true;
+  // What the batch takes for cylinders: walls whose segments bend, rows of narrow walls.
+  bool bent_walls = true;
+  bool rows_of_chords = true;
+};
+
 struct LoopClosureOptions {
   // Whether planes are recognised when they come back into view after any time.
   bool enabled = true;
@@ -154,6 +186,7 @@ struct MapperOptions {
   TrackingOptions tracking;
   WindowOptions window;
   PointOptions points;
+  RuleOptions rules;
   OdometryOptions odometry;
   LoopClosureOptions loop_closure;
   BatchOptions batch;

@@ -245,7 +245,8 @@ bool Tracker::AssociatePredicted(int first_observation,
     length_m += state_->observations[static_cast<size_t>(index)].length_m();
   }
   const double share = association.length_m / std::max(length_m, 1e-9);
-  *unsteady = association.unsteady || (!by_points && share < kSuddenDrop * usual_share_);
+  *unsteady = association.unsteady ||
+              (options_.rules.sudden_drop && !by_points && share < kSuddenDrop * usual_share_);
   usual_share_ += kShareGain * (share - usual_share_);
   return !association.chosen.empty();
 }
@@ -353,7 +354,8 @@ void Tracker::Track(int first_observation,
           ? 0.0
           : ShareOnNoPlane(
                 *state_, first_observation, last_observation, scan_matcher->num_points());
-  if (by_points && !AgreesWithPoints(*scan_matcher, *by_points)) {
+  if (by_points && options_.rules.points_over_planes &&
+      !AgreesWithPoints(*scan_matcher, *by_points)) {
     // The planes would have the rig elsewhere: most of the scan says that they are others.
     std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
     std::iota(all.begin(), all.end(), first_observation);
@@ -368,7 +370,7 @@ void Tracker::Track(int first_observation,
                               predicted,
                               covariance.bottomRightCorner<3, 3>(),
                               state_->trajectory.WorldFromBody(scan_end_ns).translation);
-  if (!withheld.empty()) {
+  if (options_.rules.thin_evidence && !withheld.empty()) {
     estimate = EstimateWithout(withheld, first_observation, last_observation, constraints);
   }
   is_open_ = IsOpen(first_observation, last_observation);
@@ -388,7 +390,7 @@ void Tracker::Track(int first_observation,
   recent_.clear();
   if (unsteady) {
     loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
-    Loosen();
+    if (options_.rules.loosened_poses) Loosen();
   }
   prior_ = PosePrior(gaussian_, planar_);
 }

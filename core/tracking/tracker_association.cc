@@ -63,6 +63,7 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
     if (best.length_m >= regime.max_length_share * total_length) break;
     // The points have shown how the rig moved.
     if (by_points && regime.scale > 0.0) break;
+    if (!options_.rules.jolts && regime.scale > 1.0) break;
     Association association =
         ChooseUnder(by_points ? PointsCovariance()
                               : UnsteadyCovariance(regime.scale * UnsteadyScale(), scan_s_),

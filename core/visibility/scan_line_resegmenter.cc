@@ -246,7 +246,8 @@ std::vector<int> ScanLineResegmenter::OccludedBeamsOf(const ScanLine& scan_line,
   const std::vector<int> others =
       openings_ != nullptr
           ? occlusion.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
-          : occlusion.BehindWalls(views_.planes());
+      : options_.rules.beams_behind_walls ? occlusion.BehindWalls(views_.planes())
+                                          : std::vector<int>();
   beams.insert(beams.end(), others.begin(), others.end());
   return beams;
 }

@@ -39,6 +39,20 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
   o.window = {SolverKind::kGaussNewton, 33, 0.75, false, true};
   o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
+  o.rules = {false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false,
+             false};
   o.odometry = {false, 0.03, 0.2};
   o.loop_closure = {false, 77};
   o.batch = {
@@ -87,6 +101,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.batch.correlated_errors, CorrelatedErrorsKind::kOff);
   EXPECT_EQ(read.window.solver, SolverKind::kGaussNewton);
   EXPECT_EQ(read.batch.solver, SolverKind::kGaussNewton);
+  EXPECT_FALSE(read.rules.thin_evidence);
   EXPECT_FALSE(read.odometry.enabled);
   EXPECT_EQ(read.odometry.length_noise, 0.03);
   EXPECT_EQ(read.odometry.turn_noise, 0.2);
