@@ -89,6 +89,9 @@ class InstallTest(unittest.TestCase):
         for library in ("libc6 (", "libjemalloc2", "libgflags", "libtbb"):
             self.assertIn(library, depends)
         self.assertNotIn("-dev", depends)
+        description = run("dpkg-deb", "-f", programs, "Description")
+        for name in PROGRAMS:
+            self.assertIn(name, description)
         self.assertLess(programs.stat().st_size, 20e6)
         self.check_content(programs, "plumbline")
         self.check_content(libraries, "libplumbline-dev")
@@ -124,9 +127,27 @@ class InstallTest(unittest.TestCase):
         self.assertEqual(newest[2], day.date().isoformat())
 
     def test_licence_and_pages_lie_beside_the_settings_as_their_links_say(self):
-        for name in ("LICENSE", "CHANGELOG.md", "CITATION.cff", "README.md", "docs/inputs.md",
+        for name in ("LICENSE", "CHANGELOG.md", "CITATION.cff", "docs/terms.md",
                      "configs/rigs/paper.yaml", "configs/buildings/README.md"):
             self.assertEqual((self.data / name).read_bytes(), (ROOT / name).read_bytes())
+
+    def test_commands_of_the_pages_are_those_of_an_installation(self):
+        pages = [self.data / "README.md", *sorted((self.data / "docs").glob("*.md"))]
+        for page in pages:
+            text = page.read_text()
+            self.assertNotIn("build/bin/", text, page)
+            for file in re.findall(rf"{self.data}/configs/[\w./]+\.yaml", text):
+                self.assertTrue(pathlib.Path(file).is_file(), f"{page}: {file}")
+        self.assertIn(f"plumbline_simulate --experiment={self.data}/configs/experiments/room.yaml",
+                      (self.data / "docs" / "guide.md").read_text())
+
+    def test_bound_addresses_can_not_be_written(self):
+        if not shutil.which("readelf"):
+            self.skipTest("no readelf")
+        for name in PROGRAMS:
+            dynamic = run("readelf", "--dynamic", "--wide", self.program(name))
+            self.assertRegex(dynamic, r"\(FLAGS_1\).*NOW.*PIE", name)
+            self.assertIn("GNU_RELRO", run("readelf", "--program-headers", self.program(name)))
 
     def test_man_pages_name_every_flag_and_have_no_faults(self):
         for name in PROGRAMS:

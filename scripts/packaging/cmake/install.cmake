@@ -69,10 +69,14 @@ function(plumbline_install_package)
     DESTINATION ${destination} COMPONENT development)
 endfunction()
 
-# Settings and pages, beside each other as in the source, so that links between them hold.
+# Settings and pages, beside each other as in the source, so that links between them hold. Commands
+# of the pages are those of whoever has installed them: programs by their names, shipped files by
+# where they lie.
 function(plumbline_install_data)
   set(data ${CMAKE_INSTALL_DATADIR}/plumbline)
   install(DIRECTORY configs docs DESTINATION ${data} COMPONENT runtime)
   install(FILES README.md CHANGELOG.md CITATION.cff LICENSE
     DESTINATION ${data} COMPONENT runtime)
+  install(SCRIPT ${PROJECT_SOURCE_DIR}/scripts/packaging/cmake/installed_pages.cmake
+    COMPONENT runtime)
 endfunction()

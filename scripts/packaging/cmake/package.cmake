@@ -26,8 +26,11 @@ on one moving rig, without an inertial sensor, and states how precise the map
 is. It estimates together the trajectory of the rig in six degrees of freedom
 and the surfaces of the building with their covariances.
 
-There are programs that map, simulate recordings, evaluate maps and compute
-the precision that a map can have at best.")
+plumbline_check tells before mapping what is wrong with a recording or its rig
+file, plumbline_map makes the map, plumbline_report shows it in a browser,
+plumbline_plan draws floor plans with rooms, doors and areas, plumbline_export
+converts points. plumbline_simulate makes recordings, plumbline_evaluate holds
+maps against the truth, plumbline_bound says how precise a map can be at best.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "bash-completion, man-db, libplumbline-dev")
 
