@@ -174,14 +174,13 @@ class RigJudge {
           other.advice);
       return;
     }
-    const bool is_corrected = JudgeCorrections();
     std::vector<std::string> apart;
     for (const PairAgreement& pair : report_->agreements) {
       if (pair.num_compared < kMinCompared || pair.near_share >= kAgreedShare) continue;
       apart.push_back(NameOf(pair.a) + " and " + NameOf(pair.b) + " (half of the places lie " +
                       Decimal(pair.median_m, 2) + " m apart or more)");
     }
-    if (!apart.empty() && !is_corrected) {
+    if (!JudgeCorrections(!apart.empty()) && !apart.empty()) {
       Add(Severity::kStop,
           "",
           "the scanners do not see the same places where the rig file says that they "
@@ -196,7 +195,9 @@ class RigJudge {
 
   // Names the one scanner whose correction brings most of the places together. Where those of
   // two bring as many, as where these compare with each other alone, the simpler one is right.
-  bool JudgeCorrections() {
+  // are_apart: whether scanners see other places than the rig file says, which a correction that
+  // mends little does not explain.
+  bool JudgeCorrections(bool are_apart) {
     const std::vector<MountingCorrection>& corrections = report_->corrections;
     const auto gain = [&](size_t i) {
       return corrections[i].num_compared *
@@ -221,6 +222,7 @@ class RigJudge {
     const MountingCorrection& correction = corrections[worst];
     const bool mends_most = 2.0 * (correction.moved_share - correction.near_share) >
                             1.0 - correction.near_share;  // of what does not agree
+    if (are_apart && !mends_most) return false;
     Add(parts.is_large && mends_most ? Severity::kStop : Severity::kWarning,
         TopicOf(worst),
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +

@@ -55,6 +55,13 @@ TEST_F(CheckTest, ARigFileThatIsWrongIsTold) {
   EXPECT_THAT(Words(report), HasSubstr("are exchanged"));
 }
 
+TEST_F(CheckTest, ARigFileThatIsNotFilledInIsTold) {
+  WriteRecording(Walk());
+  Rig rig = ReadRig(Path("rig.yaml"));
+  for (Scanner& scanner : rig.scanners) scanner.body_from_scanner = Rigid3d();
+  EXPECT_EQ(CheckRecording(Path("recording.bag"), rig).mappable, Mappable::kNot);
+}
+
 TEST_F(CheckTest, AScannerThatIsMirroredIsTold) {
   SimulatedRecording recording = Walk();
   for (ScanLine& line : recording.scan_lines) {
