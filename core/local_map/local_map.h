@@ -13,8 +13,7 @@ namespace plumbline {
 struct SurfaceDirection {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // to the side that was seen
   double variance = 0.0;  // m^2, of the cell's points along it
-  // rad^2, of the normal's own error: what it seems to say along the surface is no more than
-  // this.
+  // rad^2, of the normal's own error.
   Eigen::Matrix3d normal_covariance = Eigen::Matrix3d::Zero();
 };
 

@@ -1,7 +1,6 @@
 #include "core/local_map/scan_matching.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "core/geometry/matrix_types.h"
 #include "core/sensor/beam_instant.h"
+#include "factors/linear_algebra/square_root_marginalisation.h"
 #include "factors/spline/so3.h"
 
 namespace plumbline {
@@ -52,77 +52,41 @@ constexpr double kMaxMovingShare = 0.4;
 // walks has hardly moved.
 constexpr size_t kTracedBeams = 60;
 constexpr double kTracePeriod = 0.05;  // s
-// Share of what all points say, below which a direction of the pose is open.
-constexpr double kMinInformation = 1e-9;
 // The local map forgets at these intervals.
 constexpr double kForgetPeriod = 5.0;  // s
-
-// What normal equations say, as residuals offset + root * error: only in directions in which
-// they say something.
-struct PoseRoot {
-  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> root;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> offset;
-};
 
 // Collects the normal equations of a pose's error: rotation (rad, world frame), position (m).
 class PoseEquations {
  public:
   explicit PoseEquations(const Rigid3d& world_from_body) : world_from_body_(world_from_body) {}
 
-  // normal_covariance: of the normal's own error e, which adds e e^T to the equations. On
-  // average that is its covariance, and no knowledge of where the surface lies: it is taken
-  // away. With it, walls would hold back a rig that moves along them, since the spots that
-  // beams take on a wall go along: a cell's new points lie before the mean of its earlier
-  // ones.
   void Add(const Eigen::Vector3d& p_world,
-           const SurfaceDirection& direction,
-           const Eigen::Vector3d& deviation,
+           const Eigen::Vector3d& normal,
+           double residual,
            double weight) {
-    const Eigen::Vector3d lever = p_world - world_from_body_.translation;
-    Eigen::Matrix<double, 6, 3> by_pose;
-    by_pose << Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity();
-    for (int i = 0; i < 3; ++i) {
-      by_pose.col(i).head<3>() = lever.cross(Eigen::Vector3d::Unit(i));
-    }
-    const Eigen::Matrix3d information =
-        weight *
-        (direction.normal * direction.normal.transpose() - direction.normal_covariance);
-    scale_ += weight * (by_pose * direction.normal).cwiseAbs2();
-    hessian_.noalias() += by_pose * information * by_pose.transpose();
-    gradient_.noalias() += by_pose * (information * deviation);
+    Eigen::Matrix<double, 6, 1> row;
+    row << (p_world - world_from_body_.translation).cross(normal), normal;
+    hessian_.noalias() += weight * row * row.transpose();
+    gradient_ += weight * residual * row;
   }
 
-  PoseRoot Root(double weight) const {
-    const Eigen::Matrix<double, 6, 1> scale = scale_.unaryExpr(
-        [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; });
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scale.asDiagonal() * hessian_ *
-                                                         scale.asDiagonal());
-    const auto num = (solver.eigenvalues().array() > kMinInformation).count();
-    const auto values = solver.eigenvalues().tail(num).array();
-    const auto vectors = solver.eigenvectors().rightCols(num);
-    PoseRoot known;
-    known.root = (weight * values).sqrt().matrix().asDiagonal() * vectors.transpose() *
-                 scale.unaryExpr([](double value) { return value > 0.0 ? 1.0 / value : 0.0; })
-                     .asDiagonal();
-    known.offset = (weight / values).sqrt().matrix().asDiagonal() *
-                   (vectors.transpose() * scale.cwiseProduct(gradient_));
-    return known;
-  }
-
-  PoseConstraint ConstraintAt(int64_t time_ns, const PoseRoot& known) const {
+  const Matrix6d& hessian() const { return hessian_; }
+  const Eigen::Matrix<double, 6, 1>& gradient() const { return gradient_; }
+  PoseConstraint ConstraintAt(int64_t time_ns, double weight) const {
     PoseConstraint constraint;
     constraint.time_ns = time_ns;
     constraint.measurement.world_from_body = world_from_body_.rotation;
     constraint.measurement.position = world_from_body_.translation;
-    constraint.measurement.root.topRows(known.root.rows()) = known.root;
-    constraint.measurement.offset.head(known.offset.size()) = known.offset;
+    const MarginalisedSystem root = Marginalise(weight * hessian_, weight * gradient_, 0);
+    const Eigen::Index rank = root.root.rows();
+    constraint.measurement.root.topRows(rank) = root.root;
+    constraint.measurement.offset.head(rank) = root.offset;
     return constraint;
   }
 
  private:
   Rigid3d world_from_body_;
   Matrix6d hessian_ = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 1> scale_ = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> gradient_ = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
@@ -245,8 +209,10 @@ void ScanMatcher::MatchLine(const Line& line,
       const double residual = direction.normal.dot(deviation);
       const double share = residual * residual / (kRobustWidth * kRobustWidth * variance);
       is_near = is_near && residual * residual < kNear * kNear * variance;
-      equations.Add(
-          p_world, direction, deviation, 1.0 / (variance * (1.0 + share) * (1.0 + share)));
+      equations.Add(p_world,
+                    direction.normal,
+                    residual,
+                    1.0 / (variance * (1.0 + share) * (1.0 + share)));
     }
     if (is_near) match->num_near += current.num;
     ++num_cells;
@@ -268,11 +234,9 @@ void ScanMatcher::MatchLine(const Line& line,
   take();
   match->num_cells += num_cells;
   if (num_cells == 0) return;
-  const PoseRoot known = equations.Root(repeated_weight_);
-  match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), known));
-  const Eigen::Matrix<double, Eigen::Dynamic, 12, 0, 6, 12> root = known.root * by_motion;
-  match->hessian.noalias() += root.transpose() * root;
-  match->gradient.noalias() += root.transpose() * known.offset;
+  match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), repeated_weight_));
+  match->hessian += repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
+  match->gradient += repeated_weight_ * by_motion.transpose() * equations.gradient();
 }
 
 Eigen::Matrix<double, 6, 12> ScanMatcher::ByMotion(const Line& line) const {
