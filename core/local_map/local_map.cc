@@ -17,8 +17,6 @@ constexpr double kGrowth = 1.3;
 // A direction is determined where the points spread by less than this share of the cell's side
 // (standard deviation): of a surface that crosses the cell it is 0.29 along the surface.
 constexpr double kMaxThickness = 0.12;
-// A direction with more variance than this, rad^2, is not determined.
-constexpr double kMaxSlopeVariance = 1.0;
 // Across a direction with more spread than this the points cover a patch.
 constexpr double kMinSpread = 0.15;
 // A post takes so many points of a scan. Far along a wall a cell takes one of a level scan
@@ -28,15 +26,10 @@ constexpr double kMinPerScanOfPost = 2.5;
 // A scan plane is level where its normal's vertical part is at least this.
 constexpr double kLevel = 0.96;
 
-// A point is on the other side if it can not be seen from there by so many standard deviations
-// of the normal.
-constexpr double kOtherSide = 3.0;
-
 // Cells are counted from -2^20 to 2^20 along each axis: 26 km with the smallest cells.
 constexpr int kBits = 21;
 constexpr int64_t kOffset = int64_t{1} << (kBits - 1);
 constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
-constexpr uint64_t kOtherSideBit = uint64_t{1} << (3 * kBits);
 
 }  // namespace
 
@@ -58,10 +51,7 @@ void LocalCell::Add(const Eigen::Vector3d& p_world,
 bool LocalCell::IsOtherSide(const Eigen::Vector3d& p_world,
                             const Eigen::Vector3d& from_world) const {
   if (num_directions_ != 1) return false;  // a post has no sides
-  const Eigen::Vector3d view = from_world - p_world;
-  const double height = directions_[0].normal.dot(view);
-  const double variance = view.dot(directions_[0].normal_covariance * view);
-  return height < 0.0 && height * height > kOtherSide * kOtherSide * variance;
+  return directions_[0].normal.dot(from_world - p_world) < 0.0;
 }
 
 void LocalCell::Determine(bool planar, double cell_m) {
@@ -73,27 +63,10 @@ void LocalCell::Determine(bool planar, double cell_m) {
   const double min_spread = kMinSpread * kMinSpread * cell_m * cell_m;
   const bool is_thin = !planar && num_points_ < kMinPerScanOfPost * num_scans_;
   const int max_directions = is_thin ? 1 : 2;
-  // The principal axes of the points, the thinnest first. To first order, a direction's error
-  // towards an axis along the surface has the variance a b / (n (b - a)^2), a and b being the
-  // points' variances along the two (Anderson 1963, "Asymptotic theory for principal component
-  // analysis").
-  const auto take_first = [&](const auto& axes, const auto& variances) {
-    const auto is_thin_along = [&](int i) { return variances[i] <= max_variance; };
-    int count = 0;
-    while (count < max_directions && is_thin_along(count)) ++count;
-    for (int i = 0; i < count; ++i) {
-      SurfaceDirection& direction = directions_[static_cast<size_t>(i)];
-      direction = {axes.col(i), variances[i], Eigen::Matrix3d::Zero()};
-      if (direction.normal.dot(sum_views_) < 0.0) direction.normal = -direction.normal;
-      for (int k = count; k < variances.size(); ++k) {
-        const double gap = variances[k] - variances[i];
-        const double slope_variance = variances[i] * variances[k] / (num_points_ * gap * gap);
-        direction.normal_covariance.noalias() +=
-            slope_variance * axes.col(k) * axes.col(k).transpose();
-      }
-      if (!(direction.normal_covariance.trace() < kMaxSlopeVariance)) return;
-      ++num_directions_;
-    }
+  const auto take = [&](const Eigen::Vector3d& axis, double variance) {
+    if (variance > max_variance || num_directions_ == max_directions) return;
+    const double side = axis.dot(sum_views_) < 0.0 ? -1.0 : 1.0;
+    directions_[static_cast<size_t>(num_directions_++)] = {side * axis, variance};
   };
   const bool level = planar || sum_scan_normal_z2_ > kLevel * kLevel * num_points_;
   if (level) {
@@ -101,16 +74,17 @@ void LocalCell::Determine(bool planar, double cell_m) {
     const Eigen::Matrix2d in_plan = covariance.topLeftCorner<2, 2>();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
     solver.computeDirect(in_plan);
-    Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
-    axes.topRows<2>() = solver.eigenvectors();
-    take_first(axes, Eigen::Vector2d(solver.eigenvalues().cwiseMax(0.0)));
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Vector2d axis = solver.eigenvectors().col(i);
+      take({axis.x(), axis.y(), 0.0}, std::max(0.0, solver.eigenvalues()[i]));
+    }
     return;
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance);
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0);
+  const Eigen::Vector3d& spread = solver.eigenvalues();
   if (spread[1] < min_spread) return;  // a line: no sweep has covered what lies across it
-  take_first(solver.eigenvectors(), spread);
+  take(solver.eigenvectors().col(0), std::max(0.0, spread[0]));
 }
 
 LocalMap::LocalMap(double cell_m, bool planar, int min_age_scans)
@@ -134,13 +108,12 @@ Eigen::Vector3d LocalMap::CentreOf(Key key) const {
   return centre;
 }
 
-LocalMap::Key LocalMap::KeySeenFrom(const Eigen::Vector3d& p_world,
-                                    const Eigen::Vector3d& from_world) const {
-  const Key key = KeyOf(p_world);
-  const auto it = cells_.find(key);
-  return it != cells_.end() && it->second.IsOtherSide(p_world, from_world)
-             ? key | kOtherSideBit
-             : key;
+LocalCell* LocalMap::CellIn(std::unordered_map<Key, LocalCell>* cells,
+                            Key key,
+                            bool may_found) const {
+  if (may_found) return &cells->try_emplace(key, CentreOf(key)).first->second;
+  const auto it = cells->find(key);
+  return it == cells->end() ? nullptr : &it->second;
 }
 
 void LocalMap::Add(const Eigen::Vector3d& p_world,
@@ -148,14 +121,14 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
                    const Eigen::Vector3d& scan_normal,
                    int scan_index,
                    bool may_found) {
-  const Key key = KeySeenFrom(p_world, from_world);
-  if (last_.Get(key) == nullptr) {
-    auto it = cells_.find(key);
-    if (it == cells_.end() && !may_found) return;
-    if (it == cells_.end()) it = cells_.emplace(key, LocalCell(CentreOf(key))).first;
-    last_.Set(key, &it->second);
+  const Key key = KeyOf(p_world);
+  if (last_.Get(key) == nullptr) last_.Set(key, CellIn(&cells_, key, may_found));
+  LocalCell* found = last_.Get(key);
+  if (found != nullptr && found->IsOtherSide(p_world, from_world)) {
+    found = CellIn(&other_sides_, key, may_found);
   }
-  LocalCell& cell = *last_.Get(key);
+  if (found == nullptr) return;
+  LocalCell& cell = *found;
   if (cell.num_points_ >= kEnoughPoints && cell.num_determined_ > 0) {
     cell.Touch(scan_index);
     return;
@@ -170,16 +143,23 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
 
 const LocalCell* LocalMap::Find(const Eigen::Vector3d& p_world,
                                 const Eigen::Vector3d& from_world) const {
-  const auto it = cells_.find(KeySeenFrom(p_world, from_world));
+  const Key key = KeyOf(p_world);
+  auto it = cells_.find(key);
   if (it == cells_.end()) return nullptr;
+  if (it->second.IsOtherSide(p_world, from_world)) {
+    it = other_sides_.find(key);
+    if (it == other_sides_.end()) return nullptr;
+  }
   const LocalCell& cell = it->second;
   return cell.num_determined_ > 0 && cell.age_scans() >= min_age_scans_ ? &cell : nullptr;
 }
 
 void LocalMap::ForgetBefore(int scan_index) {
   last_.Forget();
-  for (auto it = cells_.begin(); it != cells_.end();) {
-    it = it->second.last_scan() < scan_index ? cells_.erase(it) : std::next(it);
+  for (auto* cells : {&cells_, &other_sides_}) {
+    for (auto it = cells->begin(); it != cells->end();) {
+      it = it->second.last_scan() < scan_index ? cells->erase(it) : std::next(it);
+    }
   }
 }
 

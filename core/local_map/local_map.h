@@ -12,9 +12,7 @@ namespace plumbline {
 // A direction in which a cell says where its surface lies.
 struct SurfaceDirection {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // to the side that was seen
-  double variance = 0.0;  // m^2, of the cell's points along it
-  // rad^2, of the normal's own error.
-  Eigen::Matrix3d normal_covariance = Eigen::Matrix3d::Zero();
+  double variance = 0.0;                              // m^2, of the cell's points along it
 };
 
 // LocalCell holds the normal distribution of the points in one cell of space.
@@ -94,13 +92,14 @@ class LocalMap {
   using Key = uint64_t;
   Key KeyOf(const Eigen::Vector3d& p_world) const;
   Eigen::Vector3d CentreOf(Key key) const;
-  // The cell to which a point that is seen from there belongs, or would belong.
-  Key KeySeenFrom(const Eigen::Vector3d& p_world, const Eigen::Vector3d& from_world) const;
+  // The cell in one of the maps, made if there is none and it may be; or nullptr.
+  LocalCell* CellIn(std::unordered_map<Key, LocalCell>* cells, Key key, bool may_found) const;
 
   double cell_m_;
   bool planar_;
   int min_age_scans_;
   std::unordered_map<Key, LocalCell> cells_;
+  std::unordered_map<Key, LocalCell> other_sides_;  // of surfaces that cells_ has
   // The cell of the last point: most often it is that of the next one as well.
   LastFound<Key, LocalCell> last_;
 };

@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <random>
 
 namespace plumbline {
 namespace {
@@ -115,37 +113,6 @@ TEST(LocalMap, AWallHasTwoSides) {
   EXPECT_NEAR(back->Mean().x(), 1.2, 1e-12);
   EXPECT_LT(front->direction(0).normal.x(), -0.99);
   EXPECT_GT(back->direction(0).normal.x(), 0.99);
-}
-
-// The normals of cells that are filled with noise deviate by what they state.
-TEST(LocalMap, StatesTheErrorOfItsNormals) {
-  constexpr int kNumCells = 400;
-  constexpr double kNoise = 0.02;
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> noise(0.0, kNoise);
-  std::uniform_real_distribution<double> place(0.0, kCell);
-  double squares = 0.0;
-  double stated = 0.0;
-  for (int cell = 0; cell < kNumCells; ++cell) {
-    LocalMap map(kCell, false, 0);
-    for (int scan = 0; scan < 10; ++scan) {
-      for (int i = 0; i < 4; ++i) {
-        map.Add({1.12 + std::clamp(noise(random), -0.11, 0.11), place(random), place(random)},
-                kScanner,
-                kTilted,
-                scan,
-                true);
-      }
-    }
-    const LocalCell* found = map.Find({1.12, 0.1, 0.1}, kScanner);
-    ASSERT_NE(found, nullptr);
-    ASSERT_EQ(found->num_directions(), 1);
-    const SurfaceDirection& direction = found->direction(0);
-    squares += direction.normal.tail<2>().squaredNorm() / kNumCells;
-    stated += direction.normal_covariance.trace() / kNumCells;
-  }
-  // 800 squares: 5 % of their mean, of which 20 % is four standard deviations.
-  EXPECT_NEAR(squares / stated, 1.0, 0.2);
 }
 
 TEST(LocalMap, OneScanAloneTellsNothing) {
