@@ -13,12 +13,12 @@
 #include <system_error>
 #include <utility>
 
-#include "core/check/check.h"
 #include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
 #include "core/floor_plan/floor_plan_files.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
+#include "core/mapping/checked_recording.h"
 #include "core/mapping/checkpoint.h"
 #include "core/mapping/part_poses.h"
 #include "core/mapping/point_exporter.h"
@@ -31,7 +31,6 @@
 #include "core/trajectory/motion_noise.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
-#include "core/util/one_line.h"
 #include "core/util/stopwatch.h"
 
 namespace plumbline {
@@ -264,7 +263,6 @@ MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
 struct JobWatches {
   Stopwatch total;
   Stopwatch reading;
-  Stopwatch checking;
   Stopwatch writing;  // the judging included
   Stopwatch judging;
 };
@@ -409,112 +407,25 @@ void WriteFloorPlan(const MapJob& job,
   }
 }
 
-// A first rig file that was not filled in has all scanners at one pose, which no rig has.
-void CheckPoses(const MapJob& job, const Rig& rig) {
-  const Rigid3d& first = rig.scanners.front().body_from_scanner;
-  const bool is_one =
-      std::all_of(rig.scanners.begin(), rig.scanners.end(), [&first](const Scanner& scanner) {
-        const Rigid3d& pose = scanner.body_from_scanner;
-        return pose.translation == first.translation &&
-               pose.rotation.coeffs() == first.rotation.coeffs();
-      });
-  if (rig.scanners.size() < 2 || !is_one) return;
-  throw Error(job.rig + ": all " + std::to_string(rig.scanners.size()) +
-              " scanners sit at one pose: fill in body_from_scanner of each");
-}
-
-// Whether a map comes out wrong by what was found. A scanner that is dead, or too little in
-// view for a start, the mapper finds by itself, and maps with what there is.
-bool MakesMapWrong(const Finding& finding) {
-  return finding.severity == Severity::kStop &&
-         (finding.moves_places || finding.about == Subject::kMounting ||
-          finding.about == Subject::kWheels);
-}
-
-// What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
-// a wrong map would come of it.
-std::vector<Finding> CheckFirst(const MapJob& job, const CheckReport& report) {
-  std::vector<Finding> findings;
-  for (const Finding& finding : report.findings) {
-    if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
-        finding.about == Subject::kView) {
-      continue;
-    }
-    if (MakesMapWrong(finding) && !job.force) {
-      throw Error(job.recording + ": a wrong map would come of it: " + InWords(finding) +
-                  "; --force maps it all the same");
-    }
-    findings.push_back(finding);
-  }
-  return findings;
-}
-
-// What the recording's reader does not tell itself.
-std::vector<std::string> WarningsOf(const std::vector<Finding>& findings) {
-  std::vector<std::string> warnings;
-  for (const Finding& finding : findings) {
-    if (!finding.is_told_by_reader) warnings.push_back(InWords(finding));
-  }
-  return warnings;
-}
-
-// Adds what was found before mapping to the warnings, and where the map is not consistent
-// names as the likeliest cause the first of it by which no right map comes.
-void AddFindings(const std::vector<Finding>& findings, Summary* summary) {
-  const std::vector<std::string> warnings = WarningsOf(findings);
-  summary->warnings.insert(summary->warnings.begin(), warnings.begin(), warnings.end());
-  if (summary->consistency.verdict == Verdict::kConsistent) return;
-  const auto cause =
-      std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.severity == Severity::kStop || finding.moves_places ||
-               finding.about == Subject::kMounting ||
-               (finding.about == Subject::kWheels && !finding.is_told_by_reader);
-      });
-  if (cause == findings.end()) return;
-  summary->cause =
-      Cause{cause->about == Subject::kMounting ? "a scanner is not as the rig file says"
-                                               : "the recording is not as it should be",
-            "",
-            OnOneLine((cause->subject.empty() ? "" : cause->subject + ": ") + cause->sentence),
-            OnOneLine(cause->advice)};
-}
-
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
   auto total = std::make_unique<Stopwatch::Running>(&watches.total);
   CheckFormats(job);
-  Rig rig = ReadRig(job.rig);
-  CheckPoses(job, rig);
-  const MapperOptions options = OptionsOf(job, rig);
+  Rig rig_file = ReadRig(job.rig);
+  CheckPoses(job.rig, rig_file);
+  const MapperOptions options = OptionsOf(job, rig_file);
   // Before the work, so that an output that can not be written shows first.
   ResultDirectory output(job.output, job.resume);
   const CheckpointFiles checkpoint = Checkpoint(job, options, output);
-  auto reading = std::make_unique<Stopwatch::Running>(&watches.reading);
-  RecordingSurveyor surveyor(&rig);
-  std::optional<RecordingReader> reader;
-  const RecordingObserver observer = {
-      [&](const RecordingTopic& topic, const MessageRef& where, const ScanLineMessage& line) {
-        surveyor.Add(topic, where, line);
-      },
-      [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }};
-  reader.emplace(job.recording, rig, observer);
-  reading.reset();
-  auto checking = std::make_unique<Stopwatch::Running>(&watches.checking);
-  RecordingSurvey survey = surveyor.Finish(reader->topics());
-  survey.wheels = reader->odometry();
-  const CheckReport report = CheckSurvey(std::move(survey), rig);
-  const std::vector<Finding> findings = CheckFirst(job, report);
-  if (report.other_header) {
-    rig = WithHeaders(rig, *report.other_header);
-    reader.emplace(job.recording, rig);
-  }
-  RecordingReader& recording = *reader;
-  checking.reset();
+  CheckedRecording checked =
+      ReadChecked(job.recording, std::move(rig_file), job.force, &watches.reading);
+  const Rig& rig = checked.rig;
+  RecordingReader& recording = *checked.reader;
   LOG(INFO) << job.recording << ": " << recording.num_scan_lines() << " scan lines, "
             << RecordingLength(recording) << " s";
   LogWarnings(recording.warnings());
-  LogWarnings(WarningsOf(findings));
+  LogWarnings(WarningsOf(checked.findings));
   LogFreeSpace(output, job);
 
   const std::vector<MapResult> parts = MapRecording(
@@ -540,7 +451,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   std::vector<Summary> summaries =
       WriteParts(rig, options, parts, progress, &recording, &writers, &watches.judging);
   for (Summary& of_part : summaries) {
-    AddFindings(findings, &of_part);
+    AddFindings(checked.findings, &of_part);
     of_part.recording =
         std::filesystem::path(job.recording).lexically_normal().filename().string();
     of_part.version = job.version;

@@ -1,0 +1,112 @@
+#include "core/mapping/checked_recording.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/check/check.h"
+#include "core/util/error.h"
+#include "core/util/one_line.h"
+
+namespace plumbline {
+namespace {
+
+// Whether a map comes out wrong by what was found. A scanner that is dead, or too little in
+// view for a start, the mapper finds by itself, and maps with what there is.
+bool MakesMapWrong(const Finding& finding) {
+  return finding.severity == Severity::kStop &&
+         (finding.moves_places || finding.about == Subject::kMounting ||
+          finding.about == Subject::kWheels);
+}
+
+// What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
+// a wrong map would come of it.
+std::vector<Finding> FindingsOf(const std::string& recording,
+                                const CheckReport& report,
+                                bool force) {
+  std::vector<Finding> findings;
+  for (const Finding& finding : report.findings) {
+    if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
+        finding.about == Subject::kView) {
+      continue;
+    }
+    if (MakesMapWrong(finding) && !force) {
+      throw Error(recording + ": a wrong map would come of it: " + InWords(finding) +
+                  "; --force maps it all the same");
+    }
+    findings.push_back(finding);
+  }
+  return findings;
+}
+
+}  // namespace
+
+void CheckPoses(const std::string& rig_file, const Rig& rig) {
+  const Rigid3d& first = rig.scanners.front().body_from_scanner;
+  const bool is_one =
+      std::all_of(rig.scanners.begin(), rig.scanners.end(), [&first](const Scanner& scanner) {
+        const Rigid3d& pose = scanner.body_from_scanner;
+        return pose.translation == first.translation &&
+               pose.rotation.coeffs() == first.rotation.coeffs();
+      });
+  if (rig.scanners.size() < 2 || !is_one) return;
+  throw Error(rig_file + ": all " + std::to_string(rig.scanners.size()) +
+              " scanners sit at one pose: fill in body_from_scanner of each");
+}
+
+CheckedRecording ReadChecked(const std::string& recording,
+                             Rig rig,
+                             bool force,
+                             Stopwatch* reading) {
+  CheckedRecording checked;
+  RecordingSurveyor surveyor(&rig);
+  {
+    const Stopwatch::Running running(reading);
+    checked.reader = std::make_unique<RecordingReader>(
+        recording,
+        rig,
+        RecordingObserver{
+            [&](const RecordingTopic& topic,
+                const MessageRef& where,
+                const ScanLineMessage& line) { surveyor.Add(topic, where, line); },
+            [&](const RecordingTopic& topic) { surveyor.AddUndecodable(topic); }});
+  }
+  RecordingSurvey survey = surveyor.Finish(checked.reader->topics());
+  survey.wheels = checked.reader->odometry();
+  const CheckReport report = CheckSurvey(std::move(survey), rig);
+  checked.findings = FindingsOf(recording, report, force);
+  checked.rig = std::move(rig);
+  if (report.other_header) {
+    checked.rig = WithHeaders(checked.rig, *report.other_header);
+    checked.reader = std::make_unique<RecordingReader>(recording, checked.rig);
+  }
+  return checked;
+}
+
+std::vector<std::string> WarningsOf(const std::vector<Finding>& findings) {
+  std::vector<std::string> warnings;
+  for (const Finding& finding : findings) {
+    if (!finding.is_told_by_reader) warnings.push_back(InWords(finding));
+  }
+  return warnings;
+}
+
+void AddFindings(const std::vector<Finding>& findings, Summary* summary) {
+  const std::vector<std::string> warnings = WarningsOf(findings);
+  summary->warnings.insert(summary->warnings.begin(), warnings.begin(), warnings.end());
+  if (summary->consistency.verdict == Verdict::kConsistent) return;
+  const auto cause =
+      std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.severity == Severity::kStop || finding.moves_places ||
+               finding.about == Subject::kMounting ||
+               (finding.about == Subject::kWheels && !finding.is_told_by_reader);
+      });
+  if (cause == findings.end()) return;
+  summary->cause =
+      Cause{cause->about == Subject::kMounting ? "a scanner is not as the rig file says"
+                                               : "the recording is not as it should be",
+            "",
+            OnOneLine((cause->subject.empty() ? "" : cause->subject + ": ") + cause->sentence),
+            OnOneLine(cause->advice)};
+}
+
+}  // namespace plumbline
