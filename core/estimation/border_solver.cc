@@ -35,24 +35,25 @@ Eigen::Ref<Eigen::VectorXd> BorderSolver::BorderColumn(int column) {
 }
 
 void BorderSolver::AddToBorder(int row,
-                               const Eigen::Ref<const Eigen::VectorXd>& load,
-                               int column) {
-  BorderColumn(column).segment(row, load.size()) += load;
+                               const Eigen::Ref<const Eigen::MatrixXd>& loads,
+                               const std::vector<int>& columns) {
+  for (Eigen::Index j = 0; j < loads.cols(); ++j) {
+    BorderColumn(columns[static_cast<size_t>(j)]).segment(row, loads.rows()) += loads.col(j);
+  }
 }
 
 void BorderSolver::AddToBand(int row,
-                             const Eigen::Ref<const Eigen::VectorXd>& load,
-                             int column) {
-  const std::vector<int> columns = {column};
-  for (Eigen::Index done = 0; done < load.size();) {
+                             const Eigen::Ref<const Eigen::MatrixXd>& loads,
+                             const std::vector<int>& columns) {
+  for (Eigen::Index done = 0; done < loads.rows();) {
     const int first = row + static_cast<int>(done);
     const int at = first % factor_.tile_size_;
     const Eigen::Index size =
-        std::min<Eigen::Index>(load.size() - done, factor_.tile_size_ - at);
+        std::min<Eigen::Index>(loads.rows() - done, factor_.tile_size_ - at);
     AddToTile(0,
               static_cast<size_t>(first / factor_.tile_size_),
               at,
-              load.segment(done, size),
+              loads.middleRows(done, size),
               columns);
     done += size;
   }

@@ -18,11 +18,15 @@ class BorderSolver {
   // factor has to outlive the solver.
   explicit BorderSolver(const ArrowheadCholesky& factor);
 
-  // b(row .. row + size - 1, column) += load, in the band. Fast where the calls follow the
-  // band; columns are best numbered without gaps.
-  void AddToBand(int row, const Eigen::Ref<const Eigen::VectorXd>& load, int column);
+  // b(row .. row + rows - 1, columns[j]) += loads.col(j), in the band. Fast where the calls
+  // follow the band; columns may repeat, and are best numbered without gaps.
+  void AddToBand(int row,
+                 const Eigen::Ref<const Eigen::MatrixXd>& loads,
+                 const std::vector<int>& columns);
   // The same in the border, row 0 being the border's first.
-  void AddToBorder(int row, const Eigen::Ref<const Eigen::VectorXd>& load, int column);
+  void AddToBorder(int row,
+                   const Eigen::Ref<const Eigen::MatrixXd>& loads,
+                   const std::vector<int>& columns);
 
   // The border's rows of x, by the columns added so far. To be called once.
   Eigen::MatrixXd TakeSolution();

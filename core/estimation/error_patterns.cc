@@ -375,16 +375,8 @@ void ErrorPatterns::Add(const Observation& observation) {
     by_probe.row(0) += share.slope * signs;
     by_probe.row(2) += share.offset * signs;
     cell_scores_[cell] += share.slope * basis.score[0] + share.offset * basis.score[2];
-    if (!cell_effects_) continue;
-    cell_effects_->AddToBand(
-        basis.first_column,
-        share.slope * basis.pose_load.col(0) + share.offset * basis.pose_load.col(2),
-        share.cell);
-    cell_effects_->AddToBorder(plane_column - num_band_,
-                               share.slope * basis.plane_load.col(0).head(plane_size) +
-                                   share.offset * basis.plane_load.col(2).head(plane_size),
-                               share.cell);
   }
+  if (cell_effects_) AddCellEffects(basis, plane_column, plane_size);
   loads_.middleRows(basis.first_column, num_pose_rows).noalias() +=
       basis.pose_load.lazyProduct(coefficients_);
   loads_.middleRows(plane_column, plane_size).noalias() +=
@@ -393,6 +385,20 @@ void ErrorPatterns::Add(const Observation& observation) {
   products_.noalias() += leading.transpose().lazyProduct(basis.product * leading);
   scanner_scores_.noalias() +=
       coefficients_.leftCols(num_scanner_patterns_).transpose() * basis.score;
+}
+
+void ErrorPatterns::AddCellEffects(const Basis& basis, int plane_column, int plane_size) {
+  Eigen::Matrix3Xd by_share = Eigen::Matrix3Xd::Zero(3, static_cast<int>(shares_.size()));
+  std::vector<int> cells;
+  for (const CellShare& share : shares_) {
+    const auto j = static_cast<Eigen::Index>(cells.size());
+    by_share(0, j) = share.slope;
+    by_share(2, j) = share.offset;
+    cells.push_back(share.cell);
+  }
+  cell_effects_->AddToBand(basis.first_column, basis.pose_load * by_share, cells);
+  cell_effects_->AddToBorder(
+      plane_column - num_band_, basis.plane_load.topRows(plane_size) * by_share, cells);
 }
 
 Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {

@@ -144,6 +144,8 @@ class ErrorPatterns {
                    Eigen::Ref<Eigen::VectorXd> load) const;
   // The columns of a scanner's own patterns and the shares of the cells.
   void SetScannerCoefficients(const Observation& observation, const Nodes& nodes);
+  // Adds what the shares of the segment in work do to the landmarks.
+  void AddCellEffects(const Basis& basis, int plane_column, int plane_size);
   // Walks along the segment: the cells it crosses and its pattern of a range bias.
   Eigen::Vector3d WalkAlong(const Observation& observation,
                             const Rigid3d& world_from_scanner,

@@ -35,11 +35,11 @@ TEST(BorderSolverTest, SolvesForTheBorderLikeTheDenseMatrix) {
         const int row = std::clamp(i / 2 + jump(random), 0, num_band - 1);
         Eigen::VectorXd load(std::min(5, num_band - row));
         for (double& value : load) value = normal(random);
-        solver.AddToBand(row, load, column);
+        solver.AddToBand(row, load, {column});
         right.col(column).segment(row, load.size()) += load;
       }
       const Eigen::Vector2d load(normal(random), normal(random));
-      solver.AddToBorder(i % (num_border - 1), load, column);
+      solver.AddToBorder(i % (num_border - 1), load, {column});
       right.col(column).segment<2>(num_band + i % (num_border - 1)) += load;
     }
     const Eigen::MatrixXd expected =
