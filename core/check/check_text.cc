@@ -224,8 +224,10 @@ std::string FormatCheckText(const CheckReport& report) {
                     std::string(11, ' '),
                     kTextWidth);
     if (finding.advice.empty()) continue;
-    text +=
-        Wrapped(OnOneLine(finding.advice), std::string(11, ' ') + "-> ", std::string(14, ' '), kTextWidth);
+    text += Wrapped(OnOneLine(finding.advice),
+                    std::string(11, ' ') + "-> ",
+                    std::string(14, ' '),
+                    kTextWidth);
   }
   if (report.findings.empty()) text += "\n  nothing to complain of\n";
   return text;

@@ -195,8 +195,8 @@ class RigJudge {
 
   // Names the one scanner whose correction brings most of the places together. Where those of
   // two bring as many, as where these compare with each other alone, the simpler one is right.
-  // are_apart: whether scanners see other places than the rig file says, which a correction that
-  // mends little does not explain.
+  // are_apart: whether scanners see other places than the rig file says, which a correction
+  // that mends little does not explain.
   bool JudgeCorrections(bool are_apart) {
     const std::vector<MountingCorrection>& corrections = report_->corrections;
     const auto gain = [&](size_t i) {

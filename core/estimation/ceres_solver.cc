@@ -166,9 +166,9 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
     if (!solve(false).has_failed()) break;
     const LastStep shortened = solve(true);
     if (shortened.has_failed() || shortened.is_done()) break;
-    // At the minimum whole steps fail by rounding, and shortened ones gain nothing.
-    const double gain = summary.initial_cost - summary.final_cost;
-    if (gain <= options.function_tolerance * summary.initial_cost) break;
+    // Ceres has ended by its own tolerance, before it asked LastStep. At the minimum whole
+    // steps fail by rounding, and shortened ones gain nothing, as often as they are tried.
+    if (summary.termination_type == ceres::CONVERGENCE) break;
   }
   if (!summary.IsSolutionUsable()) throw Error("the estimation failed: " + summary.message);
   return Linearise<Equations>(*problem);
