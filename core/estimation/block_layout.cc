@@ -6,7 +6,7 @@ namespace plumbline {
 
 int BlockLayout::NumControlPointColumns() const {
   for (size_t i = 0; i < blocks.size(); ++i) {
-    if (blocks[i].kind == BlockId::Kind::kLandmark) return offsets[i];
+    if (!IsControlPoint(blocks[i])) return offsets[i];
   }
   return size();
 }

@@ -5,12 +5,12 @@
 
 namespace plumbline {
 
-// The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id;
-// every matrix of ours has its rows and columns in this order.
+// The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id,
+// then scanners; every matrix of ours has its rows and columns in this order.
 struct BlockId {
-  enum class Kind { kRotation, kPosition, kLandmark };
-  int group = 0;  // 0: control points, 1: landmarks
-  int index = 0;  // control point index or landmark id
+  enum class Kind { kRotation, kPosition, kLandmark, kScanner };
+  int group = 0;  // 0: control points, 1: landmarks, 2: scanners
+  int index = 0;  // of a control point or scanner, or landmark id
   Kind kind = Kind::kRotation;
 
   bool operator<(const BlockId& other) const {
@@ -29,7 +29,13 @@ inline BlockId PositionBlock(int control_point) {
 }
 inline BlockId LandmarkBlock(int id) { return {1, id, BlockId::Kind::kLandmark}; }
 
+inline BlockId ScannerBlockId(int scanner) { return {2, scanner, BlockId::Kind::kScanner}; }
+
 inline bool IsLandmark(const BlockId& block) { return block.kind == BlockId::Kind::kLandmark; }
+inline bool IsScanner(const BlockId& block) { return block.kind == BlockId::Kind::kScanner; }
+inline bool IsControlPoint(const BlockId& block) {
+  return block.kind == BlockId::Kind::kRotation || block.kind == BlockId::Kind::kPosition;
+}
 
 // A problem's blocks and their columns, in the blocks' full tangent spaces as in
 // NormalEquations.
@@ -39,7 +45,7 @@ struct BlockLayout {
   std::vector<bool> is_free;  // of each column: not held by a manifold
 
   int size() const { return offsets.back(); }
-  // They come first, the landmarks' after them.
+  // They come first, those of landmarks and scanners after them.
   int NumControlPointColumns() const;
   std::vector<int> FreeColumns() const;
 };

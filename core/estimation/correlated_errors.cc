@@ -33,8 +33,8 @@ constexpr double kMinInformation = 1e-4;
 constexpr double kInterpolated = 2.0 / 3.0;
 constexpr double kMinVariance = 1e-10;  // relative to the scale's square
 
-Kind KindOf(int pattern) {
-  const int part = pattern % ErrorPatterns::kPerScanner;
+Kind KindOf(int pattern, int num_per_scanner) {
+  const int part = pattern % num_per_scanner;
   return part == 0 ? kRange : part < 4 ? kRotation : kTranslation;
 }
 
@@ -91,7 +91,8 @@ struct ScannerErrors {
 
 // Empirical Bayes: the errors of each kind have a variance of their own, which is found by
 // expectation maximisation. noise: covariance of the patterns' scores.
-ScannerErrors EstimateScannerErrors(const KnownErrors& known,
+ScannerErrors EstimateScannerErrors(int num_per_scanner,
+                                    const KnownErrors& known,
                                     const Eigen::MatrixXd& noise,
                                     const Eigen::VectorXd& scores) {
   const Eigen::Index size = scores.size();
@@ -107,17 +108,18 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
   Eigen::VectorXd mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::MatrixXd prior = weight;
-    for (int i = 0; i < size; ++i) prior(i, i) += 1.0 / variances[KindOf(i)];
+    for (int i = 0; i < size; ++i) prior(i, i) += 1.0 / variances[KindOf(i, num_per_scanner)];
     posterior = prior.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
     mean = posterior * weighted;
     std::array<double, kNumKinds> sums = {};
     std::array<int, kNumKinds> counts = {};
     for (int i = 0; i < size; ++i) {
-      sums[KindOf(i)] += mean[i] * mean[i] + posterior(i, i);
-      ++counts[KindOf(i)];
+      const Kind kind = KindOf(i, num_per_scanner);
+      sums[kind] += mean[i] * mean[i] + posterior(i, i);
+      ++counts[kind];
     }
     for (size_t kind = 0; kind < kNumKinds; ++kind) {
-      variances[kind] = std::max(kMinVariance, sums[kind] / counts[kind]);
+      variances[kind] = std::max(kMinVariance, sums[kind] / std::max(counts[kind], 1));
     }
   }
   ScannerErrors errors;
@@ -158,7 +160,8 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
-    return EstimateScannerErrors(known,
+    return EstimateScannerErrors(patterns->num_per_scanner(),
+                                 known,
                                  products.topLeftCorner(num_scanner, num_scanner) +
                                      cells / kNumTraceProbes * crossed * crossed.transpose(),
                                  patterns->scanner_scores());

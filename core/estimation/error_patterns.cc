@@ -44,22 +44,27 @@ ErrorPatterns::Surface::Surface(const Landmark& landmark)
                : PlaneTangents(landmark.Normal())) {}
 
 ErrorPatterns::ErrorPatterns(const Rig& rig,
+                             const RigCalibration& calibration,
                              const Trajectory& trajectory,
                              const std::deque<Landmark>& landmarks,
                              const BlockLayout& layout,
                              bool planar)
     : rig_(rig),
+      calibration_(calibration),
       trajectory_(trajectory),
       landmarks_(landmarks),
       layout_(layout),
       planar_(planar),
       num_band_(layout.NumControlPointColumns()),
-      num_scanner_patterns_(kPerScanner * static_cast<int>(rig.scanners.size())),
-      landmark_columns_(landmarks.size(), -1) {
+      has_mountings_(calibration.scanners.empty()),
+      num_scanner_patterns_(num_per_scanner() * static_cast<int>(rig.scanners.size())),
+      landmark_columns_(landmarks.size(), -1),
+      scanner_columns_(rig.scanners.size(), -1) {
   for (const Landmark& landmark : landmarks) surfaces_.emplace_back(landmark);
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
-    if (!IsLandmark(layout.blocks[i])) continue;
-    landmark_columns_[static_cast<size_t>(layout.blocks[i].index)] = layout.offsets[i];
+    const auto index = static_cast<size_t>(layout.blocks[i].index);
+    if (IsScanner(layout.blocks[i])) scanner_columns_[index] = layout.offsets[i];
+    if (IsLandmark(layout.blocks[i])) landmark_columns_[index] = layout.offsets[i];
   }
   const int num_products = num_scanner_patterns_ + kNumTraceProbes;
   products_ = Eigen::MatrixXd::Zero(num_products, num_products);
@@ -68,12 +73,13 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
 }
 
 ErrorPatterns::ErrorPatterns(const Rig& rig,
+                             const RigCalibration& calibration,
                              const Trajectory& trajectory,
                              const std::deque<Landmark>& landmarks,
                              const BlockLayout& layout,
                              bool planar,
                              const ArrowheadCholesky& factor)
-    : ErrorPatterns(rig, trajectory, landmarks, layout, planar) {
+    : ErrorPatterns(rig, calibration, trajectory, landmarks, layout, planar) {
   Resize(kNumProbes);
   cell_effects_.emplace(factor);
 }
@@ -96,6 +102,7 @@ const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const std::array<int64_t, 3>&
     nodes.at[k] = trajectory_.Locate(times_ns[k]);
     nodes.world_from_body[k] = trajectory_.WorldFromBody(times_ns[k]);
     nodes.jacobians[k] = trajectory_.PoseJacobian(nodes.at[k]);
+    trajectory_.Velocity(times_ns[k], &nodes.angular[k], &nodes.linear[k]);
   }
   return nodes;
 }
@@ -123,6 +130,24 @@ void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
   }
 }
 
+BodyByScanner ErrorPatterns::ByScanner(const Nodes& nodes, int k, int scanner) const {
+  const auto node = static_cast<size_t>(k);
+  const auto index = static_cast<size_t>(scanner);
+  const int column = scanner_columns_[index];
+  if (column < 0) return BodyByScanner::Zero();
+  const Rigid3d& body_from_scanner = rig_.scanners[index].body_from_scanner;
+  BodyByScanner by_scanner = BodyMotionByScanner(
+      nodes.world_from_body[node].rotation.toRotationMatrix(),
+      {body_from_scanner.rotation.toRotationMatrix(), body_from_scanner.translation},
+      calibration_.scanners[index].block.data(),
+      nodes.angular[node],
+      nodes.linear[node]);
+  for (int i = 0; i < kScannerBlockSize; ++i) {
+    if (!layout_.is_free[static_cast<size_t>(column + i)]) by_scanner.col(i).setZero();
+  }
+  return by_scanner;
+}
+
 ErrorPatterns::NearSurface ErrorPatterns::SurfaceNear(const Landmark& landmark,
                                                       const Eigen::Vector3d& p_world) const {
   return {landmark.PlaneNear(p_world),
@@ -133,6 +158,7 @@ ErrorPatterns::NearSurface ErrorPatterns::SurfaceNear(const Landmark& landmark,
 
 void ErrorPatterns::AddLoads(const Nodes& nodes,
                              int k,
+                             const BodyByScanner& by_scanner,
                              const Eigen::Matrix3d& by_node,
                              const Eigen::Matrix3d& axes,
                              const Eigen::Vector2d& centroid,
@@ -146,12 +172,11 @@ void ErrorPatterns::AddLoads(const Nodes& nodes,
     // Moved along an arc, the segment meets another normal.
     Eigen::Vector3d bend = surface.curvature * (lever - distance * to_centroid);
     bend.z() = 0.0;
-    AddPoseLoad(nodes,
-                k,
-                lever.cross(normal) + to_centroid.cross(bend),
-                distance * normal + bend,
-                nodes.at[0].first,
-                basis->pose_load.col(j));
+    const Eigen::Vector3d turn = lever.cross(normal) + to_centroid.cross(bend);
+    const Eigen::Vector3d shift = distance * normal + bend;
+    AddPoseLoad(nodes, k, turn, shift, nodes.at[0].first, basis->pose_load.col(j));
+    basis->scanner_load.col(j) += by_scanner.topRows<3>().transpose() * turn +
+                                  by_scanner.bottomRows<3>().transpose() * shift;
     const Eigen::Vector3d arm =
         lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
     basis->plane_load.col(j) += surface.by_parameters.topRows<3>().transpose() * arm -
@@ -183,6 +208,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
   basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
   basis.plane_load.setZero();
+  basis.scanner_load.setZero();
+  basis.scanner_column = scanner_columns_[static_cast<size_t>(observation.scanner_index)];
   using Root = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual = weights.offset * rows.col(9);
   Root root = Root::Zero(rows.rows(), 3);
@@ -213,7 +240,14 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   for (int k = 0; k < num_nodes; ++k) {
     const Eigen::Matrix3d by_node =
         frame * (weights.scale * rows.middleCols<3>(3 * k).transpose() * root);
-    AddLoads(nodes, k, by_node, axes[static_cast<size_t>(k)], centroid, surface, &basis);
+    AddLoads(nodes,
+             k,
+             ByScanner(nodes, k, observation.scanner_index),
+             by_node,
+             axes[static_cast<size_t>(k)],
+             centroid,
+             surface,
+             &basis);
   }
   return basis;
 }
@@ -317,9 +351,10 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
   const Rigid3d world_from_scanner =
       nodes.world_from_body[1] *
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const int own = kPerScanner * observation.scanner_index;
+  const int own = num_per_scanner() * observation.scanner_index;
   coefficients_.leftCols(num_scanner_patterns_).setZero();
   coefficients_.col(own) = WalkAlong(observation, world_from_scanner, landmark);
+  if (!has_mountings_) return;
   const Eigen::Vector2d centroid = observation.centroid();
   const Eigen::Vector3d m =
       world_from_scanner.rotation.conjugate() *
@@ -352,6 +387,10 @@ void ErrorPatterns::RescoreCells(const Observation& observation) {
            explained_move_.segment(basis.first_column, basis.pose_load.rows());
   score += basis.plane_load.topRows(plane_size).transpose() *
            explained_move_.segment(plane_column, plane_size);
+  if (basis.scanner_column >= 0) {
+    score += basis.scanner_load.transpose() *
+             explained_move_.segment<kScannerBlockSize>(basis.scanner_column);
+  }
   for (const CellShare& share : shares_) {
     cell_scores_[static_cast<size_t>(share.cell)] +=
         share.slope * score[0] + share.offset * score[2];
@@ -381,6 +420,10 @@ void ErrorPatterns::Add(const Observation& observation) {
       basis.pose_load.lazyProduct(coefficients_);
   loads_.middleRows(plane_column, plane_size).noalias() +=
       basis.plane_load.topRows(plane_size).lazyProduct(coefficients_);
+  if (basis.scanner_column >= 0) {
+    loads_.middleRows<kScannerBlockSize>(basis.scanner_column).noalias() +=
+        basis.scanner_load.lazyProduct(coefficients_);
+  }
   const auto leading = coefficients_.leftCols(products_.cols());
   products_.noalias() += leading.transpose().lazyProduct(basis.product * leading);
   scanner_scores_.noalias() +=
@@ -399,6 +442,9 @@ void ErrorPatterns::AddCellEffects(const Basis& basis, int plane_column, int pla
   cell_effects_->AddToBand(basis.first_column, basis.pose_load * by_share, cells);
   cell_effects_->AddToBorder(
       plane_column - num_band_, basis.plane_load.topRows(plane_size) * by_share, cells);
+  if (basis.scanner_column < 0) return;
+  cell_effects_->AddToBorder(
+      basis.scanner_column - num_band_, basis.scanner_load * by_share, cells);
 }
 
 Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {
@@ -406,13 +452,14 @@ Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {
 }
 
 Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
+  if (!has_mountings_) return Eigen::MatrixXd::Zero(num_scanner_patterns_, 0);
   Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);
   for (size_t i = 0; i < rig_.scanners.size(); ++i) {
     const Rigid3d& body_from_scanner = rig_.scanners[i].body_from_scanner;
     const Eigen::Matrix3d scanner_from_body =
         body_from_scanner.rotation.toRotationMatrix().transpose();
     const Eigen::Vector3d& at = body_from_scanner.translation;
-    const auto row = static_cast<Eigen::Index>(i) * kPerScanner + 1;
+    const auto row = static_cast<Eigen::Index>(i) * num_per_scanner() + 1;
     for (int j = 0; j < 3; ++j) {
       const Eigen::Vector3d axis = Eigen::Vector3d::Unit(j);
       common.block<3, 1>(row, j) = scanner_from_body * axis;

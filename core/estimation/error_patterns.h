@@ -16,6 +16,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/rig.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/spline/spline.h"
 
@@ -25,7 +26,8 @@ namespace plumbline {
 // a recording and, through them, to its estimate. Two kinds of patterns:
 //
 //   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
-//             scanner's frame; constant for the recording
+//             scanner's frame; constant for the recording. The mountings of a rig whose
+//             scanners are estimated are no patterns: the estimate adapts to them
 //   cells:    a surface that deviates from its plane by some distance (m) at one node of a
 //   grid,
 //             falling off to none at the next nodes (bilinear)
@@ -36,12 +38,13 @@ namespace plumbline {
 // ("probes", each cell with a random sign).
 class ErrorPatterns {
  public:
-  static constexpr int kPerScanner = 7;       // range, 3 rotation, 3 translation
   static constexpr int kNumProbes = 96;       // 14 % of a variance that they alone give
   static constexpr int kNumTraceProbes = 24;  // of these, for sums over all pairs of cells
 
-  // All of them outlive the patterns, which have probes for the sums over pairs of cells only.
+  // rig: with the scanners' poses of the calibration. All of them outlive the patterns, which
+  // have probes for the sums over pairs of cells only.
   ErrorPatterns(const Rig& rig,
+                const RigCalibration& calibration,
                 const Trajectory& trajectory,
                 const std::deque<Landmark>& landmarks,
                 const BlockLayout& layout,
@@ -49,6 +52,7 @@ class ErrorPatterns {
   // The same with all probes, and with what single cells do to the landmarks. factor: of the
   // normal matrix, in the layout's columns.
   ErrorPatterns(const Rig& rig,
+                const RigCalibration& calibration,
                 const Trajectory& trajectory,
                 const std::deque<Landmark>& landmarks,
                 const BlockLayout& layout,
@@ -58,6 +62,8 @@ class ErrorPatterns {
   // Takes in one more segment, which has a landmark. Near the last ones in time, for speed.
   void Add(const Observation& observation);
 
+  // Range, and with mountings 3 rotation and 3 translation.
+  int num_per_scanner() const { return has_mountings_ ? 7 : 1; }
   int num_scanner_patterns() const { return num_scanner_patterns_; }
   // Orthonormal basis of what turns and shifts all scanners together, as the body would.
   Eigen::MatrixXd CommonScannerPatterns() const;
@@ -84,6 +90,8 @@ class ErrorPatterns {
     std::array<int64_t, 3> times_ns = {};
     std::array<Rigid3d, 3> world_from_body;
     std::array<SplinePoseJacobian, 3> jacobians;
+    std::array<Eigen::Vector3d, 3> angular;  // rad/s, world
+    std::array<Eigen::Vector3d, 3> linear;   // m/s, world
     std::array<Trajectory::Location, 3> at;
   };
   // Six control points at most have a part in a segment.
@@ -94,6 +102,8 @@ class ErrorPatterns {
     int first_column = 0;  // of the control points
     PoseLoad pose_load;    // J^T U, their rows x 3
     Eigen::Matrix3d plane_load;
+    Eigen::Matrix<double, kScannerBlockSize, 3> scanner_load;
+    int scanner_column = -1;  // of the scanner's block; -1: not estimated
     Eigen::Matrix3d product;  // U^T U
     Eigen::Vector3d score;    // U^T r
   };
@@ -129,13 +139,17 @@ class ErrorPatterns {
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
   // Adds what the three patterns do at a node. by_node: d(residuals) / d(g of the node),
   // transposed, times each of them; axes: of the scan plane and its origin's lever, world.
+  // by_scanner: of the body's pose at the node.
   void AddLoads(const Nodes& nodes,
                 int k,
+                const BodyByScanner& by_scanner,
                 const Eigen::Matrix3d& by_node,
                 const Eigen::Matrix3d& axes,
                 const Eigen::Vector2d& centroid,
                 const NearSurface& surface,
                 Basis* basis) const;
+  // How a scanner's block moves the body at a node, in the directions that are estimated.
+  BodyByScanner ByScanner(const Nodes& nodes, int k, int scanner) const;
   void AddPoseLoad(const Nodes& nodes,
                    int k,
                    const Eigen::Vector3d& turn,
@@ -160,14 +174,17 @@ class ErrorPatterns {
              double slope);
 
   const Rig& rig_;
+  const RigCalibration& calibration_;
   const Trajectory& trajectory_;
   const std::deque<Landmark>& landmarks_;
   const BlockLayout& layout_;
   const bool planar_;
   const int num_band_;
+  const bool has_mountings_;
   const int num_scanner_patterns_;
   std::vector<Surface> surfaces_;      // by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated
+  std::vector<int> scanner_columns_;   // by scanner; -1: not estimated
   std::optional<BorderSolver> cell_effects_;  // on the landmarks; column: a cell
   std::vector<Nodes> nodes_;           // of the last scan lines
   size_t next_nodes_ = 0;

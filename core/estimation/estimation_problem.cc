@@ -62,6 +62,8 @@ double* EstimationProblem::Data(const BlockId& block) const {
       return trajectory_->control_point(block.index).position.data();
     case BlockId::Kind::kLandmark:
       return (*landmarks_)[static_cast<size_t>(block.index)].parameters.data();
+    case BlockId::Kind::kScanner:
+      return Estimate(block).block.data();
   }
   LOG(FATAL) << "unknown block";
   return nullptr;
@@ -75,13 +77,17 @@ int EstimationProblem::AmbientSize(const BlockId& block) const {
       return 3;
     case BlockId::Kind::kLandmark:
       return (*landmarks_)[static_cast<size_t>(block.index)].num_parameters();
+    case BlockId::Kind::kScanner:
+      return kScannerBlockSize;
   }
   LOG(FATAL) << "unknown block";
   return 0;
 }
 
 LinearPrior::Kind EstimationProblem::KindOf(const BlockId& block) const {
-  if (block.kind == BlockId::Kind::kPosition) return LinearPrior::Kind::kEuclidean;
+  if (block.kind == BlockId::Kind::kPosition || IsScanner(block)) {
+    return LinearPrior::Kind::kEuclidean;
+  }
   if (block.kind == BlockId::Kind::kLandmark) {
     const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
     return landmark.model == PlaneModel::kVertical ? LinearPrior::Kind::kVerticalPlane
@@ -109,13 +115,23 @@ const ceres::Manifold* EstimationProblem::MakeManifold(const BlockId& block) {
   if (block.kind == BlockId::Kind::kPosition) {
     return planar_ ? planar_position_manifold_.get() : nullptr;
   }
+  if (IsScanner(block)) {
+    const ScannerBlock& sigmas = Estimate(block).prior_sigma;
+    std::vector<int> held;
+    for (int i = 0; i < kScannerBlockSize; ++i) {
+      if (sigmas[static_cast<size_t>(i)] == 0.0) held.push_back(i);
+    }
+    if (held.empty()) return nullptr;
+    own_manifolds_.push_back(std::make_unique<ceres::SubsetManifold>(kScannerBlockSize, held));
+    return own_manifolds_.back().get();
+  }
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
   if (landmark.model != PlaneModel::kVertical) return nullptr;
   if (landmark.heading_fixed) return fixed_heading_manifold_.get();
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector3d centre = extent.empty() ? extent.anchor() : extent.Centre();
-  plane_manifolds_.push_back(CreateVerticalPlaneManifold(centre.head<2>()));
-  return plane_manifolds_.back().get();
+  own_manifolds_.push_back(CreateVerticalPlaneManifold(centre.head<2>()));
+  return own_manifolds_.back().get();
 }
 
 std::vector<double*> EstimationProblem::ControlPointBlocks(int first, int count) {
@@ -179,13 +195,17 @@ void EstimationProblem::AddSegments(const std::vector<const Observation*>& obser
   segments_.push_back({observations, huber_width});
   const SegmentGroupCache::Loss loss{huber_width, landmarks_held_};
   for (const SegmentGroupCache::Entry* entry :
-       cache->Update(rig_, *trajectory_, *landmarks_, observations, loss)) {
+       cache->Update(rig_, calibration_, *trajectory_, *landmarks_, observations, loss)) {
     std::vector<double*> blocks = ControlPointBlocks(
         entry->first_control_point, entry->group->group().num_control_points());
     for (const int id : entry->landmark_ids) {
       Register(LandmarkBlock(id));
       blocks.push_back(Data(LandmarkBlock(id)));
     }
+    ForEachEstimated([&](const BlockId& scanner) {
+      Register(scanner);
+      blocks.push_back(Data(scanner));
+    });
     group_terms_.push_back({entry->group, std::move(blocks)});
   }
 }
@@ -288,6 +308,24 @@ void EstimationProblem::AddPrior(const Prior& prior) {
   if (!prior.empty()) AddFactor(CreateLinearPriorFactor(prior.linear), prior.blocks);
 }
 
+void EstimationProblem::AddScannerPriors() {
+  ForEachEstimated([&](const BlockId& scanner) {
+    const ScannerBlock& sigmas = Estimate(scanner).prior_sigma;
+    Prior prior;
+    prior.blocks.push_back(scanner);
+    prior.linear.blocks.push_back({LinearPrior::Kind::kEuclidean,
+                                   kScannerBlockSize,
+                                   Eigen::VectorXd::Zero(kScannerBlockSize)});
+    prior.linear.root.setZero(kScannerBlockSize, kScannerBlockSize);
+    prior.linear.offset.setZero(kScannerBlockSize);
+    for (int i = 0; i < kScannerBlockSize; ++i) {
+      const double sigma = sigmas[static_cast<size_t>(i)];
+      if (sigma > 0.0) prior.linear.root(i, i) = 1.0 / sigma;
+    }
+    AddPrior(prior);
+  });
+}
+
 void EstimationProblem::AddPoseConstraint(const PoseConstraint& constraint) {
   const Trajectory::Location at = trajectory_->Locate(constraint.time_ns);
   Add(CreatePoseFactor(constraint.measurement, at.u),
@@ -307,7 +345,11 @@ BlockLayout EstimationProblem::Layout() const {
     // A landmark that is held in part is held in its heading, a position in its height.
     const bool heading_held = IsLandmark(block) && free_size < size;
     for (int i = 0; i < size; ++i) {
-      layout.is_free.push_back(heading_held ? i > 0 : i < free_size);
+      if (IsScanner(block)) {
+        layout.is_free.push_back(Estimate(block).prior_sigma[static_cast<size_t>(i)] > 0.0);
+      } else {
+        layout.is_free.push_back(heading_held ? i > 0 : i < free_size);
+      }
     }
     layout.blocks.push_back(block);
     layout.offsets.push_back(layout.offsets.back() + size);
@@ -334,7 +376,7 @@ void EstimationProblem::Move(const BlockLayout& layout, const Eigen::VectorXd& s
   for (const BlockId& block : layout.blocks) {
     double* data = Data(block);
     const int size = AmbientSize(block);
-    std::array<double, 4> moved;
+    Values::value_type moved;
     if (const ceres::Manifold* manifold = ManifoldOf(block)) {
       manifold->Plus(data, next, moved.data());
       next += manifold->TangentSize();

@@ -14,6 +14,7 @@
 #include "core/map/observation.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
@@ -74,6 +75,10 @@ class EstimationProblem {
   // term is added.
   void HoldLandmarks() { landmarks_held_ = true; }
   void HoldControlPointsBefore(int control_point) { first_free_ = control_point; }
+  // Makes unknowns of the scanners that are estimated (nullptr: of none), where segments are
+  // added and landmarks are not held; points have their scanners where the rig has them.
+  // Called before any term is added; calibration outlives the problem.
+  void EstimateScanners(RigCalibration* calibration) { calibration_ = calibration; }
 
   // Adds the point-to-plane residuals of segments that have a landmark. huber_width: of the
   // loss on the norm of a segment's residuals, in standard deviations; 0: least squares. The
@@ -98,6 +103,8 @@ class EstimationProblem {
                           const MotionProfile& noise,
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
+  // Adds what the rig file says of the estimated scanners.
+  void AddScannerPriors();
   void AddPoseConstraint(const PoseConstraint& constraint);
   // Adds what wheels say of the knot interval that begins with this control point.
   void AddOdometry(int first, const OdometryMeasurement& measurement);
@@ -122,7 +129,7 @@ class EstimationProblem {
   const ceres::Manifold* ManifoldOf(const BlockId& block) const;
 
   // Values of the unknowns, by their position in a layout.
-  using Values = std::vector<std::array<double, 4>>;
+  using Values = std::vector<std::array<double, kScannerBlockSize>>;
   Values ValuesOf(const BlockLayout& layout) const;
   void SetValues(const BlockLayout& layout, const Values& values);
   // Moves the unknowns by their parts of a step, whose rows are the layout's free columns.
@@ -135,9 +142,20 @@ class EstimationProblem {
   };
 
   bool IsHeld(const BlockId& block) const {
-    return IsLandmark(block) ? landmarks_held_ : block.index < first_free_;
+    return IsControlPoint(block) ? block.index < first_free_ : landmarks_held_;
+  }
+  ScannerEstimate& Estimate(const BlockId& scanner) const {
+    return calibration_->scanners[static_cast<size_t>(scanner.index)];
   }
   void Register(const BlockId& block);
+  // Calls visit(block id) for each scanner that is estimated.
+  template <typename Visit>
+  void ForEachEstimated(const Visit& visit) const {
+    if (calibration_ == nullptr) return;
+    for (size_t i = 0; i < calibration_->scanners.size(); ++i) {
+      if (calibration_->scanners[i].IsEstimated()) visit(ScannerBlockId(static_cast<int>(i)));
+    }
+  }
   const ceres::Manifold* MakeManifold(const BlockId& block);
   std::vector<double*> ControlPointBlocks(int first, int count);
   void Add(std::unique_ptr<ceres::CostFunction> factor,
@@ -149,6 +167,7 @@ class EstimationProblem {
   bool planar_;
   Trajectory* trajectory_;
   std::deque<Landmark>* landmarks_;
+  RigCalibration* calibration_ = nullptr;
   bool landmarks_held_ = false;
   int first_free_ = 0;
   // The extrinsics are parameter blocks that no layout has, constant: the factors can estimate
@@ -158,7 +177,7 @@ class EstimationProblem {
   std::unique_ptr<ceres::Manifold> rotation_manifold_;  // shared by all rotations
   std::unique_ptr<ceres::Manifold> planar_position_manifold_;
   std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
-  std::vector<std::unique_ptr<ceres::Manifold>> plane_manifolds_;
+  std::vector<std::unique_ptr<ceres::Manifold>> own_manifolds_;  // of planes and scanners
   std::map<BlockId, const ceres::Manifold*> blocks_;
   std::vector<GroupTerm> group_terms_;
   std::vector<FactorTerm> factor_terms_;

@@ -110,7 +110,7 @@ class FactorEvaluator {
   std::vector<std::pair<size_t, size_t>> order_;  // position in the layout, in the term
   std::vector<double> values_;
   std::vector<double*> by_parameters_;  // Jacobians by the blocks' ambient parameters
-  std::array<double, 16> tangents_;
+  std::array<double, kScannerBlockSize * kScannerBlockSize> tangents_;  // of the largest block
   std::vector<int> columns_;
   Eigen::MatrixXd jacobian_;
   Eigen::VectorXd residuals_;
@@ -179,6 +179,11 @@ std::vector<RowRange> RowRangesOf(const GroupTerm& term,
   const std::vector<int>& offsets = group.plane_offsets();
   for (size_t i = 0; i + 1 < offsets.size(); ++i) {
     add(2 * num_poses + i, offsets[i], offsets[i + 1] - offsets[i]);
+  }
+  for (int i = 0; i < group.num_estimated_scanners(); ++i) {
+    add(2 * num_poses + offsets.size() - 1 + static_cast<size_t>(i),
+        group.ScannerOffset(i),
+        kScannerBlockSize);
   }
   return ranges;
 }

@@ -94,10 +94,15 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   for (int i = 0; i < layout.size(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
   }
-  result.landmarks_ = result.inverse_.border();
-  if (errors.shift.size() == 0) return result;
-  result.landmarks_ += errors.landmarks;
-  result.shift_ = std::move(errors.shift);
+  Eigen::MatrixXd border = result.inverse_.border();
+  if (errors.shift.size() > 0) {
+    border += errors.landmarks;
+    result.shift_ = std::move(errors.shift);
+  }
+  const int num_landmark_rows = result.offsets_.back();
+  const Eigen::Index num_scanner_rows = border.rows() - num_landmark_rows;
+  result.landmarks_ = border.topLeftCorner(num_landmark_rows, num_landmark_rows);
+  result.scanners_ = border.bottomRightCorner(num_scanner_rows, num_scanner_rows);
   return result;
 }
 

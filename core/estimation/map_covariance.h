@@ -44,6 +44,9 @@ class MapCovariance {
   const std::vector<int>& offsets() const { return offsets_; }
   const Eigen::MatrixXd& landmarks() const { return landmarks_; }
 
+  // Of the estimated scanners' blocks together; those of the rig's order.
+  const Eigen::MatrixXd& scanners() const { return scanners_; }
+
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
 
@@ -62,6 +65,7 @@ class MapCovariance {
   ArrowheadInverse inverse_;
   Eigen::MatrixXd shift_;  // of the control points by correlated errors; empty: none
   Eigen::MatrixXd landmarks_;
+  Eigen::MatrixXd scanners_;
   std::vector<WeakDirection> weak_directions_;
 };
 

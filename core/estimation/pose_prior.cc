@@ -16,7 +16,7 @@ std::vector<int> RowsInPoses(const NormalEquations& equations, int first) {
   std::vector<int> rows;
   for (size_t i = 0; i < equations.blocks.size(); ++i) {
     const BlockId& block = equations.blocks[i];
-    if (IsLandmark(block) || block.index < first) continue;
+    if (!IsControlPoint(block) || block.index < first) continue;
     const int size = BlockSize(equations, i);
     const int first_row = kPoseSize * (block.index - first) +
                           (block.kind == BlockId::Kind::kPosition ? 3 : 3 - size);

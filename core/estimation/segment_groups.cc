@@ -57,8 +57,12 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
                                       normals[static_cast<size_t>(segment.plane)]);
     segments.push_back(segment);
   }
-  SegmentGroup group(
-      num_control_points, scanners, std::move(planes), std::move(segments), loss.huber_width);
+  SegmentGroup group(num_control_points,
+                     trajectory.knot_interval_s(),
+                     scanners,
+                     std::move(planes),
+                     std::move(segments),
+                     loss.huber_width);
   return {first,
           std::move(ids),
           std::make_shared<LinearisedGroup>(std::move(group), loss.landmarks_held)};
@@ -79,11 +83,15 @@ SegmentWeights ObservationWeights(const ObservationPoses& poses,
 
 namespace {
 
-std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig) {
+std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig,
+                                              const RigCalibration* calibration) {
   std::vector<SegmentGroup::Scanner> scanners;
-  for (const Scanner& scanner : rig.scanners) {
-    scanners.push_back({scanner.body_from_scanner.rotation.toRotationMatrix(),
-                        scanner.body_from_scanner.translation});
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const bool estimated = calibration != nullptr && !calibration->scanners.empty() &&
+                           calibration->scanners[i].IsEstimated();
+    const Rigid3d& pose =
+        estimated ? calibration->scanners[i].stated : rig.scanners[i].body_from_scanner;
+    scanners.push_back({{pose.rotation.toRotationMatrix(), pose.translation}, estimated});
   }
   return scanners;
 }
@@ -130,11 +138,12 @@ std::map<int, std::vector<const Observation*>> ByInterval(
 
 std::vector<const SegmentGroupCache::Entry*> SegmentGroupCache::Update(
     const Rig& rig,
+    const RigCalibration* calibration,
     const Trajectory& trajectory,
     const std::deque<Landmark>& landmarks,
     const std::vector<const Observation*>& observations,
     const Loss& loss) {
-  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig);
+  const std::vector<SegmentGroup::Scanner> scanners = ScannersOf(rig, calibration);
   std::vector<const Entry*> entries;
   for (const auto& [first, observed] :
        ByInterval(trajectory, observations, intervals_per_group_)) {

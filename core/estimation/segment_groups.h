@@ -10,6 +10,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/rig.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/segment/linearised_group.h"
 #include "factors/segment/segment_measurement.h"
@@ -41,7 +42,9 @@ class SegmentGroupCache {
 
   // Returns the groups of these observations, which have landmarks and outlive the groups.
   // Valid until the next call.
+  // calibration: the scanners that the groups have blocks of; nullptr: none.
   std::vector<const Entry*> Update(const Rig& rig,
+                                   const RigCalibration* calibration,
                                    const Trajectory& trajectory,
                                    const std::deque<Landmark>& landmarks,
                                    const std::vector<const Observation*>& observations,

@@ -109,7 +109,8 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
 FloorPlanInput ReadFloorPlanInput(const std::string& result_directory,
                                   const std::string& rig_file) {
   FloorPlanInput input;
-  const std::string rig_used = result_directory + "/" + kRigUsed;
+  std::string rig_used = result_directory + "/" + kRigCalibrated;
+  if (!std::filesystem::exists(rig_used)) rig_used = result_directory + "/" + kRigUsed;
   if (rig_file.empty() && !std::filesystem::exists(rig_used)) {
     throw Error(rig_used + ": is missing: the map was made by an earlier version, name its " +
                 "rig file with --rig");

@@ -116,7 +116,7 @@ ScanMatcher::ScanMatcher(const Rig& rig,
                          bool planar,
                          const PointOptions& options,
                          double scan_period_s)
-    : rig_(rig),
+    : rig_(&rig),
       options_(options),
       scan_period_s_(scan_period_s),
       repeated_weight_(std::min(1.0, scan_period_s / kRepeatTime)),
@@ -137,12 +137,12 @@ void ScanMatcher::Take(const Scan& scan) {
   lines_.clear();
   for (size_t i = 0; i < scan.scan_lines.size(); ++i) {
     const ScanLine& scan_line = scan.scan_lines[i];
-    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Scanner& scanner = rig_->scanners[static_cast<size_t>(scan_line.scanner_index)];
     bool is_new = true;
     for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
       const double range = scan_line.ranges[static_cast<size_t>(beam)];
       if (!scanner.IsValidRange(range)) continue;
-      const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
+      const int64_t time_ns = BeamInstant(scan_line, beam, *rig_);
       if (is_new || time_ns - lines_.back().times_ns.front() > kMaxSpanNs) {
         lines_.emplace_back();
         lines_.back().scanner_index = scan_line.scanner_index;
@@ -166,7 +166,7 @@ void ScanMatcher::Take(const Scan& scan) {
 
 ScanMotion ScanMatcher::MotionOf(const Line& line, PoseSampler* poses) const {
   const Rigid3d& body_from_scanner =
-      rig_.scanners[static_cast<size_t>(line.scanner_index)].body_from_scanner;
+      rig_->scanners[static_cast<size_t>(line.scanner_index)].body_from_scanner;
   const std::array<int64_t, 3> times_ns = {
       line.times_ns.front(), line.middle_ns(), line.times_ns.back()};
   std::array<Rigid3d, 3> world_from_scanner;
@@ -182,7 +182,7 @@ void ScanMatcher::MatchLine(const Line& line,
                             const MotionVector& error,
                             PoseSampler* poses,
                             ScanMatch* match) const {
-  const double noise_m = rig_.scanners[static_cast<size_t>(line.scanner_index)].range_noise_m;
+  const double noise_m = rig_->scanners[static_cast<size_t>(line.scanner_index)].range_noise_m;
   const double surface_stddev_m = options_.surface_stddev_m * (1 << level);
   const double surface_variance = surface_stddev_m * surface_stddev_m;
   const ScanMotion motion = MotionOf(line, poses);

@@ -47,6 +47,8 @@ using BeamMask = std::vector<std::vector<bool>>;
 class ScanMatcher {
  public:
   ScanMatcher(const Rig& rig, bool planar, const PointOptions& options, double scan_period_s);
+  // Goes on from where another one stands, with a rig of its own.
+  ScanMatcher(const ScanMatcher& other, const Rig& rig) : ScanMatcher(other) { rig_ = &rig; }
 
   static constexpr int kNumLevels = 3;
 
@@ -134,7 +136,7 @@ class ScanMatcher {
                  PoseSampler* poses,
                  ScanMatch* match) const;
 
-  const Rig& rig_;
+  const Rig* rig_;
   PointOptions options_;
   double scan_period_s_;
   double repeated_weight_;

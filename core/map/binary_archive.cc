@@ -191,6 +191,14 @@ void BinaryArchive::operator()(MapGap& gap) {
   (*this)(reason);
 }
 
+void BinaryArchive::operator()(ScannerEstimate& scanner) {
+  auto& [stated, block, prior_sigma, covariance] = scanner;
+  (*this)(stated);
+  (*this)(block);
+  (*this)(prior_sigma);
+  (*this)(covariance);
+}
+
 void BinaryArchive::operator()(MapState& state) {
   auto& [trajectory,
          landmarks,
@@ -201,7 +209,8 @@ void BinaryArchive::operator()(MapState& state) {
          pose_constraints,
          gaps,
          odometry,  // stands in the recording
-         odometry_calibration] = state;
+         odometry_calibration,
+         calibration] = state;
   trajectory.VisitMembers(*this);
   (*this)(landmarks);
   (*this)(observations);
@@ -211,6 +220,7 @@ void BinaryArchive::operator()(MapState& state) {
   (*this)(pose_constraints);
   (*this)(gaps);
   odometry_calibration.VisitMembers(*this);
+  (*this)(calibration.scanners);
 }
 
 }  // namespace plumbline

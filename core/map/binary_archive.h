@@ -80,6 +80,7 @@ class BinaryArchive {
   void operator()(MovingBeams& beams);
   void operator()(PoseConstraint& constraint);
   void operator()(MapGap& gap);
+  void operator()(ScannerEstimate& scanner);
   void operator()(MapState& state);
 
  private:

@@ -23,6 +23,25 @@ bool MapState::IsMapped(int64_t time_ns) const {
   });
 }
 
+Matrix6d ScannerCovariance(const MapState& state, const Observation& observation) {
+  const auto index = static_cast<size_t>(observation.scanner_index);
+  if (index >= state.calibration.scanners.size()) return Matrix6d::Zero();
+  const ScannerEstimate& scanner = state.calibration.scanners[index];
+  if (!scanner.IsEstimated()) return Matrix6d::Zero();
+  const int64_t time_ns = observation.middle_time_ns();
+  Eigen::Vector3d angular;
+  Eigen::Vector3d linear;
+  state.trajectory.Velocity(time_ns, &angular, &linear);
+  const BodyByScanner by_scanner = BodyMotionByScanner(
+      state.trajectory.WorldFromBody(time_ns).rotation.toRotationMatrix(),
+      PoseOfScanner({scanner.stated.rotation.toRotationMatrix(), scanner.stated.translation},
+                    scanner.block.data()),
+      scanner.block.data(),
+      angular,
+      linear);
+  return by_scanner * scanner.covariance * by_scanner.transpose();
+}
+
 void CountObservation(const Observation& observation,
                       const ObservationPoses& poses,
                       MapState* state) {

@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/matrix_types.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/moving_beams.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/odometry_calibration.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
@@ -44,10 +46,17 @@ struct MapState {
   // What wheels say of the motion, and how far to trust it; nullptr: there is no odometry.
   std::shared_ptr<const Odometry> odometry = nullptr;
   OdometryCalibration odometry_calibration = {};
+  // The scanners, where they are estimated.
+  RigCalibration calibration = {};
 
   // Whether the trajectory covers the instant, and it lies in no gap.
   bool IsMapped(int64_t time_ns) const;
 };
+
+// The covariance that the scanner of an observation adds to that of the body's pose at the
+// observation's middle (world-frame rotation and position): what its estimate may be off, as
+// if the body were off; zero where the scanner is not estimated.
+Matrix6d ScannerCovariance(const MapState& state, const Observation& observation);
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
 // the order of time, or near it.

@@ -41,7 +41,7 @@ class Batch {
         progress_(progress),
         recording_(recording),
         state_(state),
-        estimator_(rig, planar, options, state),
+        estimator_(planar, options, state, &rig_),
         openings_(state->landmarks.size()) {}
 
   // Rounds of better associations and a better estimate, then the last estimation.
@@ -162,7 +162,7 @@ class Batch {
     progress_(share_done_);
   }
 
-  const Rig& rig_;
+  Rig rig_;  // its poses as they are estimated
   bool planar_;
   const MapperOptions& options_;
   const ProgressCallback& progress_;

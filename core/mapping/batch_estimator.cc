@@ -70,10 +70,10 @@ SolverKind SolverOf(const MapState& state, const BatchOptions& options) {
 
 }  // namespace
 
-BatchEstimator::BatchEstimator(const Rig& rig,
-                               bool planar,
+BatchEstimator::BatchEstimator(bool planar,
                                const MapperOptions& options,
-                               MapState* state)
+                               MapState* state,
+                               Rig* rig)
     : rig_(rig),
       planar_(planar),
       options_(options),
@@ -88,11 +88,13 @@ void BatchEstimator::EstimateRobustly() {
       GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
   TakeNoise(FindMotionEvidence(
       motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
+  state_->calibration.ApplyPoses(rig_);
 }
 
 void BatchEstimator::StepRobustly() {
   TakeGaussNewtonStep(
       BuildProblem(FactorKind::kSegment, options_.association.huber_width).get());
+  state_->calibration.ApplyPoses(rig_);
 }
 
 FinalEstimate BatchEstimator::EstimateFinally() {
@@ -104,6 +106,7 @@ FinalEstimate BatchEstimator::EstimateFinally() {
     ArrowheadEquations equations =
         MakeBatchSolver(SolverOf(*state_, options_.batch), kFinalOptions)
             ->Solve(problem.get());
+    state_->calibration.ApplyPoses(rig_);
     VLOG(1) << "cost " << equations.cost;
     const std::vector<MotionEvidence> evidence = FindMotionEvidence(
         motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
@@ -131,7 +134,9 @@ double BatchEstimator::TakeNoise(const std::vector<MotionEvidence>& evidence) {
 std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind factor,
                                                                 double huber_width) {
   auto problem = std::make_unique<EstimationProblem>(
-      rig_, planar_, &state_->trajectory, &state_->landmarks);
+      *rig_, planar_, &state_->trajectory, &state_->landmarks);
+  problem->EstimateScanners(factor == FactorKind::kSegment ? &state_->calibration : nullptr);
+  problem->AddScannerPriors();
   if (static_cast<int>(motion_noise_.at.size()) + 2 !=
       state_->trajectory.num_control_points()) {
     motion_noise_ = MotionProfile::Uniform(motion_noise_.usual, state_->trajectory);
@@ -160,7 +165,7 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
                                       const MotionEvidence& motion) const {
   double num_points = 0.0;
   double constant = 0.0;
-  SharedPoses poses(rig_, state_->trajectory);
+  SharedPoses poses(*rig_, state_->trajectory);
   ForEachAssociated(*state_, [&](const Observation& observation) {
     num_points += observation.num_points;
     if (options_.batch.factor == FactorKind::kPoint) return;  // its residuals hold everything
@@ -183,13 +188,20 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
   };
   // Most of the time goes into recordings that show such errors.
   const auto are_shown = [&] {
-    ErrorPatterns sampled(rig_, state_->trajectory, state_->landmarks, layout, planar_);
+    ErrorPatterns sampled(
+        *rig_, state_->calibration, state_->trajectory, state_->landmarks, layout, planar_);
     for_each(SamplingOf(*state_),
              [&](const Observation& observation) { sampled.Add(observation); });
     return ShowCorrelatedErrors(sampled, factor);
   };
   if (!are_shown()) return {};
-  ErrorPatterns patterns(rig_, state_->trajectory, state_->landmarks, layout, planar_, factor);
+  ErrorPatterns patterns(*rig_,
+                         state_->calibration,
+                         state_->trajectory,
+                         state_->landmarks,
+                         layout,
+                         planar_,
+                         factor);
   for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(
       factor,
@@ -221,6 +233,13 @@ MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
     landmark.covariance.setZero();
     landmark.covariance.topLeftCorner(size, size) =
         covariance.landmarks().block(offsets[i], offsets[i], size, size);
+  }
+  Eigen::Index row = 0;
+  for (const BlockId& block : problem.Layout().blocks) {
+    if (!IsScanner(block)) continue;
+    state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
+        covariance.scanners().block<kScannerBlockSize, kScannerBlockSize>(row, row);
+    row += kScannerBlockSize;
   }
   return covariance;
 }

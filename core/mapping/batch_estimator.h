@@ -30,7 +30,9 @@ struct FinalEstimate {
 class BatchEstimator {
  public:
   // The state outlives the estimator, and its associations may change between the estimations.
-  BatchEstimator(const Rig& rig, bool planar, const MapperOptions& options, MapState* state);
+  // rig: the rig file's, with clocks that stay; gets the scanners' poses as they are
+  // estimated.
+  BatchEstimator(bool planar, const MapperOptions& options, MapState* state, Rig* rig);
 
   // Estimates with a robust loss, for associations that may still be wrong.
   void EstimateRobustly();
@@ -38,8 +40,8 @@ class BatchEstimator {
   // Between rounds little changes: what one step leaves is less than the next associations
   // will move.
   void StepRobustly();
-  // Estimates by plain least squares, and gives the landmarks their covariances (absolute, in
-  // the model frame).
+  // Estimates by plain least squares, and gives landmarks and scanners their covariances
+  // (absolute, in the model frame).
   FinalEstimate EstimateFinally();
 
  private:
@@ -62,7 +64,7 @@ class BatchEstimator {
   // of it.
   MapCovariance SetCovariances(const EstimationProblem& problem);
 
-  const Rig& rig_;
+  Rig* rig_;
   bool planar_;
   const MapperOptions& options_;
   MapState* state_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/check/check.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -19,14 +20,18 @@ bool MakesMapWrong(const Finding& finding) {
 }
 
 // What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
-// a wrong map would come of it.
+// a wrong map would come of it. What they say of how scanners are mounted is left out where
+// the map estimates that, and better.
 std::vector<Finding> FindingsOf(const std::string& recording,
                                 const CheckReport& report,
+                                bool estimates_scanners,
                                 bool force) {
   std::vector<Finding> findings;
   for (const Finding& finding : report.findings) {
     if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
-        finding.about == Subject::kView) {
+        finding.about == Subject::kView ||
+        (estimates_scanners && finding.about == Subject::kMounting &&
+         finding.severity == Severity::kWarning)) {
       continue;
     }
     if (MakesMapWrong(finding) && !force) {
@@ -73,7 +78,8 @@ CheckedRecording ReadChecked(const std::string& recording,
   RecordingSurvey survey = surveyor.Finish(checked.reader->topics());
   survey.wheels = checked.reader->odometry();
   const CheckReport report = CheckSurvey(std::move(survey), rig);
-  checked.findings = FindingsOf(recording, report, force);
+  const bool estimates_scanners = !RigCalibration(rig, IsPlanar(rig)).scanners.empty();
+  checked.findings = FindingsOf(recording, report, estimates_scanners, force);
   checked.rig = std::move(rig);
   if (report.other_header) {
     checked.rig = WithHeaders(checked.rig, *report.other_header);

@@ -18,6 +18,7 @@
 #include "core/floor_plan/floor_plan_files.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/plane_patches.h"
+#include "core/mapping/calibration_report.h"
 #include "core/mapping/checked_recording.h"
 #include "core/mapping/checkpoint.h"
 #include "core/mapping/part_poses.h"
@@ -234,6 +235,9 @@ Summary WriteResult(const Rig& rig,
   LogWarnings(points.warnings);
   writer->WriteConfig(MapperOptionsToYaml(options));
   Summary summary = Summarise(*recording, result, points, covariance);
+  summary.calibration =
+      DescribeCalibration(rig, result.state.calibration, result.batch.covariance.scanners());
+  if (!summary.calibration.empty()) writer->WriteCalibration(summary.calibration);
   for (const Scanner& scanner : rig.scanners) summary.scanners.push_back(scanner.name);
   const Stopwatch::Running judging(judging_watch);
   Judge(rig, result, points, *recording, &summary);
@@ -280,7 +284,7 @@ std::vector<Summary> WriteParts(const Rig& rig,
   for (size_t i = 0; i < parts.size(); ++i) {
     LogWarnings(parts[i].warnings);
     summaries.push_back(WriteResult(
-        rig,
+        parts[i].state.calibration.Calibrated(rig),
         options,
         parts[i],
         [&](double share) {
@@ -304,11 +308,16 @@ void PlaceParts(const Rig& rig,
                 Summary* summary) {
   const PartMatchingOptions options;
   if (parts.size() < 2) return;
-  const PartView of_longest = ViewFromAbove(rig, parts[longest].state, options.spacing_m);
+  const MapState& longest_state = parts[longest].state;
+  const PartView of_longest =
+      ViewFromAbove(longest_state.calibration.Posed(rig), longest_state, options.spacing_m);
   for (size_t i = 0; i < parts.size(); ++i) {
     if (i == longest) continue;
-    const PartMatch match =
-        MatchParts(of_longest, ViewFromAbove(rig, parts[i].state, options.spacing_m), options);
+    const PartMatch match = MatchParts(
+        of_longest,
+        ViewFromAbove(
+            parts[i].state.calibration.Posed(rig), parts[i].state, options.spacing_m),
+        options);
     PartSummary& part = summary->parts[i];
     if (match.pose) {
       const PartPose& pose = *match.pose;
@@ -474,6 +483,11 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();
     WriteRig(rig, output.Folder(folders[i]) + "/" + kRigUsed);
+    const RigCalibration& calibration = parts[i].state.calibration;
+    if (!calibration.scanners.empty()) {
+      WriteRig(CalibratedRig(rig, calibration),
+               output.Folder(folders[i]) + "/" + kRigCalibrated);
+    }
     if (job.floor_plan) WriteFloorPlan(job, output, folders[i]);
   }
   for (const std::string& folder : folders) {

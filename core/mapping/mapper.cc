@@ -103,7 +103,12 @@ MapResult EstimatePart(const Rig& rig,
     const Stopwatch::Running running(&batch_watch);
     ReturnFreeMemoryOfLargeJob();
     try {
-      result.batch = EstimateBatch(rig, planar, options, progress, recording, &result.state);
+      result.batch = EstimateBatch(result.state.calibration.Posed(rig),
+                                   planar,
+                                   options,
+                                   progress,
+                                   recording,
+                                   &result.state);
     } catch (const Error& error) {
       throw Error(FailureInWords(error.what(), result.state));
     }

@@ -198,10 +198,14 @@ void Append(const Rig& rig, FollowedPart later, FollowedPart* earlier) {
   std::move(later.state.moving_beams.begin(),
             later.state.moving_beams.end(),
             std::back_inserter(state.moving_beams));
+  // The longer one has shown more of the scanners.
+  if (later.scan_times_ns.size() > earlier->scan_times_ns.size()) {
+    state.calibration = later.state.calibration;
+  }
   earlier->scan_times_ns.insert(
       earlier->scan_times_ns.end(), later.scan_times_ns.begin(), later.scan_times_ns.end());
   const int num_merged = MergeCommonSurfaces(static_cast<size_t>(num_landmarks), &state);
-  RebuildLandmarks(rig, &state);
+  RebuildLandmarks(state.calibration.Posed(rig), &state);
   LOG(INFO) << "joined the part from " << FormatSeconds(later.start_s) << " to "
             << FormatSeconds(later.end_s) << ": " << num_merged << " surfaces in common";
   earlier->end_s = later.end_s;
@@ -233,14 +237,14 @@ std::optional<Rigid3d> PoseOf(const Rig& rig,
   const Eigen::Vector3d foreseen = Foreseen(earlier, time_s);
   const Eigen::Vector3d start = later.state.trajectory.WorldFromBody(start_ns).translation;
   const PartMatchingOptions options;
-  const PartMatch match =
-      MatchParts(ViewFromAbove(rig, earlier.state, options.spacing_m),
-                 ViewFromAbove(rig, later.state, options.spacing_m),
-                 options,
-                 [&](const PartPose& pose) {
-                   const Eigen::Vector3d found = ToFrame(pose, 0.0) * start;
-                   return (found - foreseen).head<2>().norm() < kMaxDeviation;
-                 });
+  const PartMatch match = MatchParts(
+      ViewFromAbove(earlier.state.calibration.Posed(rig), earlier.state, options.spacing_m),
+      ViewFromAbove(later.state.calibration.Posed(rig), later.state, options.spacing_m),
+      options,
+      [&](const PartPose& pose) {
+        const Eigen::Vector3d found = ToFrame(pose, 0.0) * start;
+        return (found - foreseen).head<2>().norm() < kMaxDeviation;
+      });
   if (!match.pose) {
     *reason = match.reason;
     return std::nullopt;
@@ -269,7 +273,7 @@ void JoinParts(const Rig& rig, bool planar, FollowedRecording* followed) {
     const std::optional<Rigid3d> pose =
         joined.empty() ? std::nullopt : PoseOf(rig, planar, joined.back(), part, &reason);
     if (pose) {
-      Move(rig, *pose, &part.state);
+      Move(part.state.calibration.Posed(rig), *pose, &part.state);
       Append(rig, std::move(part), &joined.back());
       continue;
     }

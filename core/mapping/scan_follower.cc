@@ -58,11 +58,11 @@ ScanFollower::ScanFollower(const ScanFollower& other)
       tentative_planes_(other.tentative_planes_),
       motion_prior_(other.motion_prior_),
       state_(std::make_unique<MapState>(*other.state_)),
-      window_(std::make_unique<Window>(*other.window_, &motion_prior_, state_.get())),
-      tracker_(std::make_unique<Tracker>(*other.tracker_, &motion_prior_, state_.get())),
+      window_(std::make_unique<Window>(*other.window_, rig_, &motion_prior_, state_.get())),
+      tracker_(std::make_unique<Tracker>(*other.tracker_, rig_, &motion_prior_, state_.get())),
       scan_matcher_(other.scan_matcher_ == nullptr
                         ? nullptr
-                        : std::make_unique<ScanMatcher>(*other.scan_matcher_)),
+                        : std::make_unique<ScanMatcher>(*other.scan_matcher_, rig_)),
       scan_times_ns_(other.scan_times_ns_),
       previous_ranges_(other.previous_ranges_),
       last_known_ns_(other.last_known_ns_),
@@ -183,6 +183,7 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->odometry = odometry_;
   state_->odometry_calibration = OdometryCalibration(options_.odometry);
+  state_->calibration = RigCalibration(rig_, planar_);
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, &motion_prior_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, &motion_prior_, state_.get());
@@ -282,7 +283,9 @@ void ScanFollower::StartPlanes(int min_scans, int min_scanners) {
 
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
-  tracker_->Reset(now_ns, window_->Solve(now_ns, window_s));
+  PoseGaussian newest = window_->Solve(now_ns, window_s);
+  state_->calibration.ApplyPoses(&rig_);
+  tracker_->Reset(now_ns, std::move(newest));
   // What has left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
   num_calibrated_ = window_->start();
@@ -444,7 +447,8 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
                               index,
                               poses_->Of(observation),
                               Relative(tracker_->pose_uncertainty().At(
-                                  state_->trajectory, observation.middle_time_ns())));
+                                  state_->trajectory, observation.middle_time_ns())) +
+                                  ScannerCovariance(*state_, observation));
     }
   }
   if (may_found) StartPlanes(options_.planes.min_scans);

@@ -110,7 +110,7 @@ class ScanFollower {
   // Throws LostTrack when the newest pose has been unknown for too long.
   void CheckNotLost(int64_t now_ns);
 
-  const Rig& rig_;
+  Rig rig_;  // its poses as they are estimated
   bool planar_;
   const MapperOptions& options_;
   double scan_period_s_;

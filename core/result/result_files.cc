@@ -37,12 +37,14 @@ bool IsStoreyFile(const std::string& name) {
 bool IsResultFile(const std::string& name) {
   if (IsStoreyFile(name)) return true;
   static const char* const kNames[] = {"building.city.json",
+                                       "calibration.json",
                                        "config_used.yaml",
                                        "loop_closures.json",
                                        "plane_covariance.csv",
                                        "planes.json",
                                        "planes.ply",
                                        "report.html",
+                                       "rig_calibrated.yaml",
                                        "rig_used.yaml",
                                        "rooms.json",
                                        "summary.json",

@@ -11,6 +11,9 @@ bool IsResultFile(const std::string& name);
 
 // The rig file that the map was made with.
 inline constexpr char kRigUsed[] = "rig_used.yaml";
+// The rig as the recording has shown it, to be used next time; there is none where the rig
+// file knows everything exactly.
+inline constexpr char kRigCalibrated[] = "rig_calibrated.yaml";
 
 // Of the directory of the part'th part of a recording, from 1: "part_<part>".
 std::string PartName(size_t part);

@@ -163,6 +163,36 @@ struct Cause {
 };
 
 // Summary holds the figures of summary.json.
+// One number of a scanner's calibration: what it is off the rig file by.
+struct CalibratedParameter {
+  std::string name;   // with its unit
+  std::string words;  // the same for people
+  double value = 0.0;
+  double sigma = 0.0;
+  double prior_sigma = 0.0;  // of the rig file's statement
+
+  // Whether the recording says more of it than the rig file does.
+  bool IsObserved() const { return 2.0 * sigma * sigma < prior_sigma * prior_sigma; }
+};
+
+struct CalibratedScanner {
+  std::string name;
+  // Turns about the body's x, y and z axes, shifts along them, and the clock.
+  std::vector<CalibratedParameter> parameters;
+};
+
+// What has been found of the scanners that were estimated.
+struct Calibration {
+  static constexpr size_t kTurnAt = 0;
+  static constexpr size_t kShiftAt = 3;
+  static constexpr size_t kTimeAt = 6;
+
+  std::vector<CalibratedScanner> scanners;
+  Eigen::MatrixXd covariance;  // of all their parameters, in their units
+
+  bool empty() const { return scanners.empty(); }
+};
+
 struct Summary {
   std::string recording;              // file name, without its directory
   std::string version;                // of the program that made the map
@@ -190,6 +220,7 @@ struct Summary {
   std::vector<std::pair<std::string, double>> motion_noise;
   std::optional<OdometrySummary> odometry;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
+  Calibration calibration;      // stands in calibration.json
   Consistency consistency;
   std::optional<Cause> cause;          // none of a consistent map
   std::vector<UnmappedInterval> gaps;  // between parts that were joined, in the order of time

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include "core/result/calibration_text.h"
 #include "core/result/result_files.h"
 #include "core/result/result_text.h"
 #include "core/util/atomic_file.h"
@@ -68,6 +69,10 @@ void ResultWriter::WriteLoopClosures(const std::vector<LoopClosure>& closures) {
 
 void ResultWriter::AddMapPoints(const PointBuffer& points) {
   for (const auto& cloud : impl_->clouds) cloud->Add(points);
+}
+
+void ResultWriter::WriteCalibration(const Calibration& calibration) {
+  impl_->Write("calibration.json", FormatCalibration(calibration));
 }
 
 void ResultWriter::WriteSummary(const Summary& summary) {

@@ -35,6 +35,7 @@ class ResultWriter {
                    const PlaneCovariance& planes);
   void WriteLoopClosures(const std::vector<LoopClosure>& closures);  // loop_closures.json
   void AddMapPoints(const PointBuffer& points);                      // map.ply, map.pcd, ...
+  void WriteCalibration(const Calibration& calibration);             // calibration.json
   void WriteSummary(const Summary& summary);                         // summary.json
   void WriteConfig(const std::string& yaml);                         // config_used.yaml
   void Finish();  // completes all files; call once, at the end

@@ -26,6 +26,21 @@ Rigid3d ReadRigid(const YamlNode& node) {
       Eigen::Vector3d(t[0], t[1], t[2])};
 }
 
+// Of a rig that was measured with a ruler and a protractor, its clocks being those of one
+// computer that stamps messages as they come.
+ScannerUncertainty MeasuredByHand() { return {1.0 * kRadiansPerDegree, 0.01, 0.002}; }
+
+ScannerUncertainty ReadUncertainty(const YamlNode& node) {
+  ScannerUncertainty uncertainty = MeasuredByHand();
+  double rotation_deg = uncertainty.rotation_rad / kRadiansPerDegree;
+  node.Optional("rotation_deg", &rotation_deg, 0.0, 30.0);
+  uncertainty.rotation_rad = rotation_deg * kRadiansPerDegree;
+  node.Optional("translation_m", &uncertainty.translation_m, 0.0, 1.0);
+  node.Optional("time_s", &uncertainty.time_s, 0.0, 1.0);
+  node.RejectUnreadKeys();
+  return uncertainty;
+}
+
 // What replaces the headers of the messages.
 void ReadHeader(const YamlNode& node, Scanner* scanner) {
   if (node.Has("time_increment_s")) {
@@ -53,6 +68,8 @@ Scanner ReadScanner(const YamlNode& node) {
     node["min_range_m"].Fail("min_range_m must be less than max_range_m");
   }
   node.Optional("time_offset_s", &scanner.time_offset_s, -10.0, 10.0);
+  scanner.uncertainty =
+      node.Has("uncertainty") ? ReadUncertainty(node["uncertainty"]) : MeasuredByHand();
   double angle_noise_deg = scanner.angle_noise_rad / kRadiansPerDegree;
   node.Optional("angle_noise_deg", &angle_noise_deg, 0.0, 10.0);
   scanner.angle_noise_rad = angle_noise_deg * kRadiansPerDegree;
@@ -113,6 +130,10 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
       << "    time_offset_s: " << Format(scanner.time_offset_s) << "\n"
+      << "    uncertainty: {rotation_deg: "
+      << Format(scanner.uncertainty.rotation_rad / kRadiansPerDegree)
+      << ", translation_m: " << Format(scanner.uncertainty.translation_m)
+      << ", time_s: " << Format(scanner.uncertainty.time_s) << "}\n"
       << HeaderText(scanner) << "    beams: " << scanner.beams << "\n"
       << "    field_of_view_deg: " << Format(scanner.field_of_view_deg) << "\n"
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";

@@ -9,6 +9,14 @@
 
 namespace plumbline {
 
+// How far a scanner's pose and clock may be from what is stated: standard deviations, of each
+// axis; 0: known exactly.
+struct ScannerUncertainty {
+  double rotation_rad = 0.0;  // rotation_deg in the file
+  double translation_m = 0.0;
+  double time_s = 0.0;
+};
+
 // Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures.
 struct Scanner {
   std::string name;
@@ -21,6 +29,8 @@ struct Scanner {
   double min_range_m = 0.1;
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
+  // In a rig file that does not say it, that of a pose measured by hand.
+  ScannerUncertainty uncertainty;
 
   // Instead of what the messages say, where a driver leaves it at 0 or has it wrong
   // (core/sensor/scan_header.h). Of the last two, angle_min_deg and angle_increment_deg in the

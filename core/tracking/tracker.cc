@@ -60,8 +60,11 @@ Tracker::Tracker(const Rig& rig,
       state_(state),
       solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
-Tracker::Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* state)
-    : rig_(other.rig_),
+Tracker::Tracker(const Tracker& other,
+                 const Rig& rig,
+                 MotionPrior* motion_prior,
+                 MapState* state)
+    : rig_(rig),
       planar_(other.planar_),
       options_(other.options_),
       motion_prior_(motion_prior),
@@ -105,6 +108,7 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
 
 EstimationProblem Tracker::MakeProblem() const {
   EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  problem.EstimateScanners(&state_->calibration);
   problem.HoldLandmarks();
   problem.HoldControlPointsBefore(first());
   problem.AddPrior(prior_);

@@ -34,7 +34,7 @@ class Tracker {
           MotionPrior* motion_prior,
           MapState* state);
   // Goes on from where another one stands, with copies of what it works on.
-  Tracker(const Tracker& other, MotionPrior* motion_prior, MapState* state);
+  Tracker(const Tracker& other, const Rig& rig, MotionPrior* motion_prior, MapState* state);
 
   // Moves the newest control points, if there are any that no scan has held yet, to where the
   // wheels say that the rig went.

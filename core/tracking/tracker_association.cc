@@ -124,16 +124,19 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
                                    static_cast<double>(end_ns - begin_ns)
                              : 0.0;
     const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
+    const Matrix6d of_scanner = ScannerCovariance(*state_, observation);
     const size_t num_before = hypotheses.size();
-    for (const Hypothesis& possible : HypothesesOf(observation,
-                                                   poses.Of(observation),
-                                                   PoseCovariance(covariance, share),
-                                                   near,
-                                                   options_.association)) {
+    for (const Hypothesis& possible :
+         HypothesesOf(observation,
+                      poses.Of(observation),
+                      PoseCovariance(covariance, share) + of_scanner,
+                      near,
+                      options_.association)) {
       hypotheses.push_back({index,
                             possible.id,
                             possible.deviation.value,
-                            possible.noise,
+                            possible.noise + possible.deviation.by_pose * of_scanner *
+                                                 possible.deviation.by_pose.transpose(),
                             possible.deviation.by_pose.lazyProduct(by_motion)});
     }
     if (hypotheses.size() > num_before) ++num_paired;
@@ -166,7 +169,7 @@ bool Tracker::Associate(int first_observation,
              landmarks);
   SharedPoses shared(rig_, state_->trajectory);
   int64_t middle_ns = 0;
-  Matrix6d covariance;  // of the pose then
+  Matrix6d covariance = Matrix6d::Zero();  // of the pose then
   for (int index = first_observation; index <= last_observation; ++index) {
     Observation& observation = state_->observations[static_cast<size_t>(index)];
     const ObservationPoses& poses = shared.Of(observation);
@@ -174,10 +177,13 @@ bool Tracker::Associate(int first_observation,
       middle_ns = poses.times_ns[1];
       covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
     }
-    const int id =
-        TellsDirection(observation)
-            ? FindLandmark(observation, poses, covariance, near, options_.association)
-            : -1;
+    const int id = TellsDirection(observation)
+                       ? FindLandmark(observation,
+                                      poses,
+                                      covariance + ScannerCovariance(*state_, observation),
+                                      near,
+                                      options_.association)
+                       : -1;
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

@@ -64,8 +64,8 @@ Window::Window(const Rig& rig,
       state_(state),
       solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
 
-Window::Window(const Window& other, MotionPrior* motion_prior, MapState* state)
-    : rig_(other.rig_),
+Window::Window(const Window& other, const Rig& rig, MotionPrior* motion_prior, MapState* state)
+    : rig_(rig),
       planar_(other.planar_),
       options_(other.options_),
       motion_prior_(motion_prior),
@@ -87,6 +87,7 @@ void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) co
 void Window::AddStart(EstimationProblem* problem) const {
   problem->AddStartVelocityPrior(options_.trajectory);
   problem->AddOrigin(state_->origin_time_ns);
+  problem->AddScannerPriors();
 }
 
 void Window::AddPoseConstraints(int end, EstimationProblem* problem) const {
@@ -175,7 +176,8 @@ Window::OutOfView Window::EliminateOutOfView(const std::set<int>& in_view) const
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     const BlockId& block = past.blocks[i];
     const bool is_active =
-        IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_;
+        IsScanner(block) ||
+        (IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_);
     (is_active ? out_of_view.active_blocks : out_of_view.blocks).push_back(i);
     for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
       (is_active ? active_rows : order).push_back(row);
@@ -254,6 +256,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   const bool activated = ActivateLandmarks(in_view);
   const OutOfView out_of_view = EliminateOutOfView(in_view);
   EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  problem.EstimateScanners(&state_->calibration);
   AddMarginalPrior(out_of_view, &problem);
   if (start_ == 0) AddStart(&problem);
   const int num_control_points = state_->trajectory.num_control_points();
@@ -274,11 +277,15 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   // What the planes' uncertainty is to somebody who stands at the newest pose.
   Eigen::MatrixXd covariance =
       InverseOn(equations, RowsOf(equations, [&](const BlockId& block) {
-                  return IsLandmark(block) || block.index < newest;
+                  return !IsControlPoint(block) || block.index < newest;
                 }));
   for (size_t i = 0; i < equations.blocks.size(); ++i) {
     const BlockId& block = equations.blocks[i];
     const int row = equations.offsets[i];
+    if (IsScanner(block)) {
+      state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
+          covariance.block<kScannerBlockSize, kScannerBlockSize>(row, row);
+    }
     if (!IsLandmark(block)) continue;
     SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
                   &state_->landmarks[static_cast<size_t>(block.index)]);
@@ -336,11 +343,11 @@ void Window::LearnMotion(const NormalEquations& equations,
 
 PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) const {
   std::vector<int> order = RowsOf(equations, [&](const BlockId& block) {
-    return !IsLandmark(block) && block.index < newest;
+    return IsControlPoint(block) && block.index < newest;
   });
   const auto num_older = static_cast<Eigen::Index>(order.size());
   const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
-    return !IsLandmark(block) && block.index >= newest;
+    return IsControlPoint(block) && block.index >= newest;
   });
   order.insert(order.end(), newest_rows.begin(), newest_rows.end());
   const std::optional<Elimination> older =
@@ -355,7 +362,7 @@ void Window::KeepEstimate(const NormalEquations& equations, int newest, int64_t 
   const Eigen::MatrixXd covariance =
       InverseOn(equations, RowsOf(equations, [](const BlockId&) { return true; }));
   const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
-    return !IsLandmark(block) && block.index >= newest;
+    return IsControlPoint(block) && block.index >= newest;
   });
   const std::vector<int> rows = RowsInPoses(equations, newest);
   const int size = 6 * (state_->trajectory.num_control_points() - newest);
@@ -404,6 +411,7 @@ std::vector<const Observation*> ObservationsBefore(int knot_interval,
 void Window::Marginalise(int new_start) {
   if (new_start <= start_) return;
   EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
+  leaving.EstimateScanners(&state_->calibration);
   if (start_ == 0) AddStart(&leaving);
   AddMotionPriors(&leaving, FirstMotionPrior(), new_start);
   AddOdometry(*state_, start_, new_start, &leaving);
@@ -433,7 +441,7 @@ void Window::Marginalise(int new_start) {
   AddTo(added, added.blocks, &all);
   // What inactive landmarks depend on stays, as a retained control point.
   const auto leaves = [&](const BlockId& block) {
-    return !IsLandmark(block) && block.index < new_start && !inactive_.DependsOn(block);
+    return IsControlPoint(block) && block.index < new_start && !inactive_.DependsOn(block);
   };
   std::vector<int> order = RowsOf(all, leaves);
   const auto num_leaving = static_cast<Eigen::Index>(order.size());

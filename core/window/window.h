@@ -50,7 +50,7 @@ class Window {
          MotionPrior* motion_prior,
          MapState* state);
   // Goes on from where another one stands, with copies of what it works on.
-  Window(const Window& other, MotionPrior* motion_prior, MapState* state);
+  Window(const Window& other, const Rig& rig, MotionPrior* motion_prior, MapState* state);
 
   // Adds an observation that has been given a landmark: it takes part from now on, unless it
   // is older than the window.
@@ -62,9 +62,10 @@ class Window {
   // The window's first control point.
   int start() const { return start_; }
 
-  // Estimates the window's control points and all planes, and leaves the planes' covariances,
-  // the newest pose given. Returns what is then known of the newest control points, the planes
-  // given. Throws Error when the scans do not determine the poses and planes.
+  // Estimates the window's control points, all planes and the scanners, and leaves the
+  // covariances of planes and scanners, the newest pose given. Returns what is then known of
+  // the newest control points, the planes given. Throws Error when the scans do not determine
+  // the poses and planes.
   PoseGaussian Solve(int64_t now_ns, double window_s);
 
   // The window's estimates so far; empty unless the options ask for them. The planes are those

@@ -40,7 +40,8 @@ class GroupFactor final : public ceres::CostFunction {
  public:
   explicit GroupFactor(std::shared_ptr<LinearisedGroup> group) : group_(std::move(group)) {
     const int num_blocks = 2 * group_->group().num_control_points() +
-                           static_cast<int>(group_->group().planes().size());
+                           static_cast<int>(group_->group().planes().size()) +
+                           group_->group().num_estimated_scanners();
     for (int block = 0; block < num_blocks; ++block) {
       mutable_parameter_block_sizes()->push_back(group_->BlockSize(block));
     }

@@ -13,23 +13,28 @@ LinearisedGroup::LinearisedGroup(SegmentGroup group, bool planes_held)
 
 int LinearisedGroup::NumBlocks() const {
   const int num_control_points = group_.num_control_points();
-  const int num_planes = planes_held_ ? 0 : static_cast<int>(group_.planes().size());
-  return 2 * num_control_points + num_planes;
+  if (planes_held_) return 2 * num_control_points;
+  return 2 * num_control_points + static_cast<int>(group_.planes().size()) +
+         group_.num_estimated_scanners();
 }
 
 int LinearisedGroup::BlockSize(int block) const {
   const int num_control_points = group_.num_control_points();
   if (block < num_control_points) return 4;
   if (block < 2 * num_control_points) return 3;
-  return PlaneModelSize(
-      group_.planes()[static_cast<size_t>(block - 2 * num_control_points)].model);
+  const auto plane = static_cast<size_t>(block - 2 * num_control_points);
+  if (plane >= group_.planes().size()) return kScannerBlockSize;
+  return PlaneModelSize(group_.planes()[plane].model);
 }
 
 int LinearisedGroup::FirstRow(int block) const {
   const int num_control_points = group_.num_control_points();
   if (block < num_control_points) return 6 * block;
   if (block < 2 * num_control_points) return 6 * (block - num_control_points) + 3;
-  return group_.plane_offsets()[static_cast<size_t>(block - 2 * num_control_points)];
+  const int plane = block - 2 * num_control_points;
+  const auto num_planes = static_cast<int>(group_.planes().size());
+  if (plane >= num_planes) return group_.ScannerOffset(plane - num_planes);
+  return group_.plane_offsets()[static_cast<size_t>(plane)];
 }
 
 bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* step) const {
@@ -38,6 +43,7 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
   step->resize(gradient_.size());
   const int num_control_points = group_.num_control_points();
   const int num_blocks = NumBlocks();
+  const auto num_planes = static_cast<int>(group_.planes().size());
   const double* at = at_.data();
   for (int i = 0; i < num_blocks; ++i) {
     const int size = BlockSize(i);
@@ -50,9 +56,11 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
       for (int k = 0; k < size; ++k) (*step)[row + k] = parameters[i][k] - at[k];
       // A plane's distance may move freely: the residuals are linear in it.
       const bool is_position = i < 2 * num_control_points;
-      const double limit = is_position ? validity_.shift_m : validity_.turn_rad;
-      const int num_limited = is_position ? size : size - 1;
-      for (int k = 0; k < num_limited; ++k) {
+      const bool is_plane = !is_position && i < 2 * num_control_points + num_planes;
+      for (int k = 0; k < (is_plane ? size - 1 : size); ++k) {
+        const bool is_shift =
+            is_position || (!is_plane && k >= kScannerShiftAt && k < kScannerDelayAt);
+        const double limit = is_shift ? validity_.shift_m : validity_.turn_rad;
         if (std::abs((*step)[row + k]) > limit) return false;
       }
     }

@@ -12,9 +12,10 @@ namespace plumbline {
 // thread at a time.
 class LinearisedGroup {
  public:
-  // How far rotations and planes may have turned and positions moved. What a linearisation
-  // leaves out are products of two such changes: with kFine less than 0.01 mm for every point
-  // within 30 m, with kCoarse 0.2 mm.
+  // How far rotations, planes and scanners may have turned and positions and scanners moved.
+  // What a linearisation leaves out are products of two such changes: with kFine less than
+  // 0.01 mm for every point within 30 m, with kCoarse 0.2 mm. A scanner's delay counts as the
+  // turn of a body that turns by 1 rad/s.
   struct Validity {
     double turn_rad;
     double shift_m;
@@ -22,7 +23,8 @@ class LinearisedGroup {
   static constexpr Validity kFine = {5e-4, 0.01};
   static constexpr Validity kCoarse = {3e-3, 0.02};
 
-  // planes_held: the planes are constant, the model is about the control points alone.
+  // planes_held: planes and scanners are constant, the model is about the control points
+  // alone.
   explicit LinearisedGroup(SegmentGroup group, bool planes_held = false);
 
   void set_validity(const Validity& validity) { validity_ = validity; }

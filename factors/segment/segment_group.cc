@@ -38,9 +38,9 @@ struct LineSystem {
   std::vector<bool> sees_plane;
 };
 
-ScannerAtNodes AtNodes(const SegmentGroup::Scanner& scanner, const NodePoses& poses) {
-  Eigen::Matrix3d in_body = scanner.body_from_scanner_rotation;
-  in_body.col(2) = scanner.body_from_scanner_translation;
+ScannerAtNodes AtNodes(const ScannerPose& scanner, const NodePoses& poses) {
+  Eigen::Matrix3d in_body = scanner.rotation;
+  in_body.col(2) = scanner.translation;
   ScannerAtNodes nodes;
   for (size_t k = 0; k < kNumNodes; ++k) nodes[k] = poses.world_from_body[k] * in_body;
   return nodes;
@@ -163,6 +163,14 @@ class Spread {
     }
   }
 
+  // Adds a row of the group's matrix, given by its products with the nodes' poses.
+  void AddRow(const LineVector& by_nodes, int row, Eigen::MatrixXd* hessian) const {
+    for (int column = begin_; column < end_; ++column) {
+      hessian->block<1, kPoseSize>(row, kPoseSize * column) +=
+          Gather(nodes_[static_cast<size_t>(column)], by_nodes).transpose();
+    }
+  }
+
  private:
   using PoseVector = Eigen::Matrix<double, kPoseSize, 1>;
 
@@ -234,6 +242,69 @@ class Spread {
   std::array<NodesByControlPoint, kMaxControlPoints> nodes_;
 };
 
+// Velocities of the body at the nodes of a scan line, in the world's axes.
+struct NodeVelocities {
+  std::array<Eigen::Vector3d, kNumNodes> angular;  // rad/s
+  std::array<Eigen::Vector3d, kNumNodes> linear;   // m/s
+};
+
+// later: in knot intervals.
+NodeVelocities VelocitiesAt(const std::array<SplineNode, kNumNodes>& nodes,
+                            double const* const* q,
+                            double const* const* p,
+                            double later,
+                            double knot_interval_s) {
+  NodeVelocities velocities;
+  for (size_t k = 0; k < kNumNodes; ++k) {
+    EvaluateVelocity(q + nodes[k].first,
+                     p + nodes[k].first,
+                     nodes[k].u + later,
+                     knot_interval_s,
+                     &velocities.angular[k],
+                     &velocities.linear[k]);
+  }
+  return velocities;
+}
+
+// The derivative of the nodes' poses by the scanner's block.
+using NodesByScanner = Eigen::Matrix<double, kLineSize, kScannerBlockSize>;
+
+NodesByScanner ByScanner(const ScannerPose& scanner,
+                         const double* block,
+                         const NodePoses& poses,
+                         const NodeVelocities& velocities) {
+  NodesByScanner by_scanner;
+  for (size_t k = 0; k < kNumNodes; ++k) {
+    by_scanner.middleRows<kPoseSize>(kPoseSize * static_cast<int>(k)) = BodyMotionByScanner(
+        poses.world_from_body[k], scanner, block, velocities.angular[k], velocities.linear[k]);
+  }
+  return by_scanner;
+}
+
+// Adds a line's system to the rows of its scanner, which begin at this one.
+void AddScanner(const LineSystem& line,
+                const NodesByScanner& by_scanner,
+                const std::vector<int>& plane_offsets,
+                const Spread& spread,
+                int row,
+                SegmentGroup::Quadratic* quadratic) {
+  const NodesByScanner by_nodes = line.poses * by_scanner;
+  quadratic->gradient.segment<kScannerBlockSize>(row) +=
+      by_scanner.transpose() * line.gradient;
+  quadratic->hessian.block<kScannerBlockSize, kScannerBlockSize>(row, row) +=
+      by_scanner.transpose() * by_nodes;
+  for (int i = 0; i < kScannerBlockSize; ++i) {
+    spread.AddRow(by_nodes.col(i), row + i, &quadratic->hessian);
+  }
+  for (size_t i = 0; i < line.sees_plane.size(); ++i) {
+    if (!line.sees_plane[i]) continue;
+    for (int column = plane_offsets[i]; column < plane_offsets[i + 1]; ++column) {
+      quadratic->hessian.block<kScannerBlockSize, 1>(row, column) +=
+          by_scanner.transpose() * line.cross.col(column - plane_offsets[0]);
+    }
+  }
+}
+
 bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
                const std::array<SplineNode, kNumNodes>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
@@ -244,11 +315,13 @@ bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
 }  // namespace
 
 SegmentGroup::SegmentGroup(int num_control_points,
+                           double knot_interval_s,
                            std::vector<Scanner> scanners,
                            std::vector<Plane> planes,
                            std::vector<Segment> segments,
                            double huber_width)
     : num_control_points_(num_control_points),
+      knot_interval_s_(knot_interval_s),
       scanners_(std::move(scanners)),
       planes_(std::move(planes)),
       plane_offsets_(1, 6 * num_control_points),
@@ -265,16 +338,25 @@ SegmentGroup::SegmentGroup(int num_control_points,
       CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
     }
   }
+  std::vector<int> among_estimated;  // by scanner; -1: constant
+  for (const Scanner& scanner : scanners_) {
+    among_estimated.push_back(scanner.estimated ? num_estimated_scanners_++ : -1);
+  }
+  const auto estimated = [&](const Segment& segment) {
+    return among_estimated[static_cast<size_t>(segment.scanner)];
+  };
   // Segments with the same nodes stand one after the other.
-  std::stable_sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.nodes[0].first, a.nodes[0].u) < std::tie(b.nodes[0].first, b.nodes[0].u);
+  std::stable_sort(segments.begin(), segments.end(), [&](const auto& a, const auto& b) {
+    return std::make_tuple(a.nodes[0].first, a.nodes[0].u, estimated(a)) <
+           std::make_tuple(b.nodes[0].first, b.nodes[0].u, estimated(b));
   });
   members_.reserve(segments.size());
   for (const Segment& segment : segments) {
     const int num_nodes = segment.measurement->num_nodes();
     if (scan_lines_.empty() || num_nodes != scan_lines_.back().num_nodes ||
+        estimated(segment) != scan_lines_.back().estimated_scanner ||
         !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
-      scan_lines_.push_back({segment.nodes, num_nodes, 0});
+      scan_lines_.push_back({segment.nodes, num_nodes, estimated(segment), 0});
     }
     members_.push_back({segment.measurement,
                         static_cast<float>(segment.weights.scale),
@@ -301,6 +383,14 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
   double const* const* const q = parameters;
   double const* const* const p = parameters + num_control_points_;
   double const* const* const plane_parameters = parameters + 2 * num_control_points_;
+  double const* const* const scanner_blocks = plane_parameters + planes_.size();
+  std::vector<ScannerPose> scanners;
+  double const* const* next_block = scanner_blocks;
+  for (const Scanner& scanner : scanners_) {
+    scanners.push_back(scanner.estimated
+                           ? PoseOfScanner(scanner.body_from_scanner, *next_block++)
+                           : scanner.body_from_scanner);
+  }
   Steps steps;
   for (int j = 0; j + 1 < num_control_points_; ++j) {
     steps[static_cast<size_t>(j)] = MakeRotationStep(q[j], q[j + 1]);
@@ -319,12 +409,18 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
   size_t next = 0;
   for (const ScanLine& scan_line : scan_lines_) {
     std::array<int, kNumNodes> first;
+    const bool is_estimated = scan_line.estimated_scanner >= 0;
+    const double* const scanner_block =
+        is_estimated ? scanner_blocks[scan_line.estimated_scanner] : nullptr;
+    const double later =
+        is_estimated ? scanner_block[kScannerDelayAt] / knot_interval_s_ : 0.0;
     for (size_t k = 0; k < kNumNodes; ++k) {
       const SplineNode& node = scan_line.nodes[k];
+      const double u = node.u + later;
       const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
                                            q[node.first],
                                            p + node.first,
-                                           node.u,
+                                           u,
                                            &poses.splines[k]);
       poses.world_from_body[k] = pose.world_from_body.toRotationMatrix();
       poses.position[k] = pose.position;
@@ -332,7 +428,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
     }
     line.poses.setZero();
     line.gradient.setZero();
-    line.cross.setZero(kLineSize, num_rows - plane_offsets_.front());
+    line.cross.setZero(kLineSize,
+                       kPlanesHeld ? 0 : plane_offsets_.back() - plane_offsets_.front());
     line.sees_plane.assign(planes_.size(), false);
     ScannerAtNodes scanner;
     int scanner_at_nodes = -1;
@@ -342,7 +439,7 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       line.sees_plane[plane] = !kPlanesHeld;
       if (segment.scanner != scanner_at_nodes) {
         scanner_at_nodes = segment.scanner;
-        scanner = AtNodes(scanners_[static_cast<size_t>(segment.scanner)], poses);
+        scanner = AtNodes(scanners[static_cast<size_t>(segment.scanner)], poses);
       }
       VisitPlaneModel(planes_[plane].model, planes_[plane].chart, [&](const auto& model) {
         using Model = std::decay_t<decltype(model)>;
@@ -364,7 +461,18 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
       });
     }
     FillUpperBlocks(&line);
-    Spread(first, poses, scan_line.num_nodes).Add(line, plane_offsets_, quadratic);
+    const Spread spread(first, poses, scan_line.num_nodes);
+    spread.Add(line, plane_offsets_, quadratic);
+    if (kPlanesHeld || !is_estimated) continue;
+    AddScanner(line,
+               ByScanner(scanners[static_cast<size_t>(scanner_at_nodes)],
+                         scanner_block,
+                         poses,
+                         VelocitiesAt(scan_line.nodes, q, p, later, knot_interval_s_)),
+               plane_offsets_,
+               spread,
+               ScannerOffset(scan_line.estimated_scanner),
+               quadratic);
   }
 }
 

@@ -222,7 +222,11 @@ Rigid3d InterpolatedTrajectory::Pose(int64_t time_ns) const {
 ModelFrameOfTruth FindModelFrame(const EvaluationInput& input,
                                  const InterpolatedTrajectory& truth,
                                  const PlaneMatchingOptions& options) {
-  const StampedPose& first = input.trajectory.front();
+  // A scanner whose clock is early may have seen before the truth begins.
+  const StampedPose& first = *std::find_if(
+      input.trajectory.begin(), input.trajectory.end(), [&truth](const StampedPose& pose) {
+        return truth.Covers(pose.time_ns);
+      });
   const Rigid3d true_start = truth.Pose(first.time_ns);
   ModelFrameOfTruth frame;
   frame.model_from_truth.rotation =
@@ -249,17 +253,22 @@ ModelFrameOfTruth FindModelFrame(const EvaluationInput& input,
   frame.model_from_truth.rotation =
       RotationFromYaw(-std::atan2(true_wall.normal.y(), true_wall.normal.x()));
   frame.model_from_truth.translation =
-      -(frame.model_from_truth.rotation * true_start.translation);
+      first.world_from_body.translation -
+      frame.model_from_truth.rotation * true_start.translation;
   return frame;
 }
 
 Evaluation Evaluate(const EvaluationInput& input, const PlaneMatchingOptions& options) {
   if (input.trajectory.empty()) throw Error("the result's trajectory has no poses");
   const InterpolatedTrajectory truth(input.truth_trajectory);
-  if (!truth.Covers(input.trajectory.front().time_ns)) {
-    throw Error("the result's first pose, at " +
+  const bool is_covered = std::any_of(
+      input.trajectory.begin(), input.trajectory.end(), [&truth](const StampedPose& pose) {
+        return truth.Covers(pose.time_ns);
+      });
+  if (!is_covered) {
+    throw Error("the result's poses, the first at " +
                 std::to_string(input.trajectory.front().time_ns) +
-                " ns, lies outside the time span of the truth");
+                " ns, lie outside the time span of the truth");
   }
   Evaluation evaluation;
   evaluation.figures = input.figures;

@@ -43,7 +43,7 @@ void SegmentGroupWithJacobian(benchmark::State& state, const std::string& walk_n
   const MapState& map = walk.result().state;
   SegmentGroupCache cache(LinearisedGroup::kFine, 1);
   const std::vector<const SegmentGroupCache::Entry*> groups =
-      cache.Update(walk.rig(), map.trajectory, map.landmarks, Associated(map), {});
+      cache.Update(walk.rig(), nullptr, map.trajectory, map.landmarks, Associated(map), {});
   CHECK_GT(groups.size(), 2u);
   const SegmentGroupCache::Entry& entry = *groups[groups.size() / 2];
   const SegmentGroup& group = entry.group->group();

@@ -14,6 +14,7 @@
 namespace plumbline {
 
 inline constexpr int kNumControlPoints = 5;
+inline constexpr double kKnotInterval = 0.05;  // s
 
 // Three planes and a cylinder, a rig of two scanners and segments with arbitrary roots on
 // them.
@@ -32,7 +33,7 @@ struct SegmentScene {
     TestRandom random(11);
     blocks.AddSpline(kNumControlPoints, 0.2, &random);
     for (int i = 0; i < 2; ++i) {
-      scanners.push_back({random.Rotation(1.0).toRotationMatrix(), random.Vector(0.3)});
+      scanners.push_back({{random.Rotation(1.0).toRotationMatrix(), random.Vector(0.3)}});
     }
     plane_parameters = {Eigen::VectorXd::Constant(1, 2.0), Eigen::Vector2d(0.4, -3.0)};
     planes[2].chart = random.Chart();
@@ -69,7 +70,8 @@ struct SegmentScene {
   }
 
   SegmentGroup Group(double huber_width) const {
-    return SegmentGroup(kNumControlPoints, scanners, planes, segments, huber_width);
+    return SegmentGroup(
+        kNumControlPoints, kKnotInterval, scanners, planes, segments, huber_width);
   }
 };
 
@@ -95,10 +97,10 @@ inline Expected SumOfSegmentFactors(const SegmentScene& scene, double huber_widt
     TestBlocks blocks;
     TestRandom random(11);
     blocks.AddSpline(kNumControlPoints, 0.2, &random);
-    const SegmentGroup::Scanner& scanner =
-        scene.scanners[static_cast<size_t>(segment.scanner)];
-    blocks.AddRotation(Eigen::Quaterniond(scanner.body_from_scanner_rotation));
-    blocks.AddEuclidean(scanner.body_from_scanner_translation);
+    const ScannerPose& scanner =
+        scene.scanners[static_cast<size_t>(segment.scanner)].body_from_scanner;
+    blocks.AddRotation(Eigen::Quaterniond(scanner.rotation));
+    blocks.AddEuclidean(scanner.translation);
     const auto plane = static_cast<size_t>(segment.plane);
     blocks.AddEuclidean(scene.plane_parameters[plane]);
     const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),

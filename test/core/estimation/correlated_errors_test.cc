@@ -162,8 +162,13 @@ class CorrelatedErrorsTest : public testing::Test {
                              LineariseArrowhead(*problem_, problem_->Layout()),
                              [&](const ArrowheadCholesky& factor) {
                                const BlockLayout layout = problem_->Layout();
-                               ErrorPatterns patterns(
-                                   rig_, trajectory_, landmarks_, layout, false, factor);
+                               ErrorPatterns patterns(rig_,
+                                                      calibration_,
+                                                      trajectory_,
+                                                      landmarks_,
+                                                      layout,
+                                                      false,
+                                                      factor);
                                for (const Observation& observation : observations_)
                                  patterns.Add(observation);
                                shown_ = ShowCorrelatedErrors(patterns, factor);
@@ -236,6 +241,7 @@ class CorrelatedErrorsTest : public testing::Test {
   const PlaneScene room_ =
       MakeRoom({{0.0, 5.0}, {1.3, 4.5}, {2.5, 4.0}, {3.7, 5.0}, {5.1, 4.0}}, -1.5, 1.6);
   Rig rig_;
+  RigCalibration calibration_;
   Trajectory trajectory_{kStart, kKnot, Rigid3d()};
   std::deque<Landmark> landmarks_;
   std::deque<Observation> observations_;

@@ -65,7 +65,7 @@ TEST_F(SegmentGroupsTest, LargerGroupsAreTheSameProblem) {
   EXPECT_LT((found.hessian - expected.hessian).norm(), 1e-9 * expected.hessian.norm());
   EXPECT_LT((found.gradient - expected.gradient).norm(), 1e-9 * expected.gradient.norm());
   const auto groups = [&](SegmentGroupCache* cache) {
-    return cache->Update(rig_, trajectory_, landmarks_, pointers_, {});
+    return cache->Update(rig_, nullptr, trajectory_, landmarks_, pointers_, {});
   };
   EXPECT_EQ(groups(&single).size(), 6u) << "14 scan lines in 0.54 s";
   ASSERT_EQ(groups(&pairs).size(), 3u);
@@ -77,7 +77,8 @@ TEST_F(SegmentGroupsTest, OnlyWhatHasChangedIsMadeAnew) {
   Equations(&cache);
   const auto linearisations = [&] {
     std::vector<int> counts;
-    for (const auto* entry : cache.Update(rig_, trajectory_, landmarks_, pointers_, {})) {
+    for (const auto* entry :
+         cache.Update(rig_, nullptr, trajectory_, landmarks_, pointers_, {})) {
       counts.push_back(entry->group->num_linearisations());
     }
     return counts;

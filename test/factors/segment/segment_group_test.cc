@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -114,6 +115,128 @@ TEST(SegmentGroup, ModelHoldsNearItsLinearisation) {
   const Eigen::Index size = 6 * kNumControlPoints;
   EXPECT_LT((model.gradient - exact.gradient).head(size).norm(), 0.01 * exact.gradient.norm())
       << "the lever arms have moved by 5 mm";
+}
+
+// A scene whose scanners are blocks, off what is stated for them, and seen on planes only.
+struct CalibratedScene {
+  SegmentScene scene{60};
+  std::vector<Eigen::VectorXd> scanner_blocks;
+
+  CalibratedScene() {
+    TestRandom random(5);
+    std::vector<SegmentGroup::Segment>& segments = scene.segments;
+    segments.erase(
+        std::remove_if(
+            segments.begin(), segments.end(), [](const auto& s) { return s.plane == 3; }),
+        segments.end());
+    for (SegmentGroup::Scanner& scanner : scene.scanners) {
+      scanner.estimated = true;
+      Eigen::VectorXd block(kScannerBlockSize);
+      block << random.Vector(0.2), random.Vector(0.1), random.Uniform(-0.003, 0.003);
+      scanner_blocks.push_back(block);
+    }
+  }
+
+  std::vector<const double*> Parameters() const {
+    std::vector<const double*> parameters = scene.blocks.pointers();
+    for (const Eigen::VectorXd& block : scanner_blocks) parameters.push_back(block.data());
+    return parameters;
+  }
+
+  // A segment's factor with its scanner where the block has it, and the factor's blocks.
+  Eigen::VectorXd Residuals(const SegmentGroup::Segment& segment,
+                            const Eigen::VectorXd& scanner_block,
+                            Eigen::MatrixXd* jacobian = nullptr) const {
+    const auto plane = static_cast<size_t>(segment.plane);
+    const ScannerPose scanner =
+        PoseOfScanner(scene.scanners[static_cast<size_t>(segment.scanner)].body_from_scanner,
+                      scanner_block.data());
+    std::array<SplineNode, 3> nodes = segment.nodes;
+    for (SplineNode& node : nodes) node.u += scanner_block[kScannerDelayAt] / kKnotInterval;
+    TestBlocks blocks;
+    TestRandom random(11);
+    blocks.AddSpline(kNumControlPoints, 0.2, &random);
+    blocks.AddRotation(Eigen::Quaterniond(scanner.rotation));
+    blocks.AddEuclidean(scanner.translation);
+    blocks.AddEuclidean(scene.plane_parameters[plane]);
+    const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),
+                                            nodes,
+                                            kNumControlPoints,
+                                            scene.planes[plane].model,
+                                            scene.planes[plane].chart,
+                                            segment.weights);
+    if (jacobian != nullptr) *jacobian = blocks.TangentJacobian(*factor);
+    return blocks.Residuals(*factor);
+  }
+
+  // Of a segment's residuals by its scanner's block, by differences.
+  Eigen::MatrixXd ByScanner(const SegmentGroup::Segment& segment) const {
+    constexpr double kStep = 1e-5;
+    const Eigen::VectorXd& block = scanner_blocks[static_cast<size_t>(segment.scanner)];
+    Eigen::MatrixXd jacobian(Residuals(segment, block).size(), kScannerBlockSize);
+    for (int i = 0; i < kScannerBlockSize; ++i) {
+      Eigen::VectorXd up = block;
+      Eigen::VectorXd down = block;
+      up[i] += kStep;
+      down[i] -= kStep;
+      jacobian.col(i) = (Residuals(segment, up) - Residuals(segment, down)) / (2.0 * kStep);
+    }
+    return jacobian;
+  }
+};
+
+TEST(SegmentGroup, ScannersAreBlocksOfItsModel) {
+  const CalibratedScene calibrated;
+  const SegmentScene& scene = calibrated.scene;
+  SegmentGroup::Quadratic quadratic;
+  scene.Group(0.0).Linearise(calibrated.Parameters().data(), &quadratic);
+  const int poses = 6 * kNumControlPoints;
+  const int scanners = poses + 1 + 2 + 3 + 3;
+  const int size = scanners + 2 * kScannerBlockSize;
+  ASSERT_EQ(quadratic.gradient.size(), size);
+  const int plane_at[] = {poses, poses + 1, poses + 3};
+  const int plane_size[] = {1, 2, 3};
+  double cost = 0.0;
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
+  for (const SegmentGroup::Segment& segment : scene.segments) {
+    Eigen::MatrixXd of_factor;
+    const auto scanner = static_cast<size_t>(segment.scanner);
+    const Eigen::VectorXd residuals =
+        calibrated.Residuals(segment, calibrated.scanner_blocks[scanner], &of_factor);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residuals.size(), size);
+    jacobian(Eigen::all, RowsByBlock(poses)) = of_factor.leftCols(poses);
+    jacobian.middleCols(plane_at[segment.plane], plane_size[segment.plane]) =
+        of_factor.rightCols(plane_size[segment.plane]);
+    jacobian.middleCols<kScannerBlockSize>(scanners + kScannerBlockSize * segment.scanner) =
+        calibrated.ByScanner(segment);
+    cost += 0.5 * residuals.squaredNorm();
+    gradient += jacobian.transpose() * residuals;
+    hessian += jacobian.transpose() * jacobian;
+  }
+  EXPECT_NEAR(quadratic.cost, cost, 1e-9 * cost);
+  EXPECT_LT((quadratic.gradient - gradient).norm(), 1e-7 * gradient.norm());
+  const Eigen::MatrixXd full = quadratic.hessian.selfadjointView<Eigen::Lower>();
+  // Of the scanners apart: a delay's derivatives are hundreds of times the others'.
+  const Eigen::VectorXd scale = hessian.diagonal().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (full - hessian) * scale.asDiagonal()).cwiseAbs().maxCoeff(),
+            1e-6);
+}
+
+TEST(SegmentGroup, ConstantScannersAreThoseOfZeroBlocks) {
+  CalibratedScene calibrated;
+  for (Eigen::VectorXd& block : calibrated.scanner_blocks) block.setZero();
+  SegmentGroup::Quadratic estimated;
+  calibrated.scene.Group(3.0).Linearise(calibrated.Parameters().data(), &estimated);
+  for (SegmentGroup::Scanner& scanner : calibrated.scene.scanners) scanner.estimated = false;
+  SegmentGroup::Quadratic constant;
+  calibrated.scene.Group(3.0).Linearise(calibrated.Parameters().data(), &constant);
+  const Eigen::Index size = constant.gradient.size();
+  EXPECT_NEAR(estimated.cost, constant.cost, 1e-12 * constant.cost);
+  EXPECT_LT((estimated.gradient.head(size) - constant.gradient).norm(),
+            1e-10 * constant.gradient.norm());
+  EXPECT_LT((estimated.hessian.topLeftCorner(size, size) - constant.hessian).norm(),
+            1e-10 * constant.hessian.norm());
 }
 
 TEST(SegmentGroup, WithPlanesHeldItsModelIsAboutThePoses) {

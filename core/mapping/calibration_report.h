@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/result/result_types.h"
+#include "core/sensor/rig.h"
+#include "core/sensor/rig_calibration.h"
+
+namespace plumbline {
+
+// Returns what has been found of the scanners, as users are told. covariance: of the estimated
+// scanners' blocks together (MapCovariance::scanners()). Empty where none is estimated.
+Calibration DescribeCalibration(const Rig& rig,
+                                const RigCalibration& calibration,
+                                const Eigen::MatrixXd& covariance);
+
+// Returns the rig file's rig with poses and clocks as they are estimated, and what is still
+// uncertain of them: for each kind the largest standard deviation of its directions.
+Rig CalibratedRig(const Rig& rig, const RigCalibration& calibration);
+
+}  // namespace plumbline

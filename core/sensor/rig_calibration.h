@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "core/sensor/rig.h"
+#include "factors/segment/scanner_block.h"
+
+namespace plumbline {
+
+using ScannerBlock = std::array<double, kScannerBlockSize>;
+using ScannerMatrix = Eigen::Matrix<double, kScannerBlockSize, kScannerBlockSize>;
+
+// ScannerEstimate is what is estimated of one scanner: a block about the pose and the clock
+// that the rig file states (factors/segment/scanner_block.h).
+struct ScannerEstimate {
+  Rigid3d stated;                                    // body_from_scanner of the rig file
+  ScannerBlock block = {};                           // as it is estimated now
+  ScannerBlock prior_sigma = {};                     // of the rig file's statement; 0: held
+  ScannerMatrix covariance = ScannerMatrix::Zero();  // of the block as it is now
+
+  bool IsEstimated() const;
+};
+
+// Standard deviations of a block's numbers, as a rig file states them.
+ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
+
+// RigCalibration is the part of the state that the scanners are (design: calibration is
+// state). The body's frame and clock are those of one scanner, which is held: the first that
+// the rig file knows exactly, else the first one. A rig that moves in the plane does not show
+// heights and tilts, which are held.
+struct RigCalibration {
+  std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
+
+  RigCalibration() = default;
+  RigCalibration(const Rig& rig, bool planar);
+
+  // Sets the scanners' poses in the rig to the estimated ones. Clocks stay: the instants of
+  // what has been measured do.
+  void ApplyPoses(Rig* rig) const;
+  // A rig with the poses as they are estimated.
+  Rig Posed(Rig rig) const;
+  // The rig of a rig file with poses and clocks as they are estimated.
+  Rig Calibrated(Rig rig) const;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+
+// What is estimated of a scanner, as a parameter block about the pose that its rig file
+// states:
+//   [ turn (rad) | shift (m) | delay (s) ]
+// turn, shift: in the body frame; body_from_scanner = ( Exp(turn) R, t + shift ).
+// delay: the scanner's points were taken later by this than its stamps say.
+inline constexpr int kScannerBlockSize = 7;
+inline constexpr int kScannerTurnAt = 0;
+inline constexpr int kScannerShiftAt = 3;
+inline constexpr int kScannerDelayAt = 6;
+
+struct ScannerPose {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+// The pose that the block stands for, about the stated one.
+inline ScannerPose PoseOfScanner(const ScannerPose& stated, const double* block) {
+  using Vector = Eigen::Map<const Eigen::Vector3d>;
+  const Eigen::Vector3d turn = Vector(block + kScannerTurnAt);
+  return {Exp(turn).toRotationMatrix() * stated.rotation,
+          stated.translation + Vector(block + kScannerShiftAt)};
+}
+
+// What moves a scanner moves it as the body would by moving: the body's motion (world-frame
+// turn, shift) by the scanner's block, at an instant with these velocities in the world.
+using BodyByScanner = Eigen::Matrix<double, 6, kScannerBlockSize>;
+
+inline BodyByScanner BodyMotionByScanner(const Eigen::Matrix3d& world_from_body,
+                                         const ScannerPose& scanner,
+                                         const double* block,
+                                         const Eigen::Vector3d& angular_rad_s,
+                                         const Eigen::Vector3d& linear_m_s) {
+  BodyByScanner by_scanner = BodyByScanner::Zero();
+  const Eigen::Map<const Eigen::Vector3d> rotation_vector(block + kScannerTurnAt);
+  const Eigen::Matrix3d turn = world_from_body * LeftJacobian(rotation_vector);
+  by_scanner.block<3, 3>(0, kScannerTurnAt) = turn;
+  // The scanner turns about itself, not about the body.
+  by_scanner.block<3, 3>(3, kScannerTurnAt) =
+      SkewMatrix(world_from_body * scanner.translation) * turn;
+  by_scanner.block<3, 3>(3, kScannerShiftAt) = world_from_body;
+  by_scanner.block<3, 1>(0, kScannerDelayAt) = angular_rad_s;
+  by_scanner.block<3, 1>(3, kScannerDelayAt) = linear_m_s;
+  return by_scanner;
+}
+
+}  // namespace plumbline
