@@ -24,6 +24,9 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// After the name of a bare flag that may stand alone several times.
+constexpr char kMore[] = "...";
+
 // Sets the flags from the command line. Returns "help", "helpxml" or "version" when it asks
 // for that instead of work, else nothing. gflags' own parser leaves with exit code 1 where
 // ours has to be 2, and its help lists the flags of every library. bare_flag: see RunApp.
@@ -31,8 +34,12 @@ std::string ParseFlags(int argc, char** argv, std::string bare_flag) {
   for (int i = 1; i < argc; ++i) {
     std::string argument = argv[i];
     if (!bare_flag.empty() && !argument.empty() && argument[0] != '-') {
-      argument = "--" + bare_flag + "=" + argument;
-      bare_flag.clear();
+      const std::string flag = bare_flag.substr(0, bare_flag.find(kMore));
+      gflags::CommandLineFlagInfo so_far;
+      const bool is_first = !gflags::GetCommandLineFlagInfo(flag.c_str(), &so_far) ||
+                            so_far.current_value.empty();
+      argument = "--" + flag + "=" + (is_first ? "" : so_far.current_value + "\n") + argument;
+      if (flag == bare_flag) bare_flag.clear();
     }
     const size_t name_start = argument.find_first_not_of('-');
     if (name_start == 0 || name_start > 2) {

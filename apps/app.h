@@ -10,7 +10,8 @@ namespace plumbline {
 // shows the flags that source_file defines, after --helpxml (apps/help.h) and --version; 2
 // after wrong usage (an unknown flag, a bad value, a missing required flag, a stray argument);
 // 0 after run(), or 1 when run() throws. Errors are one line on stderr. bare_flag: the flag
-// whose value may also stand alone, once; none where it is empty.
+// whose value may also stand alone, once; where "..." follows its name any number of times, a
+// line each in its value; none where it is empty.
 int RunApp(int argc,
            char** argv,
            const std::string& purpose,

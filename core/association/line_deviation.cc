@@ -51,7 +51,8 @@ void VisitResiduals(const Observation& observation,
         weights.scale *
         Eigen::Vector3d(row[2] + row[5] + row[8], row[0] + row[3] + row[6], row[10]);
     visit(design,
-          weights.scale * row.head<9>().dot(g) + bow * design.z() + weights.offset * row[9]);
+          weights.scale * row.head<9>().dot(g) + bow * design.z() +
+              weights.offset * (row[9] - poses.range_excess_m * row[11]));
   }
   const double rest = weights.scale * observation.measurement.bend_rest();
   visit(Eigen::Vector3d(0.0, 0.0, rest),

@@ -5,6 +5,7 @@
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
+#include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -37,6 +38,32 @@ bool IsExplainedByMounting(const OtherHeader& header,
     if (NearShareOfAll(sample, corrected) > header.share_so + kMore) return true;
   }
   return false;
+}
+
+// Whether any scanners see other places than the rig file says.
+bool AreApart(const std::vector<PairAgreement>& agreements) {
+  return std::any_of(agreements.begin(), agreements.end(), [](const PairAgreement& pair) {
+    return pair.IsApart();
+  });
+}
+
+// Where scanners agree that sit some degrees and centimetres off, or are turned by any angle:
+// nothing where they do not.
+std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>& sample,
+                                    const MountedRig& rig,
+                                    const std::optional<OtherMounting>& turned,
+                                    const Rig& stated) {
+  const RigCalibration calibration(stated, IsPlanar(stated));
+  const auto body = std::find_if(calibration.scanners.begin(),
+                                 calibration.scanners.end(),
+                                 [](const ScannerEstimate& one) { return one.is_body; });
+  if (body == calibration.scanners.end()) return std::nullopt;  // all is known exactly
+  const MountedRig fitted =
+      FitInTurns(sample,
+                 turned ? turned->rig : rig,
+                 static_cast<size_t>(body - calibration.scanners.begin()));
+  if (AreApart(AgreementsOf(sample, fitted))) return std::nullopt;
+  return fitted;
 }
 
 // Compares the scanners that have lines, with the rig file and with each other.
@@ -84,8 +111,13 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
   for (size_t i = 0; i < corrections.size(); ++i)
     report->corrections[indices[i]] = corrections[i];
-  if (!report->other_mounting && !IsMended(corrections)) {
+  const bool is_upright = !report->other_mounting;
+  if (is_upright && !IsMended(corrections)) {
     report->other_mounting = FindTurn(sample, mounted, names);
+  }
+  const bool are_all = present.scanners.size() == rig.scanners.size();
+  if (is_upright && are_all && AreApart(report->agreements)) {
+    report->near = BringNear(sample, mounted, report->other_mounting, rig);
   }
   report->starts = FindStarts(present, lines);
 }

@@ -37,6 +37,9 @@ struct CheckReport {
   std::optional<OtherHeader> other_header;  // with which all that follows was found
   std::optional<OtherMounting> other_mounting;
   std::vector<MountingCorrection> corrections;  // by scanner of the rig; may be empty
+  // By scanner of the rig, where all of them have lines, are as sent and do not agree: where
+  // they would, that of the body held.
+  std::optional<MountedRig> near;
   StartSearch starts;
 
   std::vector<Finding> findings;  // the gravest first

@@ -178,6 +178,19 @@ MountingCorrection FitMounting(const Sample& sample, const MountedRig& rig, size
   return MountingFit(sample, rig, scanner).Run();
 }
 
+MountedRig FitInTurns(const Sample& sample, const MountedRig& rig, size_t held) {
+  constexpr int kRounds = 4;
+  MountedRig fitted = rig;
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t i = 0; i < rig.size(); ++i) {
+      if (i == held) continue;
+      const MountingCorrection correction = FitMounting(sample, fitted, i);
+      if (correction.moved_share > correction.near_share) fitted[i] = correction.corrected;
+    }
+  }
+  return fitted;
+}
+
 std::vector<MountingCorrection> FitMountings(const Sample& sample, const MountedRig& rig) {
   std::vector<MountingCorrection> corrections(rig.size());
   for (size_t i = 0; i < rig.size() && rig.size() > 1; ++i) {

@@ -28,6 +28,12 @@ MountingCorrection FitMounting(const std::vector<std::vector<SampledLine>>& samp
                                const MountedRig& rig,
                                size_t scanner);
 
+// Brings all scanners but the one that is held near to where they agree, by corrections of one
+// after the other, in turns.
+MountedRig FitInTurns(const std::vector<std::vector<SampledLine>>& sample,
+                      const MountedRig& rig,
+                      size_t held);
+
 // One element for each scanner, each as if the others were right.
 std::vector<MountingCorrection> FitMountings(
     const std::vector<std::vector<SampledLine>>& sample, const MountedRig& rig);

@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kLinesForAgreement = 400;  // of each pair
-constexpr int kMinCompared = 20;         // places that say anything about a pair
+constexpr int kMinCompared = PairAgreement::kMinCompared;
 constexpr double kAgreed = 0.1;          // m
 // Another mounting has to bring so many more of the places together, and most of them.
 constexpr double kMinGain = 0.25;

@@ -10,8 +10,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinCompared = 20;       // places that say anything about a pair
-constexpr double kAgreedShare = 0.75;  // of a pair that sits as the rig file says
+constexpr int kMinCompared = PairAgreement::kMinCompared;
 // A correction counts where it brings so many more of the places together.
 constexpr double kMinGain = 0.025;
 constexpr double kMinSigmas = 4.0;
@@ -176,7 +175,7 @@ class RigJudge {
     }
     std::vector<std::string> apart;
     for (const PairAgreement& pair : report_->agreements) {
-      if (pair.num_compared < kMinCompared || pair.near_share >= kAgreedShare) continue;
+      if (!pair.IsApart()) continue;
       apart.push_back(NameOf(pair.a) + " and " + NameOf(pair.b) + " (half of the places lie " +
                       Decimal(pair.median_m, 2) + " m apart or more)");
     }

@@ -219,8 +219,12 @@ MountedRig AsRigFileSays(const Rig& rig, const std::vector<size_t>& sources) {
   MountedRig mounted;
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Scanner& scanner = rig.scanners[i];
-    mounted.push_back(
-        {sources[i], scanner.body_from_scanner, false, 1.0, scanner.time_offset_s});
+    mounted.push_back({sources[i],
+                       scanner.body_from_scanner,
+                       false,
+                       1.0,
+                       scanner.time_offset_s,
+                       -scanner.range_bias_m});
   }
   return mounted;
 }

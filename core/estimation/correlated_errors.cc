@@ -33,8 +33,8 @@ constexpr double kMinInformation = 1e-4;
 constexpr double kInterpolated = 2.0 / 3.0;
 constexpr double kMinVariance = 1e-10;  // relative to the scale's square
 
-Kind KindOf(int pattern, int num_per_scanner) {
-  const int part = pattern % num_per_scanner;
+Kind KindOf(int pattern) {
+  const int part = pattern % ErrorPatterns::kPerScanner;
   return part == 0 ? kRange : part < 4 ? kRotation : kTranslation;
 }
 
@@ -71,6 +71,7 @@ struct KnownErrors {
 
 KnownErrors FindKnownErrors(const ErrorPatterns& patterns, const Eigen::MatrixXd& products) {
   const int size = patterns.num_scanner_patterns();
+  if (size == 0) return {};
   // What moves all scanners together only moves the body's frame. All scales are the same.
   const Eigen::MatrixXd common = patterns.CommonScannerPatterns();
   const Eigen::MatrixXd apart =
@@ -91,8 +92,7 @@ struct ScannerErrors {
 
 // Empirical Bayes: the errors of each kind have a variance of their own, which is found by
 // expectation maximisation. noise: covariance of the patterns' scores.
-ScannerErrors EstimateScannerErrors(int num_per_scanner,
-                                    const KnownErrors& known,
+ScannerErrors EstimateScannerErrors(const KnownErrors& known,
                                     const Eigen::MatrixXd& noise,
                                     const Eigen::VectorXd& scores) {
   const Eigen::Index size = scores.size();
@@ -108,18 +108,18 @@ ScannerErrors EstimateScannerErrors(int num_per_scanner,
   Eigen::VectorXd mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::MatrixXd prior = weight;
-    for (int i = 0; i < size; ++i) prior(i, i) += 1.0 / variances[KindOf(i, num_per_scanner)];
+    for (int i = 0; i < size; ++i) prior(i, i) += 1.0 / variances[KindOf(i)];
     posterior = prior.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
     mean = posterior * weighted;
     std::array<double, kNumKinds> sums = {};
     std::array<int, kNumKinds> counts = {};
     for (int i = 0; i < size; ++i) {
-      const Kind kind = KindOf(i, num_per_scanner);
+      const Kind kind = KindOf(i);
       sums[kind] += mean[i] * mean[i] + posterior(i, i);
       ++counts[kind];
     }
     for (size_t kind = 0; kind < kNumKinds; ++kind) {
-      variances[kind] = std::max(kMinVariance, sums[kind] / std::max(counts[kind], 1));
+      variances[kind] = std::max(kMinVariance, sums[kind] / counts[kind]);
     }
   }
   ScannerErrors errors;
@@ -147,7 +147,7 @@ bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky
   const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
   const auto freedom = static_cast<double>(scores.size());
   VLOG(1) << "scanners: sum of squares " << sum << " of " << freedom;
-  return sum > freedom + kSignificance * std::sqrt(2.0 * freedom);
+  return freedom > 0.0 && sum > freedom + kSignificance * std::sqrt(2.0 * freedom);
 }
 
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
@@ -160,8 +160,8 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
-    return EstimateScannerErrors(patterns->num_per_scanner(),
-                                 known,
+    if (num_scanner == 0) return ScannerErrors();  // the estimate has them
+    return EstimateScannerErrors(known,
                                  products.topLeftCorner(num_scanner, num_scanner) +
                                      cells / kNumTraceProbes * crossed * crossed.transpose(),
                                  patterns->scanner_scores());

@@ -56,8 +56,9 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
       layout_(layout),
       planar_(planar),
       num_band_(layout.NumControlPointColumns()),
-      has_mountings_(calibration.scanners.empty()),
-      num_scanner_patterns_(num_per_scanner() * static_cast<int>(rig.scanners.size())),
+      has_scanners_(calibration.scanners.empty()),
+      num_scanner_patterns_(has_scanners_ ? kPerScanner * static_cast<int>(rig.scanners.size())
+                                          : 0),
       landmark_columns_(landmarks.size(), -1),
       scanner_columns_(rig.scanners.size(), -1) {
   for (const Landmark& landmark : landmarks) surfaces_.emplace_back(landmark);
@@ -211,7 +212,11 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
   basis.scanner_load.setZero();
   basis.scanner_column = scanner_columns_[static_cast<size_t>(observation.scanner_index)];
   using Root = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual = weights.offset * rows.col(9);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual =
+      weights.offset *
+      (rows.col(9) -
+       rig_.scanners[static_cast<size_t>(observation.scanner_index)].range_excess_m *
+           rows.col(11));
   Root root = Root::Zero(rows.rows(), 3);
   std::array<Eigen::Matrix3d, 3> axes;  // of the scan plane and its origin's lever, world
   for (int k = 0; k < num_nodes; ++k) {
@@ -248,6 +253,10 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
              centroid,
              surface,
              &basis);
+  }
+  if (basis.scanner_column >= 0) {
+    basis.scanner_load.row(kScannerRangeAt) =
+        -weights.offset * rows.col(11).transpose() * root;
   }
   return basis;
 }
@@ -351,10 +360,11 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
   const Rigid3d world_from_scanner =
       nodes.world_from_body[1] *
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const int own = num_per_scanner() * observation.scanner_index;
+  const int own = kPerScanner * observation.scanner_index;
   coefficients_.leftCols(num_scanner_patterns_).setZero();
-  coefficients_.col(own) = WalkAlong(observation, world_from_scanner, landmark);
-  if (!has_mountings_) return;
+  const Eigen::Vector3d by_range = WalkAlong(observation, world_from_scanner, landmark);
+  if (!has_scanners_) return;
+  coefficients_.col(own) = by_range;
   const Eigen::Vector2d centroid = observation.centroid();
   const Eigen::Vector3d m =
       world_from_scanner.rotation.conjugate() *
@@ -452,14 +462,14 @@ Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {
 }
 
 Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
-  if (!has_mountings_) return Eigen::MatrixXd::Zero(num_scanner_patterns_, 0);
+  if (!has_scanners_) return Eigen::MatrixXd::Zero(num_scanner_patterns_, 0);
   Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);
   for (size_t i = 0; i < rig_.scanners.size(); ++i) {
     const Rigid3d& body_from_scanner = rig_.scanners[i].body_from_scanner;
     const Eigen::Matrix3d scanner_from_body =
         body_from_scanner.rotation.toRotationMatrix().transpose();
     const Eigen::Vector3d& at = body_from_scanner.translation;
-    const auto row = static_cast<Eigen::Index>(i) * num_per_scanner() + 1;
+    const auto row = static_cast<Eigen::Index>(i) * kPerScanner + 1;
     for (int j = 0; j < 3; ++j) {
       const Eigen::Vector3d axis = Eigen::Vector3d::Unit(j);
       common.block<3, 1>(row, j) = scanner_from_body * axis;

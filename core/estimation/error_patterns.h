@@ -26,8 +26,8 @@ namespace plumbline {
 // a recording and, through them, to its estimate. Two kinds of patterns:
 //
 //   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
-//             scanner's frame; constant for the recording. The mountings of a rig whose
-//             scanners are estimated are no patterns: the estimate adapts to them
+//             scanner's frame; constant for the recording. A rig whose scanners are estimated
+//             has none: the estimate adapts to them
 //   cells:    a surface that deviates from its plane by some distance (m) at one node of a
 //   grid,
 //             falling off to none at the next nodes (bilinear)
@@ -38,6 +38,7 @@ namespace plumbline {
 // ("probes", each cell with a random sign).
 class ErrorPatterns {
  public:
+  static constexpr int kPerScanner = 7;       // range, 3 rotation, 3 translation
   static constexpr int kNumProbes = 96;       // 14 % of a variance that they alone give
   static constexpr int kNumTraceProbes = 24;  // of these, for sums over all pairs of cells
 
@@ -62,8 +63,6 @@ class ErrorPatterns {
   // Takes in one more segment, which has a landmark. Near the last ones in time, for speed.
   void Add(const Observation& observation);
 
-  // Range, and with mountings 3 rotation and 3 translation.
-  int num_per_scanner() const { return has_mountings_ ? 7 : 1; }
   int num_scanner_patterns() const { return num_scanner_patterns_; }
   // Orthonormal basis of what turns and shifts all scanners together, as the body would.
   Eigen::MatrixXd CommonScannerPatterns() const;
@@ -180,7 +179,7 @@ class ErrorPatterns {
   const BlockLayout& layout_;
   const bool planar_;
   const int num_band_;
-  const bool has_mountings_;
+  const bool has_scanners_;
   const int num_scanner_patterns_;
   std::vector<Surface> surfaces_;      // by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated

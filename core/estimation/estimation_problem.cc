@@ -166,10 +166,10 @@ void EstimationProblem::AddFactor(std::unique_ptr<ceres::CostFunction> factor,
 void EstimationProblem::AddPoints(const Observation& observation) {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const SegmentWeights weights = ObservationWeights(
-      ObservationPoses(*trajectory_, rig_.scanners[scanner].body_from_scanner, observation),
-      *landmarks_,
-      observation);
+  const SegmentWeights weights =
+      ObservationWeights(ObservationPoses(*trajectory_, rig_.scanners[scanner], observation),
+                         *landmarks_,
+                         observation);
   Register(LandmarkBlock(landmark.id));
   for (const ObservedPoint& point : observation.points) {
     const Trajectory::Location at = trajectory_->Locate(point.time_ns);
@@ -224,10 +224,10 @@ FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
                                               double huber_width) const {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const SegmentWeights weights = ObservationWeights(
-      ObservationPoses(*trajectory_, rig_.scanners[scanner].body_from_scanner, observation),
-      *landmarks_,
-      observation);
+  const SegmentWeights weights =
+      ObservationWeights(ObservationPoses(*trajectory_, rig_.scanners[scanner], observation),
+                         *landmarks_,
+                         observation);
   const SegmentMeasurement measurement = observation.measurement.Unpack();
   std::array<SplineNode, 3> nodes;
   const int first = trajectory_->Locate(measurement.node_times_ns[0]).first;

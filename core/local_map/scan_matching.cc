@@ -152,7 +152,8 @@ void ScanMatcher::Take(const Scan& scan) {
       }
       Line& line = lines_.back();
       line.beams.push_back(beam);
-      line.p_scanner.push_back(range * scan_line.BeamDirection(beam));
+      line.p_scanner.push_back((range - scanner.range_excess_m) *
+                               scan_line.BeamDirection(beam));
       line.times_ns.push_back(time_ns);
     }
   }
@@ -165,13 +166,13 @@ void ScanMatcher::Take(const Scan& scan) {
 }
 
 ScanMotion ScanMatcher::MotionOf(const Line& line, PoseSampler* poses) const {
-  const Rigid3d& body_from_scanner =
-      rig_->scanners[static_cast<size_t>(line.scanner_index)].body_from_scanner;
+  const Scanner& scanner = rig_->scanners[static_cast<size_t>(line.scanner_index)];
   const std::array<int64_t, 3> times_ns = {
       line.times_ns.front(), line.middle_ns(), line.times_ns.back()};
   std::array<Rigid3d, 3> world_from_scanner;
   for (size_t k = 0; k < 3; ++k) {
-    world_from_scanner[k] = poses->WorldFromBody(times_ns[k]) * body_from_scanner;
+    world_from_scanner[k] =
+        poses->WorldFromBody(times_ns[k], scanner.delay_s) * scanner.body_from_scanner;
   }
   return {times_ns, world_from_scanner};
 }

@@ -192,8 +192,9 @@ void BinaryArchive::operator()(MapGap& gap) {
 }
 
 void BinaryArchive::operator()(ScannerEstimate& scanner) {
-  auto& [stated, block, prior_sigma, covariance] = scanner;
+  auto& [stated, is_body, block, prior_sigma, covariance] = scanner;
   (*this)(stated);
+  (*this)(is_body);
   (*this)(block);
   (*this)(prior_sigma);
   (*this)(covariance);

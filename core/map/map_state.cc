@@ -39,7 +39,11 @@ Matrix6d ScannerCovariance(const MapState& state, const Observation& observation
       scanner.block.data(),
       angular,
       linear);
-  return by_scanner * scanner.covariance * by_scanner.transpose();
+  Matrix6d covariance = by_scanner * scanner.covariance * by_scanner.transpose();
+  // A range bias of one surface is a shift along its normal, which can be any.
+  covariance.bottomRightCorner<3, 3>().diagonal().array() +=
+      scanner.covariance(kScannerRangeAt, kScannerRangeAt);
+  return covariance;
 }
 
 void CountObservation(const Observation& observation,

@@ -142,6 +142,7 @@ class BeamSums {
       points.since_start_ns[i] = beams.since_start[i] * increment_ns_;
       points.weight[i] = weight;
       points.offset[i] = cosine * (beams.measured[i] - range);
+      points.by_range[i] = cosine;
       out_of_plane[i] = across_variance * weight;
     }
     for (size_t i = 0; i < beams.size; ++i) out_of_plane_ += out_of_plane[i];

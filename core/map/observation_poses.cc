@@ -3,16 +3,19 @@
 namespace plumbline {
 namespace {
 
-std::array<Rigid3d, 3> Sample(const std::array<int64_t, 3>& times_ns, PoseSampler* poses) {
-  return {poses->WorldFromBody(times_ns[0]),
-          poses->WorldFromBody(times_ns[1]),
-          poses->WorldFromBody(times_ns[2])};
+std::array<Rigid3d, 3> Sample(const std::array<int64_t, 3>& times_ns,
+                              double delay_s,
+                              PoseSampler* poses) {
+  return {poses->WorldFromBody(times_ns[0], delay_s),
+          poses->WorldFromBody(times_ns[1], delay_s),
+          poses->WorldFromBody(times_ns[2], delay_s)};
 }
 
 std::array<Rigid3d, 3> SampleOnce(const std::array<int64_t, 3>& times_ns,
+                                  double delay_s,
                                   const Trajectory& trajectory) {
   PoseSampler poses(trajectory);
-  return Sample(times_ns, &poses);
+  return Sample(times_ns, delay_s, &poses);
 }
 
 std::array<Rigid3d, 3> OfScanner(const std::array<Rigid3d, 3>& world_from_body,
@@ -31,29 +34,35 @@ bool AreSame(const std::array<int64_t, 3>& a, const std::array<int64_t, 3>& b) {
 
 ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
                                    const std::array<Rigid3d, 3>& bodies,
-                                   const Rigid3d& body_from_scanner)
+                                   const Scanner& scanner)
     : times_ns(node_times_ns),
       world_from_body(bodies[1]),
-      world_from_scanner(bodies[1] * body_from_scanner),
-      motion(node_times_ns, OfScanner(bodies, body_from_scanner)) {}
+      world_from_scanner(bodies[1] * scanner.body_from_scanner),
+      motion(node_times_ns, OfScanner(bodies, scanner.body_from_scanner)),
+      range_excess_m(scanner.range_excess_m) {}
 
 ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
-                                   const Rigid3d& body_from_scanner,
+                                   const Scanner& scanner,
                                    PoseSampler* poses)
-    : ObservationPoses(node_times_ns, Sample(node_times_ns, poses), body_from_scanner) {}
+    : ObservationPoses(node_times_ns, Sample(node_times_ns, scanner.delay_s, poses), scanner) {
+}
 
 ObservationPoses::ObservationPoses(const Trajectory& trajectory,
-                                   const Rigid3d& body_from_scanner,
+                                   const Scanner& scanner,
                                    const Observation& observation)
-    : ObservationPoses(observation.measurement.node_times_ns(),
-                       SampleOnce(observation.measurement.node_times_ns(), trajectory),
-                       body_from_scanner) {}
+    : ObservationPoses(
+          observation.measurement.node_times_ns(),
+          SampleOnce(observation.measurement.node_times_ns(), scanner.delay_s, trajectory),
+          scanner) {}
 
-std::array<Rigid3d, 3> SharedPoses::BodiesAt(const std::array<int64_t, 3>& times_ns) {
+std::array<Rigid3d, 3> SharedPoses::BodiesAt(const std::array<int64_t, 3>& times_ns,
+                                             double delay_s) {
   for (const Kept& kept : kept_) {
-    if (AreSame(kept.poses.times_ns, times_ns)) return kept.world_from_body;
+    if (kept.delay_s == delay_s && AreSame(kept.poses.times_ns, times_ns)) {
+      return kept.world_from_body;
+    }
   }
-  return Sample(times_ns, &sampler_);
+  return Sample(times_ns, delay_s, &sampler_);
 }
 
 const ObservationPoses& SharedPoses::Of(const Observation& observation) {
@@ -64,10 +73,10 @@ const ObservationPoses& SharedPoses::Of(const Observation& observation) {
       return kept.poses;
     }
   }
-  const std::array<Rigid3d, 3> bodies = BodiesAt(times_ns);
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
+  const std::array<Rigid3d, 3> bodies = BodiesAt(times_ns, scanner.delay_s);
   const Kept made{
-      observation.scanner_index, bodies, {times_ns, bodies, scanner.body_from_scanner}};
+      observation.scanner_index, scanner.delay_s, bodies, {times_ns, bodies, scanner}};
   if (kept_.size() < kNumKept) {
     kept_.push_back(made);
     return kept_.back().poses;

@@ -25,16 +25,17 @@ struct ObservationPoses {
   Rigid3d world_from_body;
   Rigid3d world_from_scanner;
   ScanMotion motion;
+  double range_excess_m;  // of the scanner's ranges, as it is estimated
 
   // world_from_body: the rig's poses at the three nodes.
   ObservationPoses(const std::array<int64_t, 3>& times_ns,
                    const std::array<Rigid3d, 3>& world_from_body,
-                   const Rigid3d& body_from_scanner);
+                   const Scanner& scanner);
   ObservationPoses(const std::array<int64_t, 3>& times_ns,
-                   const Rigid3d& body_from_scanner,
+                   const Scanner& scanner,
                    PoseSampler* poses);
   ObservationPoses(const Trajectory& trajectory,
-                   const Rigid3d& body_from_scanner,
+                   const Scanner& scanner,
                    const Observation& observation);
 };
 
@@ -53,13 +54,14 @@ class SharedPoses {
 
   struct Kept {
     int scanner_index;
+    double delay_s;
     std::array<Rigid3d, 3> world_from_body;
     ObservationPoses poses;
   };
 
-  // The rig's poses at the nodes; another scanner's line of the same instants has the same
+  // The rig's poses at a scanner's nodes; another one's line of the same instants has the same
   // ones.
-  std::array<Rigid3d, 3> BodiesAt(const std::array<int64_t, 3>& times_ns);
+  std::array<Rigid3d, 3> BodiesAt(const std::array<int64_t, 3>& times_ns, double delay_s);
 
   const Rig& rig_;
   PoseSampler sampler_;

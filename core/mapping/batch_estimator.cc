@@ -88,13 +88,13 @@ void BatchEstimator::EstimateRobustly() {
       GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
   TakeNoise(FindMotionEvidence(
       motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
-  state_->calibration.ApplyPoses(rig_);
+  state_->calibration.ApplyTo(rig_);
 }
 
 void BatchEstimator::StepRobustly() {
   TakeGaussNewtonStep(
       BuildProblem(FactorKind::kSegment, options_.association.huber_width).get());
-  state_->calibration.ApplyPoses(rig_);
+  state_->calibration.ApplyTo(rig_);
 }
 
 FinalEstimate BatchEstimator::EstimateFinally() {
@@ -106,7 +106,7 @@ FinalEstimate BatchEstimator::EstimateFinally() {
     ArrowheadEquations equations =
         MakeBatchSolver(SolverOf(*state_, options_.batch), kFinalOptions)
             ->Solve(problem.get());
-    state_->calibration.ApplyPoses(rig_);
+    state_->calibration.ApplyTo(rig_);
     VLOG(1) << "cost " << equations.cost;
     const std::vector<MotionEvidence> evidence = FindMotionEvidence(
         motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
@@ -171,7 +171,14 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
     if (options_.batch.factor == FactorKind::kPoint) return;  // its residuals hold everything
     const double offset =
         ObservationWeights(poses.Of(observation), state_->landmarks, observation).offset;
-    constant += offset * offset * observation.measurement.constant();
+    const PackedSegment& segment = observation.measurement;
+    // Where ranges are estimated, the cost has this part of it.
+    const double in_cost =
+        state_->calibration.IsEstimated(observation.scanner_index) &&
+                !state_->landmarks[static_cast<size_t>(observation.landmark_id)].IsCurved()
+            ? segment.range_offset()
+            : 0.0;
+    constant += offset * offset * (segment.constant() - in_cost * in_cost);
   });
   const auto num_unknowns = static_cast<double>(problem.Layout().FreeColumns().size());
   return (2.0 * (cost - motion.prior_cost) + constant) /

@@ -1,10 +1,14 @@
 #include "core/mapping/calibration_report.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/angles.h"
+#include "core/util/error.h"
+#include "factors/spline/so3.h"
 
 namespace plumbline {
 namespace {
@@ -22,7 +26,24 @@ constexpr std::array<ParameterName, kScannerBlockSize> kParameters = {{
     {"y_m", "position along y", 1.0},
     {"z_m", "height", 1.0},
     {"time_s", "clock", 1.0},
+    {"range_m", "range bias", 1.0},
 }};
+
+// The block that makes one scanner of the other.
+ScannerBlock BlockBetween(const Scanner& from, const Scanner& to) {
+  const Eigen::Vector3d turn =
+      Log(to.body_from_scanner.rotation * from.body_from_scanner.rotation.conjugate());
+  const Eigen::Vector3d shift =
+      to.body_from_scanner.translation - from.body_from_scanner.translation;
+  return {turn.x(),
+          turn.y(),
+          turn.z(),
+          shift.x(),
+          shift.y(),
+          shift.z(),
+          to.time_offset_s - from.time_offset_s,
+          to.range_bias_m - from.range_bias_m};
+}
 
 double LargestSigma(const ScannerMatrix& covariance, int first, int count) {
   return std::sqrt(covariance.diagonal().segment(first, count).maxCoeff());
@@ -30,32 +51,79 @@ double LargestSigma(const ScannerMatrix& covariance, int first, int count) {
 
 }  // namespace
 
-Calibration DescribeCalibration(const Rig& rig,
+Calibration DescribeCalibration(const Rig& stated,
+                                const Rig& rig,
                                 const RigCalibration& calibration,
                                 const Eigen::MatrixXd& covariance) {
+  const Rig calibrated = calibration.Calibrated(rig);
   Calibration described;
-  Eigen::VectorXd to_units(covariance.rows());
-  Eigen::Index row = 0;
+  std::vector<int> rows;  // of what is not held by definition
+  std::vector<double> to_units;
+  int row = 0;
   for (size_t i = 0; i < calibration.scanners.size(); ++i) {
     const ScannerEstimate& scanner = calibration.scanners[i];
     if (!scanner.IsEstimated()) continue;
     CalibratedScanner found;
     found.name = rig.scanners[i].name;
+    const ScannerBlock off = BlockBetween(stated.scanners[i], calibrated.scanners[i]);
     for (size_t k = 0; k < kParameters.size(); ++k, ++row) {
       const auto& [name, words, unit] = kParameters[k];
-      to_units[row] = 1.0 / unit;
       // What is held is as uncertain as the rig file has it.
-      const Scanner& stated = rig.scanners[i];
-      const double prior_sigma = StatedSigmas(stated.uncertainty)[k];
+      const bool is_of_body = scanner.is_body && k != kScannerRangeAt;
+      const double prior_sigma =
+          is_of_body ? 0.0 : StatedSigmas(rig.scanners[i].uncertainty)[k];
       const double sigma =
           scanner.prior_sigma[k] > 0.0 ? std::sqrt(covariance(row, row)) : prior_sigma;
       found.parameters.push_back(
-          {name, words, scanner.block[k] / unit, sigma / unit, prior_sigma / unit});
+          {name, words, off[k] / unit, sigma / unit, prior_sigma / unit});
+      if (found.parameters.back().IsHeld()) continue;
+      rows.push_back(row);
+      to_units.push_back(1.0 / unit);
     }
     described.scanners.push_back(std::move(found));
   }
-  described.covariance = to_units.asDiagonal() * covariance * to_units.asDiagonal();
+  const Eigen::Map<const Eigen::VectorXd> scale(to_units.data(),
+                                                static_cast<Eigen::Index>(to_units.size()));
+  described.covariance = scale.asDiagonal() * covariance(rows, rows) * scale.asDiagonal();
+  // What the motion can not show is as the rig file has it.
+  Eigen::Index at = 0;
+  for (const CalibratedScanner& scanner : described.scanners) {
+    for (const CalibratedParameter& parameter : scanner.parameters) {
+      if (parameter.IsHeld()) continue;
+      described.covariance(at, at) = parameter.sigma * parameter.sigma;
+      ++at;
+    }
+  }
   return described;
+}
+
+void TakeCalibration(const Rig& rig,
+                     const Calibration& described,
+                     RigCalibration* calibration) {
+  for (const CalibratedScanner& scanner : described.scanners) {
+    const auto found = std::find_if(rig.scanners.begin(),
+                                    rig.scanners.end(),
+                                    [&](const Scanner& s) { return s.name == scanner.name; });
+    const auto index = static_cast<size_t>(found - rig.scanners.begin());
+    if (index >= calibration->scanners.size()) {
+      throw Error("the rig file has no scanner " + scanner.name + " to be calibrated");
+    }
+    ScannerEstimate& estimate = calibration->scanners[index];
+    for (const CalibratedParameter& parameter : scanner.parameters) {
+      const auto named = std::find_if(
+          kParameters.begin(), kParameters.end(), [&](const ParameterName& known) {
+            return parameter.name == known.name;
+          });
+      const auto k = static_cast<size_t>(named - kParameters.begin());
+      if (k == kParameters.size()) {
+        throw Error("scanner " + scanner.name + " has no parameter " + parameter.name);
+      }
+      const double unit = kParameters[k].unit;
+      estimate.block[k] = parameter.value * unit;
+      const auto row = static_cast<Eigen::Index>(k);
+      estimate.covariance(row, row) = std::pow(parameter.sigma * unit, 2);
+    }
+  }
 }
 
 Rig CalibratedRig(const Rig& rig, const RigCalibration& calibration) {
@@ -63,19 +131,21 @@ Rig CalibratedRig(const Rig& rig, const RigCalibration& calibration) {
   for (size_t i = 0; i < calibration.scanners.size(); ++i) {
     const ScannerEstimate& scanner = calibration.scanners[i];
     ScannerUncertainty& uncertainty = calibrated.scanners[i].uncertainty;
-    if (!scanner.IsEstimated()) {
-      uncertainty = {};  // the body's frame and clock are its own
-      continue;
-    }
     ScannerMatrix covariance = scanner.covariance;
-    const ScannerBlock stated = StatedSigmas(rig.scanners[i].uncertainty);
-    for (int k = 0; k < kScannerBlockSize; ++k) {
-      const auto index = static_cast<size_t>(k);
-      if (scanner.prior_sigma[index] == 0.0) covariance(k, k) = stated[index] * stated[index];
+    if (scanner.is_body) {
+      covariance.topLeftCorner<kScannerRangeAt, kScannerRangeAt>().setZero();
+    } else {
+      const ScannerBlock stated = StatedSigmas(uncertainty);
+      for (int k = 0; k < kScannerBlockSize; ++k) {
+        const auto index = static_cast<size_t>(k);
+        if (scanner.prior_sigma[index] > 0.0) continue;
+        covariance(k, k) = stated[index] * stated[index];
+      }
     }
     uncertainty.rotation_rad = LargestSigma(covariance, kScannerTurnAt, 3);
     uncertainty.translation_m = LargestSigma(covariance, kScannerShiftAt, 3);
     uncertainty.time_s = LargestSigma(covariance, kScannerDelayAt, 1);
+    uncertainty.range_m = LargestSigma(covariance, kScannerRangeAt, 1);
   }
   return calibrated;
 }

@@ -8,11 +8,19 @@
 
 namespace plumbline {
 
-// Returns what has been found of the scanners, as users are told. covariance: of the estimated
-// scanners' blocks together (MapCovariance::scanners()). Empty where none is estimated.
-Calibration DescribeCalibration(const Rig& rig,
+// Returns what has been found of the scanners, as users are told: what they are off the rig
+// file by (stated). rig: that the estimates are about. covariance: of the estimated scanners'
+// blocks together (MapCovariance::scanners()). Empty where none is estimated.
+Calibration DescribeCalibration(const Rig& stated,
+                                const Rig& rig,
                                 const RigCalibration& calibration,
                                 const Eigen::MatrixXd& covariance);
+
+// Sets the estimates to what a description says of them (the reverse of DescribeCalibration).
+// Throws Error where it is about scanners or parameters that are not estimated.
+void TakeCalibration(const Rig& rig,
+                     const Calibration& described,
+                     RigCalibration* calibration);
 
 // Returns the rig file's rig with poses and clocks as they are estimated, and what is still
 // uncertain of them: for each kind the largest standard deviation of its directions.

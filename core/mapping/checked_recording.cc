@@ -1,9 +1,12 @@
 #include "core/mapping/checked_recording.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "core/check/check.h"
+#include "core/geometry/angles.h"
 #include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
@@ -21,7 +24,7 @@ bool MakesMapWrong(const Finding& finding) {
 
 // What the rules of plumbline_check say of a recording, the gravest first. Throws Error where
 // a wrong map would come of it. What they say of how scanners are mounted is left out where
-// the map estimates that, and better.
+// the map estimates that, and better, from the rig file or from near where they agree.
 std::vector<Finding> FindingsOf(const std::string& recording,
                                 const CheckReport& report,
                                 bool estimates_scanners,
@@ -31,7 +34,7 @@ std::vector<Finding> FindingsOf(const std::string& recording,
     if (finding.severity == Severity::kNote || finding.about == Subject::kRecording ||
         finding.about == Subject::kView ||
         (estimates_scanners && finding.about == Subject::kMounting &&
-         finding.severity == Severity::kWarning)) {
+         (finding.severity == Severity::kWarning || report.near))) {
       continue;
     }
     if (MakesMapWrong(finding) && !force) {
@@ -41,6 +44,21 @@ std::vector<Finding> FindingsOf(const std::string& recording,
     findings.push_back(finding);
   }
   return findings;
+}
+
+// The rig with scanners where they agree.
+Rig Near(Rig rig, const MountedRig& near) {
+  for (size_t i = 0; i < near.size(); ++i) {
+    Scanner& scanner = rig.scanners[i];
+    const Eigen::AngleAxisd turn(near[i].body_from_scanner.rotation *
+                                 scanner.body_from_scanner.rotation.conjugate());
+    LOG(INFO) << "scanner " << scanner.name << " starts turned by "
+              << turn.angle() * kDegreesPerRadian << " deg, where it agrees with the others";
+    scanner.body_from_scanner = near[i].body_from_scanner;
+    scanner.time_offset_s = near[i].time_offset_s;
+    scanner.range_bias_m = -near[i].range_offset_m;
+  }
+  return rig;
 }
 
 }  // namespace
@@ -80,9 +98,12 @@ CheckedRecording ReadChecked(const std::string& recording,
   const CheckReport report = CheckSurvey(std::move(survey), rig);
   const bool estimates_scanners = !RigCalibration(rig, IsPlanar(rig)).scanners.empty();
   checked.findings = FindingsOf(recording, report, estimates_scanners, force);
+  checked.stated = rig;
   checked.rig = std::move(rig);
-  if (report.other_header) {
-    checked.rig = WithHeaders(checked.rig, *report.other_header);
+  const bool starts_near = estimates_scanners && report.near;
+  if (report.other_header) checked.rig = WithHeaders(checked.rig, *report.other_header);
+  if (starts_near) checked.rig = Near(checked.rig, *report.near);
+  if (report.other_header || starts_near) {
     checked.reader = std::make_unique<RecordingReader>(recording, checked.rig);
   }
   return checked;

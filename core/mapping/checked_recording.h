@@ -15,7 +15,10 @@ namespace plumbline {
 // CheckedRecording is a recording as it is mapped, and what the rules of plumbline_check say
 // of it.
 struct CheckedRecording {
-  Rig rig;  // the rig file's, with the headers that the scanners' common view shows
+  Rig stated;  // the rig file's
+  // The same with the headers that the scanners' common view shows, and with scanners that are
+  // estimated near where they agree.
+  Rig rig;
   std::unique_ptr<RecordingReader> reader;
   std::vector<Finding> findings;  // the gravest first, no notes
 };

@@ -235,9 +235,6 @@ Summary WriteResult(const Rig& rig,
   LogWarnings(points.warnings);
   writer->WriteConfig(MapperOptionsToYaml(options));
   Summary summary = Summarise(*recording, result, points, covariance);
-  summary.calibration =
-      DescribeCalibration(rig, result.state.calibration, result.batch.covariance.scanners());
-  if (!summary.calibration.empty()) writer->WriteCalibration(summary.calibration);
   for (const Scanner& scanner : rig.scanners) summary.scanners.push_back(scanner.name);
   const Stopwatch::Running judging(judging_watch);
   Judge(rig, result, points, *recording, &summary);
@@ -284,7 +281,7 @@ std::vector<Summary> WriteParts(const Rig& rig,
   for (size_t i = 0; i < parts.size(); ++i) {
     LogWarnings(parts[i].warnings);
     summaries.push_back(WriteResult(
-        parts[i].state.calibration.Calibrated(rig),
+        parts[i].state.calibration.Posed(rig),
         options,
         parts[i],
         [&](double share) {
@@ -416,6 +413,21 @@ void WriteFloorPlan(const MapJob& job,
   }
 }
 
+// Writes what was found of the scanners, where they were estimated, and adds it to the
+// summary.
+void WriteCalibration(const CheckedRecording& checked,
+                      const MapResult& result,
+                      const std::string& folder,
+                      ResultWriter* writer,
+                      Summary* summary) {
+  const RigCalibration& calibration = result.state.calibration;
+  if (calibration.scanners.empty()) return;
+  summary->calibration = DescribeCalibration(
+      checked.stated, checked.rig, calibration, result.batch.covariance.scanners());
+  writer->WriteCalibration(summary->calibration);
+  WriteRig(CalibratedRig(checked.rig, calibration), folder + "/" + kRigCalibrated);
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
@@ -480,14 +492,11 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
   total.reset();
   AddTimes(parts, watches, &summary);
   for (size_t i = 0; i < parts.size(); ++i) {
+    WriteCalibration(
+        checked, parts[i], output.Folder(folders[i]), writers[i].get(), &summaries[i]);
     writers[i]->WriteSummary(summaries[i]);
     writers[i]->Finish();
     WriteRig(rig, output.Folder(folders[i]) + "/" + kRigUsed);
-    const RigCalibration& calibration = parts[i].state.calibration;
-    if (!calibration.scanners.empty()) {
-      WriteRig(CalibratedRig(rig, calibration),
-               output.Folder(folders[i]) + "/" + kRigCalibrated);
-    }
     if (job.floor_plan) WriteFloorPlan(job, output, folders[i]);
   }
   for (const std::string& folder : folders) {

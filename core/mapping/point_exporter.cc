@@ -163,12 +163,11 @@ class LinePlacer {
         span_end_ns = std::min({BeamInstant(scan_line, last, rig_),
                                 time_ns + kMaxQuadraticSpanNs,
                                 map_end_ns - 1});
-        motion = ObservationPoses(
-                     NodesOfSpan(time_ns, span_end_ns), scanner.body_from_scanner, &sampler_)
-                     .motion;
+        motion =
+            ObservationPoses(NodesOfSpan(time_ns, span_end_ns), scanner, &sampler_).motion;
       }
-      const Eigen::Vector3d p_world =
-          motion->ToWorld(range * scan_line.BeamDirection(beam), time_ns);
+      const Eigen::Vector3d p_world = motion->ToWorld(
+          (range - scanner.range_excess_m) * scan_line.BeamDirection(beam), time_ns);
       ++count.num_placed;
       MapPoint point;
       point.p_world = p_world.cast<float>();

@@ -126,12 +126,11 @@ std::optional<ModelFrame> ScanFollower::FindFrame(const std::vector<Observation>
   UndecidedPlanes planes(options_);
   for (size_t i = 0; i < observations.size(); ++i) {
     const Observation& observation = observations[i];
-    const Rigid3d& body_from_scanner =
-        rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
     const Rigid3d world_from_body{frame->world_from_body, Eigen::Vector3d::Zero()};
     const ObservationPoses poses(observation.measurement.node_times_ns(),
                                  {world_from_body, world_from_body, world_from_body},
-                                 body_from_scanner);
+                                 scanner);
     planes.Offer(
         observation,
         static_cast<int>(i),
@@ -284,7 +283,7 @@ void ScanFollower::StartPlanes(int min_scans, int min_scanners) {
 void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   PoseGaussian newest = window_->Solve(now_ns, window_s);
-  state_->calibration.ApplyPoses(&rig_);
+  state_->calibration.ApplyTo(&rig_);
   tracker_->Reset(now_ns, std::move(newest));
   // What has left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);

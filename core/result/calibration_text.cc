@@ -29,7 +29,8 @@ std::vector<std::string> UnobservedInWords(const Calibration& calibration) {
   for (const CalibratedScanner& scanner : calibration.scanners) {
     std::vector<std::string> of_scanner;
     for (const CalibratedParameter& parameter : scanner.parameters) {
-      if (!parameter.IsObserved()) of_scanner.push_back(parameter.words);
+      if (!parameter.IsHeld() && !parameter.IsObserved())
+        of_scanner.push_back(parameter.words);
     }
     if (!of_scanner.empty())
       words.push_back(Joined(of_scanner) + " of scanner " + scanner.name);
@@ -43,10 +44,11 @@ std::string CalibrationLine(const Calibration& calibration) {
     char text[120];
     std::snprintf(text,
                   sizeof(text),
-                  ": %.2f deg, %.1f mm, %.2f ms",
+                  ": %.2f deg, %.1f mm, %.2f ms, ranges %.1f mm",
                   Length(scanner, Calibration::kTurnAt),
                   1e3 * Length(scanner, Calibration::kShiftAt),
-                  1e3 * scanner.parameters[Calibration::kTimeAt].value);
+                  1e3 * scanner.parameters[Calibration::kTimeAt].value,
+                  1e3 * scanner.parameters[Calibration::kRangeAt].value);
     scanners.push_back(scanner.name + text);
   }
   std::string line = "Scanners off the rig file by " + Joined(scanners);
@@ -64,7 +66,7 @@ std::string FormatCalibration(const Calibration& calibration) {
                             {"value", parameter.value},
                             {"sigma", parameter.sigma},
                             {"prior_sigma", parameter.prior_sigma},
-                            {"observed", parameter.IsObserved()}});
+                            {"observed", parameter.IsHeld() || parameter.IsObserved()}});
     }
     scanners.push_back({{"name", scanner.name}, {"parameters", parameters}});
   }

@@ -171,13 +171,15 @@ struct CalibratedParameter {
   double sigma = 0.0;
   double prior_sigma = 0.0;  // of the rig file's statement
 
+  // Whether it is the body's by definition, and so is known.
+  bool IsHeld() const { return prior_sigma == 0.0; }
   // Whether the recording says more of it than the rig file does.
   bool IsObserved() const { return 2.0 * sigma * sigma < prior_sigma * prior_sigma; }
 };
 
 struct CalibratedScanner {
   std::string name;
-  // Turns about the body's x, y and z axes, shifts along them, and the clock.
+  // Turns about the body's x, y and z axes, shifts along them, the clock and the range bias.
   std::vector<CalibratedParameter> parameters;
 };
 
@@ -186,6 +188,7 @@ struct Calibration {
   static constexpr size_t kTurnAt = 0;
   static constexpr size_t kShiftAt = 3;
   static constexpr size_t kTimeAt = 6;
+  static constexpr size_t kRangeAt = 7;
 
   std::vector<CalibratedScanner> scanners;
   Eigen::MatrixXd covariance;  // of all their parameters, in their units

@@ -333,8 +333,11 @@ void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
   if (message.stamp_ns != stamps[position].stamp_ns) {
     throw Error(path() + ": has changed while it was read");
   }
+  const auto scanner = static_cast<size_t>(stamps[position].scanner_index);
+  const auto bias = static_cast<float>(scanners[scanner].range_bias_m);
   for (float& range : message.ranges) {
     if (IsStatedLimit(message, range)) range = std::numeric_limits<float>::quiet_NaN();
+    range -= bias;
   }
   std::swap(message.ranges, scan_line->ranges);
   scan_line->scanner_index = stamps[position].scanner_index;

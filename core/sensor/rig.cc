@@ -27,8 +27,8 @@ Rigid3d ReadRigid(const YamlNode& node) {
 }
 
 // Of a rig that was measured with a ruler and a protractor, its clocks being those of one
-// computer that stamps messages as they come.
-ScannerUncertainty MeasuredByHand() { return {1.0 * kRadiansPerDegree, 0.01, 0.002}; }
+// computer that stamps messages as they come, its ranges as data sheets state them.
+ScannerUncertainty MeasuredByHand() { return {1.0 * kRadiansPerDegree, 0.01, 0.002, 0.01}; }
 
 ScannerUncertainty ReadUncertainty(const YamlNode& node) {
   ScannerUncertainty uncertainty = MeasuredByHand();
@@ -37,6 +37,7 @@ ScannerUncertainty ReadUncertainty(const YamlNode& node) {
   uncertainty.rotation_rad = rotation_deg * kRadiansPerDegree;
   node.Optional("translation_m", &uncertainty.translation_m, 0.0, 1.0);
   node.Optional("time_s", &uncertainty.time_s, 0.0, 1.0);
+  node.Optional("range_m", &uncertainty.range_m, 0.0, 1.0);
   node.RejectUnreadKeys();
   return uncertainty;
 }
@@ -68,6 +69,7 @@ Scanner ReadScanner(const YamlNode& node) {
     node["min_range_m"].Fail("min_range_m must be less than max_range_m");
   }
   node.Optional("time_offset_s", &scanner.time_offset_s, -10.0, 10.0);
+  node.Optional("range_bias_m", &scanner.range_bias_m, -10.0, 10.0);
   scanner.uncertainty =
       node.Has("uncertainty") ? ReadUncertainty(node["uncertainty"]) : MeasuredByHand();
   double angle_noise_deg = scanner.angle_noise_rad / kRadiansPerDegree;
@@ -130,10 +132,12 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
       << "    time_offset_s: " << Format(scanner.time_offset_s) << "\n"
+      << "    range_bias_m: " << Format(scanner.range_bias_m) << "\n"
       << "    uncertainty: {rotation_deg: "
       << Format(scanner.uncertainty.rotation_rad / kRadiansPerDegree)
       << ", translation_m: " << Format(scanner.uncertainty.translation_m)
-      << ", time_s: " << Format(scanner.uncertainty.time_s) << "}\n"
+      << ", time_s: " << Format(scanner.uncertainty.time_s)
+      << ", range_m: " << Format(scanner.uncertainty.range_m) << "}\n"
       << HeaderText(scanner) << "    beams: " << scanner.beams << "\n"
       << "    field_of_view_deg: " << Format(scanner.field_of_view_deg) << "\n"
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";

@@ -15,6 +15,7 @@ struct ScannerUncertainty {
   double rotation_rad = 0.0;  // rotation_deg in the file
   double translation_m = 0.0;
   double time_s = 0.0;
+  double range_m = 0.0;  // of range_bias_m
 };
 
 // Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures.
@@ -29,6 +30,11 @@ struct Scanner {
   double min_range_m = 0.1;
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
+  double range_bias_m = 0.0;   // taken from the ranges as they are read
+  // As estimated: points were taken so much later than beam times say (s), and the ranges
+  // as read are still too long. What has been measured stays as it is.
+  double delay_s = 0.0;
+  double range_excess_m = 0.0;
   // In a rig file that does not say it, that of a pose measured by hand.
   ScannerUncertainty uncertainty;
 

@@ -1,6 +1,7 @@
 #include "core/sensor/rig_calibration.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "factors/spline/so3.h"
 
@@ -25,8 +26,14 @@ ScannerBlock PriorSigmas(const ScannerUncertainty& uncertainty, bool planar) {
 ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty) {
   const double rotation = uncertainty.rotation_rad;
   const double translation = uncertainty.translation_m;
-  return {
-      rotation, rotation, rotation, translation, translation, translation, uncertainty.time_s};
+  return {rotation,
+          rotation,
+          rotation,
+          translation,
+          translation,
+          translation,
+          uncertainty.time_s,
+          uncertainty.range_m};
 }
 
 bool ScannerEstimate::IsEstimated() const {
@@ -35,13 +42,17 @@ bool ScannerEstimate::IsEstimated() const {
 }
 
 RigCalibration::RigCalibration(const Rig& rig, bool planar) {
-  if (std::all_of(rig.scanners.begin(), rig.scanners.end(), IsExact)) return;
   const auto exact = std::find_if(rig.scanners.begin(), rig.scanners.end(), IsExact);
   const auto body = exact == rig.scanners.end() ? rig.scanners.begin() : exact;
   for (auto scanner = rig.scanners.begin(); scanner != rig.scanners.end(); ++scanner) {
     ScannerEstimate estimate;
     estimate.stated = scanner->body_from_scanner;
-    if (scanner != body) estimate.prior_sigma = PriorSigmas(scanner->uncertainty, planar);
+    if (scanner == body) {
+      estimate.is_body = true;
+      estimate.prior_sigma[kScannerRangeAt] = scanner->uncertainty.range_m;
+    } else {
+      estimate.prior_sigma = PriorSigmas(scanner->uncertainty, planar);
+    }
     for (int i = 0; i < kScannerBlockSize; ++i) {
       const double sigma = estimate.prior_sigma[static_cast<size_t>(i)];
       estimate.covariance(i, i) = sigma * sigma;
@@ -53,7 +64,7 @@ RigCalibration::RigCalibration(const Rig& rig, bool planar) {
   if (!any) scanners.clear();
 }
 
-void RigCalibration::ApplyPoses(Rig* rig) const {
+void RigCalibration::ApplyTo(Rig* rig) const {
   for (size_t i = 0; i < scanners.size(); ++i) {
     const ScannerEstimate& scanner = scanners[i];
     const ScannerPose pose =
@@ -61,18 +72,21 @@ void RigCalibration::ApplyPoses(Rig* rig) const {
                       scanner.block.data());
     if (!scanner.IsEstimated()) continue;
     rig->scanners[i].body_from_scanner = {Eigen::Quaterniond(pose.rotation), pose.translation};
+    rig->scanners[i].delay_s = scanner.block[kScannerDelayAt];
+    rig->scanners[i].range_excess_m = scanner.block[kScannerRangeAt];
   }
 }
 
 Rig RigCalibration::Posed(Rig rig) const {
-  ApplyPoses(&rig);
+  ApplyTo(&rig);
   return rig;
 }
 
 Rig RigCalibration::Calibrated(Rig rig) const {
-  ApplyPoses(&rig);
+  ApplyTo(&rig);
   for (size_t i = 0; i < scanners.size(); ++i) {
-    rig.scanners[i].time_offset_s += scanners[i].block[kScannerDelayAt];
+    rig.scanners[i].time_offset_s += std::exchange(rig.scanners[i].delay_s, 0.0);
+    rig.scanners[i].range_bias_m += std::exchange(rig.scanners[i].range_excess_m, 0.0);
   }
   return rig;
 }

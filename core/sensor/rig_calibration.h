@@ -15,7 +15,8 @@ using ScannerMatrix = Eigen::Matrix<double, kScannerBlockSize, kScannerBlockSize
 // ScannerEstimate is what is estimated of one scanner: a block about the pose and the clock
 // that the rig file states (factors/segment/scanner_block.h).
 struct ScannerEstimate {
-  Rigid3d stated;                                    // body_from_scanner of the rig file
+  Rigid3d stated;        // body_from_scanner of the rig file
+  bool is_body = false;  // its frame and clock are the body's, held
   ScannerBlock block = {};                           // as it is estimated now
   ScannerBlock prior_sigma = {};                     // of the rig file's statement; 0: held
   ScannerMatrix covariance = ScannerMatrix::Zero();  // of the block as it is now
@@ -27,7 +28,7 @@ struct ScannerEstimate {
 ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
 
 // RigCalibration is the part of the state that the scanners are (design: calibration is
-// state). The body's frame and clock are those of one scanner, which is held: the first that
+// state). The body's frame and clock are those of one scanner, which are held: the first that
 // the rig file knows exactly, else the first one. A rig that moves in the plane does not show
 // heights and tilts, which are held.
 struct RigCalibration {
@@ -36,12 +37,17 @@ struct RigCalibration {
   RigCalibration() = default;
   RigCalibration(const Rig& rig, bool planar);
 
-  // Sets the scanners' poses in the rig to the estimated ones. Clocks stay: the instants of
-  // what has been measured do.
-  void ApplyPoses(Rig* rig) const;
-  // A rig with the poses as they are estimated.
+  // Of the rig's scanners.
+  bool IsEstimated(int scanner) const {
+    const auto index = static_cast<size_t>(scanner);
+    return index < scanners.size() && scanners[index].IsEstimated();
+  }
+  // Sets the scanners' poses, delays and range excesses in the rig to the estimated ones. Time
+  // offsets and range biases stay, as what has been measured does.
+  void ApplyTo(Rig* rig) const;
+  // A rig with poses, delays and range excesses as they are estimated.
   Rig Posed(Rig rig) const;
-  // The rig of a rig file with poses and clocks as they are estimated.
+  // The rig of a rig file with poses, time offsets and range biases as they are estimated.
   Rig Calibrated(Rig rig) const;
 };
 

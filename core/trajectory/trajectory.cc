@@ -75,8 +75,9 @@ Rigid3d Trajectory::WorldFromBody(int64_t time_ns) const {
   return {pose.world_from_body, pose.position};
 }
 
-Rigid3d PoseSampler::WorldFromBody(int64_t time_ns) {
-  const Trajectory::Location at = trajectory_.Locate(time_ns);
+Rigid3d PoseSampler::WorldFromBody(int64_t time_ns, double delay_s) {
+  Trajectory::Location at = trajectory_.Locate(time_ns);
+  at.u += delay_s / trajectory_.knot_interval_s();
   const Support support = SupportAt(trajectory_, at.first);
   if (at.first != first_) {
     for (size_t j = 0; j < steps_.size(); ++j) {

@@ -84,8 +84,9 @@ class PoseSampler {
  public:
   explicit PoseSampler(const Trajectory& trajectory) : trajectory_(trajectory) {}
 
-  // Returns the pose at an instant. Throws Error outside the trajectory.
-  Rigid3d WorldFromBody(int64_t time_ns);
+  // Returns the pose at an instant, or a delay (s) later, by the spline's interval at the
+  // instant. Throws Error outside the trajectory.
+  Rigid3d WorldFromBody(int64_t time_ns, double delay_s = 0.0);
 
  private:
   const Trajectory& trajectory_;

@@ -79,7 +79,7 @@ ScanSlab SlabOf(const ScanLine& scan_line,
     return {resegmenter->poses()->Of(front).motion, farthest_m, kBesideBeams};
   }
   const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
-  const ObservationPoses poses(times_ns, scanner.body_from_scanner, resegmenter->sampler());
+  const ObservationPoses poses(times_ns, scanner, resegmenter->sampler());
   return {poses.motion, farthest_m, kBesideBeams};
 }
 
@@ -204,7 +204,7 @@ void RecordingResegmenter::SetViews(const ScanLine& scan_line, size_t first, siz
 ScanPlacement RecordingResegmenter::PlacementAt(const ScanLine& scan_line, int beam) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
-  return PlacementOf(resegmenter_.sampler()->WorldFromBody(time_ns) *
+  return PlacementOf(resegmenter_.sampler()->WorldFromBody(time_ns, scanner.delay_s) *
                      scanner.body_from_scanner);
 }
 

@@ -59,7 +59,7 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
       const bool is_plane = !is_position && i < 2 * num_control_points + num_planes;
       for (int k = 0; k < (is_plane ? size - 1 : size); ++k) {
         const bool is_shift =
-            is_position || (!is_plane && k >= kScannerShiftAt && k < kScannerDelayAt);
+            is_position || (!is_plane && k >= kScannerShiftAt && k != kScannerDelayAt);
         const double limit = is_shift ? validity_.shift_m : validity_.turn_rad;
         if (std::abs((*step)[row + k]) > limit) return false;
       }

@@ -31,7 +31,9 @@ PackedSegment::PackedSegment(const SegmentMeasurement& measurement, const Segmen
           static_cast<int32_t>(measurement.node_times_ns[1] - measurement.node_times_ns[0])),
       constant_(static_cast<float>(measurement.constant)),
       bend_rest_(static_cast<float>(measurement.bend_rest)),
-      bend_offset_(static_cast<float>(measurement.bend_offset)) {
+      bend_offset_(static_cast<float>(measurement.bend_offset)),
+      range_rest_(static_cast<float>(measurement.range_rest)),
+      range_offset_(static_cast<float>(measurement.range_offset)) {
   CHECK_EQ(measurement.node_times_ns[1] - measurement.node_times_ns[0], half_span_ns_);
   CHECK_EQ(measurement.node_times_ns[2] - measurement.node_times_ns[1], half_span_ns_);
   CHECK(measurement.rows.rows() == 0 || measurement.num_nodes == num_nodes());
@@ -54,6 +56,8 @@ SegmentMeasurement PackedSegment::Unpack() const {
   measurement.constant = constant_;
   measurement.bend_rest = bend_rest_;
   measurement.bend_offset = bend_offset_;
+  measurement.range_rest = range_rest_;
+  measurement.range_offset = range_offset_;
   measurement.centroid = frame_.origin.cast<double>();
   measurement.tangent = frame_.tangent.cast<double>();
   const Eigen::Matrix3d to_scanner = frame_.Matrix().transpose();

@@ -37,7 +37,7 @@ class PackedSegment {
   PackedSegment(const SegmentMeasurement& measurement, const SegmentFrame& frame);
 
   const SegmentFrame& frame() const { return frame_; }
-  // [ U F^-T | b | c ].
+  // [ U F^-T | b | c | r ].
   Eigen::Map<const Rows> rows() const {
     return {rows_.begin(), static_cast<Eigen::Index>(rows_.size()) / kColumns, kColumns};
   }
@@ -50,6 +50,8 @@ class PackedSegment {
   double constant() const { return constant_; }
   double bend_rest() const { return bend_rest_; }
   double bend_offset() const { return bend_offset_; }
+  double range_rest() const { return range_rest_; }
+  double range_offset() const { return range_offset_; }
   // In the scanner's frame.
   SegmentMeasurement Unpack() const;
 
@@ -64,6 +66,8 @@ class PackedSegment {
     visit(constant_);
     visit(bend_rest_);
     visit(bend_offset_);
+    visit(range_rest_);
+    visit(range_offset_);
   }
 
  private:
@@ -74,6 +78,8 @@ class PackedSegment {
   float constant_ = 0.0F;
   float bend_rest_ = 0.0F;
   float bend_offset_ = 0.0F;
+  float range_rest_ = 0.0F;
+  float range_offset_ = 0.0F;
 };
 
 }  // namespace plumbline

@@ -8,13 +8,15 @@ namespace plumbline {
 
 // What is estimated of a scanner, as a parameter block about the pose that its rig file
 // states:
-//   [ turn (rad) | shift (m) | delay (s) ]
+//   [ turn (rad) | shift (m) | delay (s) | range bias (m) ]
 // turn, shift: in the body frame; body_from_scanner = ( Exp(turn) R, t + shift ).
-// delay: the scanner's points were taken later by this than its stamps say.
-inline constexpr int kScannerBlockSize = 7;
+// delay: the scanner's points were taken later by this than its stamps say. range bias: by
+// what its ranges are too long.
+inline constexpr int kScannerBlockSize = 8;
 inline constexpr int kScannerTurnAt = 0;
 inline constexpr int kScannerShiftAt = 3;
 inline constexpr int kScannerDelayAt = 6;
+inline constexpr int kScannerRangeAt = 7;
 
 struct ScannerPose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -30,7 +32,8 @@ inline ScannerPose PoseOfScanner(const ScannerPose& stated, const double* block)
 }
 
 // What moves a scanner moves it as the body would by moving: the body's motion (world-frame
-// turn, shift) by the scanner's block, at an instant with these velocities in the world.
+// turn, shift) by the scanner's block, at an instant with these velocities in the world. A
+// range bias moves nothing.
 using BodyByScanner = Eigen::Matrix<double, 6, kScannerBlockSize>;
 
 inline BodyByScanner BodyMotionByScanner(const Eigen::Matrix3d& world_from_body,

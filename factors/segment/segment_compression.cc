@@ -47,13 +47,12 @@ Eigen::Array<double, num_powers, 1> SumByPower(const double* tau,
 // rows that are left can not matter: the entries of the vector that they multiply are at most
 // one.
 struct Root {
-  // [ root | offset | bend | 0 ], root^T [ offset | bend ] = gradients
+  // [ root | offset | bend | range ], root^T [ offset | bend | range ] = gradients
   Eigen::Matrix<double, 9, 12, Eigen::RowMajor> rows;
   int num_rows = 0;
 };
 
-// Columns: of the matrix with both gradients' entries below, and a zero. An even number of
-// rows, so that all of a column goes through vector instructions.
+// Columns: of the matrix with the three gradients' entries below.
 using MatrixAndGradients = Eigen::Matrix<double, 12, 9>;
 
 Root Eliminate(MatrixAndGradients matrix) {
@@ -139,6 +138,7 @@ SegmentMeasurement CompressSegment(const Eigen::Matrix2Xd& points_scanner,
         static_cast<double>(times_ns[static_cast<size_t>(i)] - times_ns.front());
     block.weight[size] = whitening[i] * whitening[i];
     block.offset[size] = offsets.size() > 0 ? offsets[i] / whitening[i] : 0.0;
+    block.by_range[size] = 0.0;
     if (++size < SegmentMoments::kBlock && i + 1 < num_points) continue;
     moments.Add(block, size);
     size = 0;
@@ -165,7 +165,7 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
   constexpr double kNegligible = 1e-9;
   CHECK_LE(num_points, kBlock);
   num_points_ += static_cast<int>(num_points);
-  Values along, across, tau, weight, offset;
+  Values along, across, tau, weight, offset, by_range;
   for (size_t i = 0; i < num_points; ++i) {
     const double from_x = points.x[i] - middle_.x();
     const double from_y = points.y[i] - middle_.y();
@@ -174,10 +174,11 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     tau[i] = (points.since_start_ns[i] - half_span_ns_) * inverse_half_span_;
     weight[i] = points.weight[i];
     offset[i] = points.offset[i];
+    by_range[i] = points.by_range[i];
   }
   size_t end = num_points;
   for (; end % 4 != 0; ++end) {  // companions without weight
-    along[end] = across[end] = tau[end] = weight[end] = offset[end] = 0.0;
+    along[end] = across[end] = tau[end] = weight[end] = offset[end] = by_range[end] = 0.0;
   }
   double most_across = 0.0;
   for (size_t i = 0; i < num_points; ++i) {
@@ -191,11 +192,16 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
     const auto sums = SumByPower<3>(tau.data(), end, value);
     with_offset_.row(row) += sums.matrix().transpose();
   };
+  const auto add_with_range = [&](int row, const auto& value) {
+    const auto sums = SumByPower<3>(tau.data(), end, value);
+    with_range_.row(row) += sums.matrix().transpose();
+  };
   using Four = Eigen::Map<const Eigen::Array4d>;
   const auto a = [&](size_t i) { return Four(&along[i]); };
   const auto b = [&](size_t i) { return Four(&across[i]); };
   const auto w2 = [&](size_t i) { return Four(&weight[i]); };
   const auto o = [&](size_t i) { return Four(&offset[i]); };
+  const auto r = [&](size_t i) { return Four(&by_range[i]); };
   // One group of sums after the other: the processor's registers hold a group, not all of the
   // forty.
   add(kOne, w2);
@@ -212,12 +218,17 @@ void SegmentMoments::Add(const Points& points, size_t num_points) {
   add_with_offset(0, [&](size_t i) { return w2(i) * o(i) * a(i); });
   add_with_offset(2, [&](size_t i) { return w2(i) * o(i); });
   offset2_ += sum([&](size_t i) { return w2(i) * o(i) * o(i); });
+  add_with_range(0, [&](size_t i) { return w2(i) * r(i) * a(i); });
+  add_with_range(2, [&](size_t i) { return w2(i) * r(i); });
+  range2_ += sum([&](size_t i) { return w2(i) * r(i) * r(i); });
+  offset_with_range_ += sum([&](size_t i) { return w2(i) * o(i) * r(i); });
   if (most_across < kNegligible) return;
   add(kAcross, [&](size_t i) { return w2(i) * b(i); });
   add(kAlongAcross, [&](size_t i) { return w2(i) * a(i) * b(i); });
   add(kAcross2, [&](size_t i) { return w2(i) * b(i) * b(i); });
   add_with_along2(1, [&](size_t i) { return w2(i) * a(i) * a(i) * b(i); });
   add_with_offset(1, [&](size_t i) { return w2(i) * o(i) * b(i); });
+  add_with_range(1, [&](size_t i) { return w2(i) * r(i) * b(i); });
 }
 
 Eigen::Vector2d SegmentMoments::Centroid() const {
@@ -295,7 +306,8 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   const Eigen::Matrix3d with_bend = WithBend();
   MatrixAndGradients matrix;
   matrix << Matrix(), Eigen::Map<const Vector9d>(with_offset_.data()).transpose(),
-      Eigen::Map<const Vector9d>(with_bend.data()).transpose(), Vector9d::Zero().transpose();
+      Eigen::Map<const Vector9d>(with_bend.data()).transpose(),
+      Eigen::Map<const Vector9d>(with_range_.data()).transpose();
   const Root root = Eliminate(scale.asDiagonal() * matrix * scale.head<9>().asDiagonal());
   const int64_t own_middle_ns = NodesOfSpan(start_ns_, end_ns_)[1];
   const Eigen::Matrix3d to_nodes =
@@ -318,6 +330,13 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
     measurement.bend_offset =
         (OffsetWithBend() - measurement.bend().dot(measurement.offset())) /
         measurement.bend_rest;
+  }
+  const double range_rest2 = range2_ - measurement.range().squaredNorm();
+  if (range_rest2 > kRounding * range2_) {
+    measurement.range_rest = std::sqrt(range_rest2);
+    measurement.range_offset =
+        (offset_with_range_ - measurement.range().dot(measurement.offset())) /
+        measurement.range_rest;
   }
   measurement.centroid = Centroid();
   measurement.tangent = along_;

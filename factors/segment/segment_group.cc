@@ -36,7 +36,27 @@ struct LineSystem {
   // Columns: planes' parameters.
   Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
   std::vector<bool> sees_plane;
+  // Of the range bias of the line's scanner, where that is estimated: products with the poses,
+  // with the planes' parameters, with itself and with the residuals.
+  LineVector range_with_poses;
+  Eigen::VectorXd range_with_planes;
+  double range2 = 0.0;
+  double range_gradient = 0.0;
 };
+
+// Adds the products of a segment's range bias to the line's system.
+template <int kPlaneSize>
+void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem* line) {
+  if constexpr (kPlaneSize > 0) {
+    const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
+    const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
+    line->range_with_poses += by_poses.transpose().lazyProduct(rows.by_range);
+    line->range_with_planes.template segment<kPlaneSize>(plane_column) +=
+        by_plane.transpose().lazyProduct(rows.by_range);
+    line->range2 += rows.by_range.squaredNorm();
+    line->range_gradient += rows.by_range.dot(rows.residuals);
+  }
+}
 
 ScannerAtNodes AtNodes(const ScannerPose& scanner, const NodePoses& poses) {
   Eigen::Matrix3d in_body = scanner.rotation;
@@ -63,6 +83,7 @@ double Weigh(double huber_width, SegmentRows<kPlaneSize>* rows, bool* is_outlier
   const double weight = std::sqrt(huber_width / norm);
   rows->residuals *= weight;
   rows->jacobian *= weight;
+  rows->by_range *= weight;
   return huber_width * (norm - 0.5 * huber_width);
 }
 
@@ -288,11 +309,15 @@ void AddScanner(const LineSystem& line,
                 const Spread& spread,
                 int row,
                 SegmentGroup::Quadratic* quadratic) {
-  const NodesByScanner by_nodes = line.poses * by_scanner;
+  NodesByScanner by_nodes = line.poses * by_scanner;
   quadratic->gradient.segment<kScannerBlockSize>(row) +=
       by_scanner.transpose() * line.gradient;
-  quadratic->hessian.block<kScannerBlockSize, kScannerBlockSize>(row, row) +=
-      by_scanner.transpose() * by_nodes;
+  quadratic->gradient[row + kScannerRangeAt] += line.range_gradient;
+  auto own = quadratic->hessian.block<kScannerBlockSize, kScannerBlockSize>(row, row);
+  own += by_scanner.transpose() * by_nodes;
+  own.row(kScannerRangeAt) += line.range_with_poses.transpose() * by_scanner;
+  own(kScannerRangeAt, kScannerRangeAt) += line.range2;
+  by_nodes.col(kScannerRangeAt) += line.range_with_poses;
   for (int i = 0; i < kScannerBlockSize; ++i) {
     spread.AddRow(by_nodes.col(i), row + i, &quadratic->hessian);
   }
@@ -301,6 +326,8 @@ void AddScanner(const LineSystem& line,
     for (int column = plane_offsets[i]; column < plane_offsets[i + 1]; ++column) {
       quadratic->hessian.block<kScannerBlockSize, 1>(row, column) +=
           by_scanner.transpose() * line.cross.col(column - plane_offsets[0]);
+      quadratic->hessian(row + kScannerRangeAt, column) +=
+          line.range_with_planes[column - plane_offsets[0]];
     }
   }
 }
@@ -431,6 +458,9 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
     line.cross.setZero(kLineSize,
                        kPlanesHeld ? 0 : plane_offsets_.back() - plane_offsets_.front());
     line.sees_plane.assign(planes_.size(), false);
+    line.range_with_poses.setZero();
+    line.range_with_planes.setZero(line.cross.cols());
+    line.range2 = line.range_gradient = 0.0;
     ScannerAtNodes scanner;
     int scanner_at_nodes = -1;
     for (; next < scan_line.end; ++next) {
@@ -452,12 +482,22 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
                       plane_parameters[plane],
                       planes[plane],
                       &rows);
+        if (is_estimated) {
+          AddRangeBias(*segment.measurement,
+                       {segment.scale, segment.offset},
+                       scanner_block[kScannerRangeAt],
+                       Model::kIsCurved,
+                       &rows);
+        }
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
                 plane_offsets_[plane] - plane_offsets_.front(),
                 plane_offsets_[plane],
                 &line,
                 quadratic);
+        if (is_estimated) {
+          AddRange(rows, plane_offsets_[plane] - plane_offsets_.front(), &line);
+        }
       });
     }
     FillUpperBlocks(&line);

@@ -26,23 +26,30 @@ namespace plumbline {
 // the segment's centroid is off the plane through the centroid by k a^2 / 2 as well: e_i gains
 // w_i k a_i^2 / 2, and the rows k c. What of it no g can imitate is a row of its own, without
 // U: k bend_rest + bend_offset.
+//
+// Ranges that are too long by b leave the offsets b times larger than they should be by the
+// cosine between beam and normal, whitened: the rows lose b r. What of that no g can imitate,
+// where the surface does not bend, is a row of its own as well: range_offset - b range_rest.
 struct SegmentMeasurement {
   // Three instants, equally far from each other. A segment whose points were all taken within
   // 1 ns has num_nodes = 1: its nodes coincide and only g_0 counts.
   std::array<int64_t, 3> node_times_ns{};
   int num_nodes = 3;
-  static constexpr int kColumns = 11;
+  static constexpr int kColumns = 12;
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns>;
-  Rows rows;              // [ U | b | c ]
+  Rows rows;              // [ U | b | c | r ]
   double constant = 0.0;  // sum of squares that no g changes, where the surface does not bend
   double bend_rest = 0.0;
-  double bend_offset = 0.0;                            // its square is part of constant
+  double bend_offset = 0.0;  // its square is part of constant
+  double range_rest = 0.0;
+  double range_offset = 0.0;                           // its square is part of constant
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  // scanner frame, m
   Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  // of the segment, scanner frame
 
   auto root() const { return rows.leftCols<9>(); }
   auto offset() const { return rows.col(9); }
   auto bend() const { return rows.col(10); }
+  auto range() const { return rows.col(11); }
 };
 
 // What the plane in question makes of a measurement's whitening:

@@ -8,8 +8,9 @@
 
 namespace plumbline {
 
-// Sums over a segment's points of m m^T, m o, o^2 and w m a^2, from which its measurement
-// follows; o is a point's offset, whitened with w, and
+// Sums over a segment's points of m m^T, m o, o^2, w m a^2 and the like of r, from which its
+// measurement follows; o is a point's offset and r its derivative by the range, whitened with
+// w, and
 //   m = w (a, b, 1, tau a, tau b, tau, tau^2 a, tau^2 b, tau^2)
 // with a and b along and across the segment, from its middle, and tau from -1 to 1. In these
 // coordinates the columns are as independent of each other as they can be: b is next to
@@ -30,6 +31,7 @@ class SegmentMoments {
     Values since_start_ns;  // after the segment's first point
     Values weight;          // w^2 in 1/m^2
     Values offset;          // m, without w
+    Values by_range;        // derivative of the offset
   };
 
   // The first num_points of these.
@@ -71,6 +73,10 @@ class SegmentMoments {
   double along4_ = 0.0;              // sum of w a^4
   double offset_with_along2_ = 0.0;  // sum of w o a^2
   double offset2_ = 0.0;
+  // As with_offset_, for the derivative by the range.
+  Eigen::Matrix3d with_range_ = Eigen::Matrix3d::Zero();
+  double range2_ = 0.0;
+  double offset_with_range_ = 0.0;
 };
 
 }  // namespace plumbline

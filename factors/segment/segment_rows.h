@@ -70,10 +70,12 @@ PlaneDerivatives DerivativesNear(const Model& model,
 template <int kPlaneSize>
 struct SegmentRows {
   static constexpr int kColumns = kNodePosesSize + kPlaneSize;
-  static constexpr int kMaxRows = 10;  // nine, and one for the bow
+  static constexpr int kMaxRows = 10;  // nine, and one for the bow or for the range
   Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, kMaxRows, kColumns>
       jacobian;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> residuals;
+  // Derivative by the range bias of a scanner that is estimated, else empty.
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> by_range;
 };
 
 // What the bend of the surface adds: the normal that turns as the segment is moved, and the
@@ -116,6 +118,28 @@ void AddBend(const PackedSegment& measurement,
   if constexpr (kPlaneSize > 0) {
     rows->jacobian.col(kNodePosesSize + Cylinder::kCurvatureAt) += bow;
   }
+}
+
+// What a range bias takes away (SegmentMeasurement). Of a surface that bends the own row is
+// left out: a bow looks much the same.
+template <int kPlaneSize>
+void AddRangeBias(const PackedSegment& measurement,
+                  const SegmentWeights& by,
+                  double range_bias_m,
+                  bool is_curved,
+                  SegmentRows<kPlaneSize>* rows) {
+  const auto stored = measurement.rows();
+  const Eigen::Index num_rows = stored.rows();
+  if (!is_curved) {
+    rows->residuals.conservativeResize(num_rows + 1);
+    rows->jacobian.conservativeResize(num_rows + 1, Eigen::NoChange);
+    rows->residuals[num_rows] = by.offset * measurement.range_offset();
+    rows->jacobian.row(num_rows).setZero();
+  }
+  rows->by_range.setZero(rows->residuals.size());
+  rows->by_range.head(num_rows) = -by.offset * stored.col(11).template cast<double>();
+  if (!is_curved) rows->by_range[num_rows] = -by.offset * measurement.range_rest();
+  rows->residuals += range_bias_m * rows->by_range;
 }
 
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one

@@ -371,9 +371,8 @@ class BoundComputer {
       }
       state_->observations.push_back(std::move(observation));
       const Observation& added = state_->observations.back();
-      CountObservation(added,
-                       ObservationPoses(state_->trajectory, scanner.body_from_scanner, added),
-                       state_.get());
+      CountObservation(
+          added, ObservationPoses(state_->trajectory, scanner, added), state_.get());
     }
   }
 

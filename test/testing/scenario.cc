@@ -41,6 +41,7 @@ std::string RigText(const Scenario& scenario) {
          << "]\n    range_noise_m: " << scanner.range_noise_m
          << "\n    min_range_m: 0.1\n    max_range_m: " << scanner.max_range_m
          << "\n    time_offset_s: " << scanner.time_offset_s
+         << "\n    uncertainty: {rotation_deg: 0, translation_m: 0, time_s: 0, range_m: 0}"
          << "\n    beams: " << scanner.beams
          << "\n    field_of_view_deg: 270.0\n    scan_rate_hz: " << scanner.scan_rate_hz
          << "\n";

@@ -51,8 +51,10 @@ struct SegmentScene {
       for (double& value : measurement.rows.leftCols(3 * measurement.num_nodes).reshaped()) {
         value = random.Uniform(-1.0, 1.0);
       }
-      for (double& value : measurement.rows.rightCols<2>().reshaped())
+      for (double& value : measurement.rows.middleCols<3>(9).reshaped())
         value = random.Uniform(-1.0, 1.0);
+      measurement.range_rest = random.Uniform(0.0, 1.0);
+      measurement.range_offset = random.Uniform(-1.0, 1.0);
       SegmentGroup::Segment segment;
       const Eigen::Vector2d origin(random.Uniform(-5.0, 5.0), random.Uniform(-5.0, 5.0));
       const Eigen::Vector2d tangent = random.Vector(1.0).head<2>().normalized();

@@ -92,12 +92,11 @@ class AssociationTest : public testing::Test {
     for (const Landmark& landmark : landmarks_) {
       candidates.emplace_back(landmark);
     }
-    return FindLandmark(
-        observation_,
-        ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
-        pose_covariance,
-        candidates,
-        options_);
+    return FindLandmark(observation_,
+                        ObservationPoses(trajectory_, scanner_, observation_),
+                        pose_covariance,
+                        candidates,
+                        options_);
   }
 
   // Standard deviations of offset and direction of the observed line.
@@ -211,9 +210,7 @@ TEST_F(AssociationTest, GateIsThatOfTheSignificance) {
 TEST_F(AssociationTest, DirectionCountsToo) {
   const Landmark wall = MakeVerticalLandmark(wall_.normal, {0.0, 2.0, 0.0});
   const LineDeviation deviation = DeviationFromPlane(
-      observation_,
-      ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
-      LandmarkView(wall));
+      observation_, ObservationPoses(trajectory_, scanner_, observation_), LandmarkView(wall));
   const double sigma_direction = std::sqrt(deviation.covariance(1, 1));
   EXPECT_NEAR(sigma_direction, SigmaOffset() * std::sqrt(12.0) / 2.0, 0.2 * sigma_direction);
   AddWall(0.0, 4.1 * sigma_direction, -1.0, 1.0);
@@ -332,10 +329,8 @@ class GrazedCeilingTest : public AssociationTest {
   }
 
   bool IsGrazed() const {
-    return Grazes(observation_,
-                  ObservationPoses(trajectory_, scanner_.body_from_scanner, observation_),
-                  landmarks_,
-                  0.15);
+    return Grazes(
+        observation_, ObservationPoses(trajectory_, scanner_, observation_), landmarks_, 0.15);
   }
 };
 

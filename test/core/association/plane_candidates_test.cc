@@ -121,11 +121,10 @@ class TentativePlanesTest : public testing::Test {
           Observation observation = MakeObservation(line, scanner, segment, false);
           observation.scan_index = scan_;
           observation.scan_line_index = 3 * scan_ + scanner_index;
-          candidates_.Offer(
-              observation,
-              num_offered_++,
-              ObservationPoses(trajectory, scanner.body_from_scanner, observation),
-              Matrix6d::Zero());
+          candidates_.Offer(observation,
+                            num_offered_++,
+                            ObservationPoses(trajectory, scanner, observation),
+                            Matrix6d::Zero());
         }
       }
       ++scan_;
@@ -304,11 +303,10 @@ TEST_F(TentativePlanesTest, HighAndNarrowIsSmall) {
     const int num_scans = static_cast<int>(duration_s / 0.025) + 1;
     for (int scan = 0; scan < num_scans; ++scan) {
       Observation observation = ObserveFront(front, width_m, scan);
-      planes.Offer(
-          observation,
-          scan,
-          ObservationPoses(trajectory, rig_.scanners[0].body_from_scanner, observation),
-          Matrix6d::Zero());
+      planes.Offer(observation,
+                   scan,
+                   ObservationPoses(trajectory, rig_.scanners[0], observation),
+                   Matrix6d::Zero());
     }
     return !planes.TakeReady(options_.planes.min_scans, needs_age).empty();
   };

@@ -56,10 +56,9 @@ class ObservationTest : public testing::Test {
                           const Rigid3d& pose,
                           const Landmark& landmark) const {
     const Trajectory trajectory(kStart, 1'000'000'000, pose);
-    return DeviationFromPlane(
-        observation,
-        ObservationPoses(trajectory, scanner_.body_from_scanner, observation),
-        LandmarkView(landmark));
+    return DeviationFromPlane(observation,
+                              ObservationPoses(trajectory, scanner_, observation),
+                              LandmarkView(landmark));
   }
 
   Scanner scanner_ = MakeScanner();
@@ -151,10 +150,8 @@ TEST_F(ObservationTest, TakesTheMotionIntoAccount) {
   const Observation observation =
       ObservePlane(line, scanner_, BodyPose(), wall_, kFirstBeam, kLastBeam);
   const Landmark wall = WallLandmark();
-  const LineDeviation deviation =
-      DeviationFromPlane(observation,
-                         ObservationPoses(trajectory, scanner_.body_from_scanner, observation),
-                         LandmarkView(wall));
+  const LineDeviation deviation = DeviationFromPlane(
+      observation, ObservationPoses(trajectory, scanner_, observation), LandmarkView(wall));
   // The quadratic through the nodes follows the motion far below the noise.
   EXPECT_LT(std::abs(deviation.value[0]), 1e-5);
   EXPECT_LT(std::abs(deviation.value[1]), 1e-5);

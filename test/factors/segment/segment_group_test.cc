@@ -132,7 +132,8 @@ struct CalibratedScene {
     for (SegmentGroup::Scanner& scanner : scene.scanners) {
       scanner.estimated = true;
       Eigen::VectorXd block(kScannerBlockSize);
-      block << random.Vector(0.2), random.Vector(0.1), random.Uniform(-0.003, 0.003);
+      block << random.Vector(0.2), random.Vector(0.1), random.Uniform(-0.003, 0.003),
+          random.Uniform(-0.5, 0.5);
       scanner_blocks.push_back(block);
     }
   }
@@ -159,14 +160,26 @@ struct CalibratedScene {
     blocks.AddRotation(Eigen::Quaterniond(scanner.rotation));
     blocks.AddEuclidean(scanner.translation);
     blocks.AddEuclidean(scene.plane_parameters[plane]);
-    const auto factor = CreateSegmentFactor(segment.measurement->Unpack(),
+    // What a range bias leaves of the offsets, and its own row.
+    const double range_bias_m = scanner_block[kScannerRangeAt];
+    SegmentMeasurement measurement = segment.measurement->Unpack();
+    measurement.rows.col(9) -= range_bias_m * measurement.range();
+    const auto factor = CreateSegmentFactor(measurement,
                                             nodes,
                                             kNumControlPoints,
                                             scene.planes[plane].model,
                                             scene.planes[plane].chart,
                                             segment.weights);
-    if (jacobian != nullptr) *jacobian = blocks.TangentJacobian(*factor);
-    return blocks.Residuals(*factor);
+    const Eigen::VectorXd of_factor = blocks.Residuals(*factor);
+    Eigen::VectorXd residuals(of_factor.size() + 1);
+    residuals << of_factor, segment.weights.offset * (measurement.range_offset -
+                                                      range_bias_m * measurement.range_rest);
+    if (jacobian != nullptr) {
+      *jacobian = blocks.TangentJacobian(*factor);
+      jacobian->conservativeResize(residuals.size(), Eigen::NoChange);
+      jacobian->bottomRows<1>().setZero();
+    }
+    return residuals;
   }
 
   // Of a segment's residuals by its scanner's block, by differences.
@@ -227,10 +240,14 @@ TEST(SegmentGroup, ConstantScannersAreThoseOfZeroBlocks) {
   CalibratedScene calibrated;
   for (Eigen::VectorXd& block : calibrated.scanner_blocks) block.setZero();
   SegmentGroup::Quadratic estimated;
-  calibrated.scene.Group(3.0).Linearise(calibrated.Parameters().data(), &estimated);
+  calibrated.scene.Group(0.0).Linearise(calibrated.Parameters().data(), &estimated);
   for (SegmentGroup::Scanner& scanner : calibrated.scene.scanners) scanner.estimated = false;
   SegmentGroup::Quadratic constant;
-  calibrated.scene.Group(3.0).Linearise(calibrated.Parameters().data(), &constant);
+  calibrated.scene.Group(0.0).Linearise(calibrated.Parameters().data(), &constant);
+  for (const SegmentGroup::Segment& segment : calibrated.scene.segments) {
+    const double own_row = segment.weights.offset * segment.measurement->range_offset();
+    constant.cost += 0.5 * own_row * own_row;
+  }
   const Eigen::Index size = constant.gradient.size();
   EXPECT_NEAR(estimated.cost, constant.cost, 1e-12 * constant.cost);
   EXPECT_LT((estimated.gradient.head(size) - constant.gradient).norm(),

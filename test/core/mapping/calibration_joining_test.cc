@@ -1,0 +1,111 @@
+#include "core/mapping/calibration_joining.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "core/mapping/calibration_report.h"
+#include "core/result/calibration_text.h"
+#include "core/sensor/rig_calibration.h"
+#include "core/util/error.h"
+#include "test/testing/temporary_directory.h"
+
+namespace plumbline {
+namespace {
+
+class CalibrationJoiningTest : public TemporaryDirectoryTest {
+ protected:
+  CalibrationJoiningTest() {
+    for (const char* name : {"top", "left"}) {
+      Scanner scanner;
+      scanner.name = name;
+      scanner.uncertainty = {0.02, 0.01, 0.002, 0.01};
+      rig_.scanners.push_back(scanner);
+    }
+  }
+
+  // A walk that has found the left scanner's clock off by this, so well.
+  Calibration Found(double time_s, double sigma_s) const {
+    RigCalibration estimate(rig_, false);
+    estimate.scanners[1].block[kScannerDelayAt] = time_s;
+    Eigen::MatrixXd covariance =
+        Eigen::MatrixXd::Zero(2 * kScannerBlockSize, 2 * kScannerBlockSize);
+    for (int i = 0; i < 2; ++i) {
+      for (int k = 0; k < kScannerBlockSize; ++k) {
+        const double sigma =
+            estimate.scanners[static_cast<size_t>(i)].prior_sigma[static_cast<size_t>(k)];
+        covariance(kScannerBlockSize * i + k, kScannerBlockSize * i + k) = sigma * sigma;
+      }
+    }
+    const int at = kScannerBlockSize + kScannerDelayAt;
+    covariance(at, at) = sigma_s * sigma_s;
+    return DescribeCalibration(rig_, rig_, estimate, covariance);
+  }
+
+  Rig rig_;
+};
+
+TEST_F(CalibrationJoiningTest, OneRecordingSaysWhatItSays) {
+  const Calibration joined = JoinCalibrations({Found(0.001, 0.0001)}, {"a"});
+  const CalibratedParameter& time = joined.scanners[1].parameters[Calibration::kTimeAt];
+  EXPECT_NEAR(time.value, 0.001, 1e-12);
+  EXPECT_NEAR(time.sigma, 0.0001, 1e-12);
+}
+
+TEST_F(CalibrationJoiningTest, TheRigFileCountsOnce) {
+  const Calibration joined =
+      JoinCalibrations({Found(0.0010, 0.0001), Found(0.0012, 0.0002)}, {"a", "b"});
+  // Information of the walks alone, and of the prior of 2 ms about 0.
+  const double prior = 1.0 / (0.002 * 0.002);
+  const double a = 1.0 / (0.0001 * 0.0001);
+  const double b = 1.0 / (0.0002 * 0.0002);
+  const double information = a + b - prior;
+  const CalibratedParameter& time = joined.scanners[1].parameters[Calibration::kTimeAt];
+  EXPECT_NEAR(time.value, (a * 0.0010 + b * 0.0012) / information, 1e-12);
+  EXPECT_NEAR(time.sigma, 1.0 / std::sqrt(information), 1e-12);
+  EXPECT_NEAR(joined.scanners[1].parameters[0].sigma,
+              joined.scanners[1].parameters[0].prior_sigma,
+              1e-9)
+      << "which no walk has shown";
+}
+
+TEST_F(CalibrationJoiningTest, RigGetsWhatWasFound) {
+  const Rig calibrated = WithCalibration(rig_, Found(0.001, 0.0001));
+  EXPECT_NEAR(calibrated.scanners[1].time_offset_s, 0.001, 1e-12);
+  EXPECT_NEAR(calibrated.scanners[1].uncertainty.time_s, 0.0001, 1e-9);
+  EXPECT_NEAR(calibrated.scanners[1].uncertainty.rotation_rad, 0.02, 1e-9);
+  EXPECT_EQ(calibrated.scanners[0].uncertainty.rotation_rad, 0.0);
+}
+
+TEST_F(CalibrationJoiningTest, FileIsReadAsItWasWritten) {
+  const Calibration found = Found(0.001, 0.0001);
+  const std::string path = (directory_ / "calibration.json").string();
+  std::ofstream(path) << FormatCalibration(found);
+  const Calibration read = ReadCalibration(path);
+  ASSERT_EQ(read.scanners.size(), 2u);
+  EXPECT_EQ(read.scanners[1].parameters[Calibration::kTimeAt].value, 0.001);
+  EXPECT_EQ(read.covariance, found.covariance);
+}
+
+TEST_F(CalibrationJoiningTest, OtherRigFilesAreRefused) {
+  const Calibration found = Found(0.001, 0.0001);
+  rig_.scanners[1].uncertainty.time_s = 0.005;
+  EXPECT_THROW(JoinCalibrations({found, Found(0.001, 0.0001)}, {"a", "b"}), Error);
+  rig_.scanners[1].name = "right";
+  EXPECT_THROW(WithCalibration(rig_, found), Error);
+}
+
+TEST_F(CalibrationJoiningTest, DamagedFileIsNamed) {
+  const std::string path = (directory_ / "calibration.json").string();
+  std::ofstream(path) << R"({"scanners": [{"name": "left"}], "covariance": []})";
+  try {
+    ReadCalibration(path);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(path, 0), 0u) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
