@@ -48,9 +48,10 @@ bool AreApart(const std::vector<PairAgreement>& agreements) {
 }
 
 // Where scanners agree that sit some degrees and centimetres off, or are turned by any angle:
-// nothing where they do not.
+// nothing where they do not, or another mounting makes more of them agree.
 std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>& sample,
                                     const MountedRig& rig,
+                                    const std::optional<OtherMounting>& other,
                                     const std::optional<OtherMounting>& turned,
                                     const Rig& stated) {
   const RigCalibration calibration(stated, IsPlanar(stated));
@@ -63,6 +64,9 @@ std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>&
                  turned ? turned->rig : rig,
                  static_cast<size_t>(body - calibration.scanners.begin()));
   if (AreApart(AgreementsOf(sample, fitted))) return std::nullopt;
+  if (other && NearShareOfAll(sample, other->rig) > NearShareOfAll(sample, fitted)) {
+    return std::nullopt;
+  }
   return fitted;
 }
 
@@ -111,14 +115,17 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   const std::vector<MountingCorrection> corrections = FitMountings(sample, mounted);
   for (size_t i = 0; i < corrections.size(); ++i)
     report->corrections[indices[i]] = corrections[i];
-  const bool is_upright = !report->other_mounting;
-  if (is_upright && !IsMended(corrections)) {
-    report->other_mounting = FindTurn(sample, mounted, names);
+  std::optional<OtherMounting> turned;
+  if (!report->other_mounting && !IsMended(corrections)) {
+    turned = FindTurn(sample, mounted, names);
   }
-  const bool are_all = present.scanners.size() == rig.scanners.size();
-  if (is_upright && are_all && AreApart(report->agreements)) {
-    report->near = BringNear(sample, mounted, report->other_mounting, rig);
+  const bool are_off = report->other_mounting || turned || IsMended(corrections) ||
+                       AreApart(report->agreements);
+  if (are_off && present.scanners.size() == rig.scanners.size()) {
+    report->near = BringNear(sample, mounted, report->other_mounting, turned, rig);
   }
+  if (report->near) report->other_mounting.reset();
+  if (turned) report->other_mounting = turned;
   report->starts = FindStarts(present, lines);
 }
 

@@ -36,7 +36,7 @@ class BendTestTest : public testing::Test {
       for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
         const Observation observation = MakeObservation(line, scanner, segment, false);
         const ObservationPoses poses(
-            observation.measurement.node_times_ns(), {at_rest, at_rest, at_rest}, at_rest);
+            observation.measurement.node_times_ns(), {at_rest, at_rest, at_rest}, scanner);
         if (!test) {
           const Eigen::Vector2d centre = observation.centroid();
           test.emplace(
