@@ -49,10 +49,7 @@ def parse_arguments():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rules", nargs="*", metavar="RULE",
                         help=f"of {', '.join(RULES)} (default: all)")
-    parser.add_argument("--seeds", type=job_runner.positive, default=4, metavar="N",
-                        help="runs of each case (default 4)")
-    parser.add_argument("--first-seed", type=job_runner.positive, default=1, metavar="N",
-                        help="seed of the first run; the others count up (default 1)")
+    job_runner.add_seed_arguments(parser, "case", 4)
     parser.add_argument("--own-cases", action="store_true",
                         help="map only the cases that a rule was made for")
     job_runner.add_arguments(parser)

@@ -48,10 +48,7 @@ def parse_arguments():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scanners", nargs="*", metavar="SCANNER",
                         help=f"of {', '.join(SCANNERS)} (default: all)")
-    parser.add_argument("--seeds", type=job_runner.positive, default=2, metavar="N",
-                        help="runs of each scanner and place (default 2)")
-    parser.add_argument("--first-seed", type=job_runner.positive, default=1, metavar="N",
-                        help="seed of the first run; the others count up (default 1)")
+    job_runner.add_seed_arguments(parser, "scanner and place", 2)
     job_runner.add_arguments(parser)
     parser.set_defaults(jobs=1)
     return parser.parse_args()
@@ -65,7 +62,7 @@ def make_jobs(arguments):
         for place, length_m in PLACES.items():
             experiment = arguments.output / "experiments" / f"{name}_{place}.yaml"
             experiment_files.write_variant(place, experiment, SCANNERS[name], length_m)
-            for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
+            for seed in job_runner.seeds_of(arguments):
                 run = f"{name}_{place}_{seed:04d}"
                 jobs.append(job_runner.Job(
                     destination=arguments.output / run,
@@ -87,14 +84,8 @@ def row_of(directory, info):
             "times_real_time": summary["real_time_factor"]}
 
 
-def collect(output, jobs):
-    rows = []
-    for job in jobs:
-        if job.destination.is_dir():
-            rows.append(job_runner.readable(row_of, job.destination, job.info))
-        elif failure := output.read_failure(job.failure_file):
-            rows.append({**job.info, "verdict": "error", "error": failure["error"]})
-    return [row for row in rows if row]
+def failure_row(failure, info):
+    return {**info, "verdict": "error", "error": failure["error"]}
 
 
 def cell_of(rows):
@@ -126,17 +117,9 @@ def table_of(rows):
 
 
 def main():
-    arguments = parse_arguments()
-    setup = {"program": "data_sheets.py", **series.build_of(arguments.binaries, PROGRAMS)}
-    with job_runner.open_executor(arguments) as executor, \
-            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
-        jobs = make_jobs(arguments)
-        output.run(jobs, executor, arguments.retry_failed, "runs")
-        rows = collect(output, jobs)
-        output.write_json("data_sheets.json", rows)
-        (output.path / "data_sheets.md").write_text(table_of(rows), encoding="utf-8")
-    print(table_of(rows), end="")
-    return 1 if len(rows) < len(jobs) else 0
+    _, num_missing = series.run_table("data_sheets", PROGRAMS, parse_arguments(), make_jobs, row_of,
+                                      failure_row, table_of)
+    return 1 if num_missing else 0
 
 
 if __name__ == "__main__":

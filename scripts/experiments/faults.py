@@ -132,12 +132,9 @@ def parse_arguments():
     parser.add_argument("cases", nargs="*", metavar="CASE",
                         help=f"faults ({', '.join(FAULTS)}) or good recordings (default: all "
                         f"faults, and {', '.join(GOOD)})")
-    parser.add_argument("--seeds", type=job_runner.positive, default=1, metavar="N",
-                        help="runs of each fault and recording (default 1)")
+    job_runner.add_seed_arguments(parser, "fault and recording", 1, first_seed=601)
     parser.add_argument("--good-seeds", type=job_runner.positive, default=3, metavar="N",
                         help="runs of each good recording (default 3)")
-    parser.add_argument("--first-seed", type=job_runner.positive, default=601, metavar="N",
-                        help="seed of the first run; the others count up (default 601)")
     job_runner.add_arguments(parser)
     return parser.parse_args()
 
@@ -181,14 +178,14 @@ def good_job(arguments, case, seed):
 
 def make_jobs(arguments):
     jobs = []
-    first = arguments.first_seed
     for case in arguments.cases or (*FAULTS, *GOOD):
         if case in FAULTS:
             jobs += [faulty_job(arguments, case, name, seed) for name in FAULTS[case].recordings
-                     for seed in range(first, first + arguments.seeds)]
+                     for seed in job_runner.seeds_of(arguments)]
         else:
             jobs += [good_job(arguments, case, seed)
-                     for seed in range(first, first + arguments.good_seeds)]
+                     for seed in range(arguments.first_seed,
+                                       arguments.first_seed + arguments.good_seeds)]
     return jobs
 
 
@@ -218,6 +215,10 @@ def row_of_check(directory, info):
             "outcome": "stopped" if is_stopped else "warned" if findings else "clear"}
 
 
+def row_of(directory, info):
+    return (row_of_map if info["case"] in FAULTS else row_of_check)(directory, info)
+
+
 def failure_row(failure, info):
     """One row of the table, of a run that ended with an error."""
     program = str((failure.get("command") or [""])[0]).rsplit("/", 1)[-1]
@@ -225,18 +226,6 @@ def failure_row(failure, info):
     if program == "plumbline_map":
         row["outcome"] = outcome_of(FAULTS[info["case"]].words, [failure["error"]], None)
     return row
-
-
-def collect(output, jobs):
-    """Rows of the table, one for each run that is there."""
-    rows = []
-    for job in jobs:
-        read = row_of_map if job.info["case"] in FAULTS else row_of_check
-        if job.destination.is_dir():
-            rows.append(job_runner.readable(read, job.destination, job.info))
-        elif failure := output.read_failure(job.failure_file):
-            rows.append(failure_row(failure, job.info))
-    return [row for row in rows if row]
 
 
 def table_of(rows):
@@ -256,17 +245,9 @@ def table_of(rows):
 
 def main():
     arguments = parse_arguments()
-    setup = {"program": "faults.py", **series.build_of(arguments.binaries, PROGRAMS)}
-    with job_runner.open_executor(arguments) as executor, \
-            series.Output(arguments.output, setup, arguments.accept_other_build) as output:
-        jobs = make_jobs(arguments)
-        output.run(jobs, executor, arguments.retry_failed, "runs")
-        rows = collect(output, jobs)
-        output.write_json("faults.json", rows)
-        (output.path / "faults.md").write_text(table_of(rows), encoding="utf-8")
-    print(table_of(rows), end="")
-    failed = len(rows) < len(jobs) or any(row["outcome"] == "no recording" for row in rows)
-    return 1 if failed else 0
+    rows, num_missing = series.run_table("faults", PROGRAMS, arguments, make_jobs, row_of,
+                                         failure_row, table_of)
+    return 1 if num_missing or any(row["outcome"] == "no recording" for row in rows) else 0
 
 
 if __name__ == "__main__":

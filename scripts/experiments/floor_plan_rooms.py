@@ -33,10 +33,7 @@ def parse_arguments():
     parser.add_argument("cases", nargs="*", metavar="CASE",
                         help="names in configs/experiments and its folder robustness (default: "
                         f"{', '.join(CASES)})")
-    parser.add_argument("--seeds", type=job_runner.positive, default=3, metavar="N",
-                        help="runs of each case (default 3)")
-    parser.add_argument("--first-seed", type=job_runner.positive, default=691, metavar="N",
-                        help="seed of the first run; the others count up (default 691)")
+    job_runner.add_seed_arguments(parser, "case", 3, first_seed=691)
     job_runner.add_arguments(parser)
     return parser.parse_args()
 
@@ -59,7 +56,7 @@ def commands_of(experiment, seed, binaries):
 
 
 def make_jobs(arguments, cases):
-    seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)
+    seeds = job_runner.seeds_of(arguments)
     jobs = []
     for case, experiment in cases.items():
         for seed in seeds:
@@ -155,8 +152,7 @@ def main():
         output.run(jobs, executor, arguments.retry_failed, "runs")
         rows, failures = collect(output, jobs)
         table = table_of(rows, failures)
-        output.write_json("floor_plan_rooms.json", rows)
-        (output.path / "floor_plan_rooms.md").write_text(table, encoding="utf-8")
+        output.write_table("floor_plan_rooms", rows, table)
     print(table, end="")
     done = {(row["case"], row["seed"]) for row in rows}
     return 1 if len(done) < len(jobs) else 0

@@ -359,6 +359,18 @@ def add_arguments(parser):
     add_build_argument(parser)
 
 
+def add_seed_arguments(parser, runs_of, seeds, first_seed=1):
+    """Arguments of a script that runs each of several things with some seeds."""
+    parser.add_argument("--seeds", type=positive, default=seeds, metavar="N",
+                        help=f"runs of each {runs_of} (default {seeds})")
+    parser.add_argument("--first-seed", type=positive, default=first_seed, metavar="N",
+                        help=f"seed of the first run; the others count up (default {first_seed})")
+
+
+def seeds_of(arguments):
+    return range(arguments.first_seed, arguments.first_seed + arguments.seeds)
+
+
 def add_build_argument(parser):
     parser.add_argument("--accept-other-build", action="store_true",
                         help="go on with a series that another build of the programs began; "

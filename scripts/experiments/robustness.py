@@ -41,10 +41,7 @@ def parse_arguments():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", metavar="CASE",
                         help="names in configs/experiments/robustness (default: all)")
-    parser.add_argument("--seeds", type=job_runner.positive, default=2, metavar="N",
-                        help="runs of each case (default 2)")
-    parser.add_argument("--first-seed", type=job_runner.positive, default=1, metavar="N",
-                        help="seed of the first run; the others count up (default 1)")
+    job_runner.add_seed_arguments(parser, "case", 2)
     parser.add_argument("--config", type=job_runner.resolved, metavar="FILE",
                         help="mapper settings (default: the experiments' own)")
     job_runner.add_arguments(parser)
@@ -83,7 +80,7 @@ def check_experiments(output, cases):
 
 
 def make_jobs(arguments, cases):
-    seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)
+    seeds = job_runner.seeds_of(arguments)
     return [
         job_runner.Job(
             destination=arguments.output / run_name(case, seed),
@@ -120,7 +117,7 @@ def count_false_planes(evaluation, planes):
     return sum(plane["id"] in wrong and extent(plane) > MIN_FALSE_PLANE_M for plane in planes)
 
 
-def figures_of(directory, case, seed):
+def row_of(directory, info):
     """One row of the table, of a run that gave a map."""
     evaluation, summary, planes, exit_codes = (
         job_runner.read_json(directory / name)
@@ -128,7 +125,7 @@ def figures_of(directory, case, seed):
     aligned = evaluation["trajectory"]["aligned"]
     found = evaluation["planes"]
     row = {
-        "case": case, "seed": seed, "exit_code": exit_codes[1],
+        **info, "exit_code": exit_codes[1],
         "verdict": (summary.get("consistency") or {}).get("verdict"),
         "warnings": summary["warnings"],
         "position_rms_m": aligned["position_m"]["rmse"],
@@ -155,24 +152,11 @@ def outcome_of(row):
     return "flagged" if row["missing_s"] > 0.0 and row["warnings"] else "silent"
 
 
-def failure_row(failure):
+def failure_row(failure, info):
     """One row of the table, of a run that ended with an error."""
     program = str((failure.get("command") or [""])[0]).rsplit("/", 1)[-1]
-    return {"case": failure["case"], "seed": failure["seed"],
-            "exit_code": failure.get("exit_code"), "error": failure["error"],
+    return {**info, "exit_code": failure.get("exit_code"), "error": failure["error"],
             "outcome": "flagged" if program == "plumbline_map" else "no recording"}
-
-
-def collect(output, jobs):
-    """Rows of the table, and how many runs are damaged and left out."""
-    rows = []
-    for job in jobs:
-        if job.destination.is_dir():
-            rows.append(job_runner.readable(figures_of, job.destination, job.info["case"],
-                                            job.info["seed"]))
-        elif failure := output.read_failure(job.failure_file):
-            rows.append(failure_row({**job.info, **failure}))
-    return [row for row in rows if row], rows.count(None)
 
 
 def cells_of(row):
@@ -217,11 +201,10 @@ def main():
             series.Output(arguments.output, setup, arguments.accept_other_build) as output:
         check_experiments(output, cases)
         output.run(jobs, executor, arguments.retry_failed, "runs")
-        rows, num_damaged = collect(output, jobs)
-        output.write_json("robustness.json", rows)
-        (output.path / "robustness.md").write_text(table_of(rows), encoding="utf-8")
+        rows = output.rows(jobs, row_of, failure_row)
+        output.write_table("robustness", rows, table_of(rows))
     print(table_of(rows), end="")
-    failed = num_damaged or any(row["outcome"] == "no recording" for row in rows)
+    failed = len(rows) < len(jobs) or any(row["outcome"] == "no recording" for row in rows)
     return 1 if failed else 0
 
 

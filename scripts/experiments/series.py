@@ -172,8 +172,41 @@ class Output:
             job_runner.warn(f"{error}; left out")
         return None
 
+    def rows(self, jobs, row_of, failure_row):
+        """row_of(directory, info) of each job that is done, failure_row(failure, info) of each that
+        failed, in the order of the jobs. Damaged directories and jobs not yet run have no row."""
+        rows = []
+        for job in jobs:
+            if job.destination.is_dir():
+                rows.append(job_runner.readable(row_of, job.destination, job.info))
+            elif failure := self.read_failure(job.failure_file):
+                rows.append(failure_row(failure, job.info))
+        return [row for row in rows if row]
+
+    def write_table(self, name, rows, table):
+        self.write_json(f"{name}.json", rows)
+        (self.path / f"{name}.md").write_text(table, encoding="utf-8")
+
     def failures(self, key):
         """The failures so far that have the key, such as seed."""
         paths = sorted(self.path.glob("failed_*.json"))
         return [failure for failure in map(self.read_failure, (path.name for path in paths))
                 if failure and key in failure]
+
+
+def run_table(name, programs, arguments, make_jobs, row_of, failure_row, table_of):
+    """Runs the jobs of make_jobs(arguments) and makes a table of what they came to, a row a job.
+
+    row_of(directory, info) reads a job that is done, failure_row(failure, info) one that failed.
+    The rows go to name.json in the output directory, the text of table_of(rows) to name.md and to
+    stdout. Returns the rows and how many jobs have none.
+    """
+    setup = {"program": f"{name}.py", **build_of(arguments.binaries, programs)}
+    with job_runner.open_executor(arguments) as executor, \
+            Output(arguments.output, setup, arguments.accept_other_build) as output:
+        jobs = make_jobs(arguments)
+        output.run(jobs, executor, arguments.retry_failed, "runs")
+        rows = output.rows(jobs, row_of, failure_row)
+        output.write_table(name, rows, table_of(rows))
+    print(table_of(rows), end="")
+    return rows, len(jobs) - len(rows)

@@ -51,9 +51,6 @@ class Recording:
         stamps = [stamp_of(message) for message in self.scans()]
         return (min(stamps) + max(stamps)) // 2
 
-    def move(self, message, by_ns):
-        set_stamp(message, stamp_of(message) + int(by_ns))
-
 
 def stamp_of(message):
     return message.header.stamp.secs * NANOSECONDS + message.header.stamp.nsecs
@@ -61,6 +58,11 @@ def stamp_of(message):
 
 def set_stamp(message, stamp_ns):
     message.header.stamp.secs, message.header.stamp.nsecs = divmod(stamp_ns, NANOSECONDS)
+
+
+def move(messages, by_ns):
+    for message in messages:
+        set_stamp(message, stamp_of(message) + int(by_ns))
 
 
 def line_s(scan):
@@ -73,16 +75,14 @@ def line_s(scan):
 @fault
 def other_clock(recording):
     """One scanner counts leap seconds."""
-    for scan in recording.of(recording.one):
-        recording.move(scan, 37 * NANOSECONDS)
+    move(recording.of(recording.one), 37 * NANOSECONDS)
 
 
 @fault
 def uptime_clock(recording):
     """One scanner stamps with the time since it was switched on."""
     first = min(map(stamp_of, recording.scans()))
-    for scan in recording.of(recording.one):
-        recording.move(scan, 40 * NANOSECONDS - first)
+    move(recording.of(recording.one), 40 * NANOSECONDS - first)
 
 
 @fault
@@ -95,25 +95,23 @@ def no_clock(recording):
 def clock_steps(recording):
     """The clock of one scanner is set amid the recording."""
     middle = recording.middle()
-    for scan in recording.of(recording.one):
-        if stamp_of(scan) > middle:
-            recording.move(scan, 1.5 * NANOSECONDS)
+    move([scan for scan in recording.of(recording.one) if stamp_of(scan) > middle],
+         1.5 * NANOSECONDS)
 
 
 @fault
 def first_stamps_of_1970(recording):
     """The clock of one scanner is set half a second after it has begun."""
     first = min(map(stamp_of, recording.scans()))
-    for scan in recording.of(recording.one):
-        if stamp_of(scan) - first < 0.5 * NANOSECONDS:
-            recording.move(scan, 40 * NANOSECONDS - first)
+    move([scan for scan in recording.of(recording.one)
+          if stamp_of(scan) - first < 0.5 * NANOSECONDS], 40 * NANOSECONDS - first)
 
 
 @fault
 def stamped_at_the_end(recording):
     """The driver of one scanner stamps with the last beam."""
     for scan in recording.of(recording.one):
-        recording.move(scan, line_s(scan) * NANOSECONDS)
+        move([scan], line_s(scan) * NANOSECONDS)
 
 
 # Headers.
@@ -278,14 +276,12 @@ def wheels_mirrored(recording):
 
 @fault
 def wheels_late(recording):
-    for message in recording.of(recording.wheels):
-        recording.move(message, 0.5 * NANOSECONDS)
+    move(recording.of(recording.wheels), 0.5 * NANOSECONDS)
 
 
 @fault
 def wheels_of_another_clock(recording):
-    for message in recording.of(recording.wheels):
-        recording.move(message, 3600 * NANOSECONDS)
+    move(recording.of(recording.wheels), 3600 * NANOSECONDS)
 
 
 # The rig file.
