@@ -215,6 +215,17 @@ CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& ri
   return CheckSurvey(SurveyRecording(path, rig ? &*rig : nullptr), rig);
 }
 
+bool SitAtOnePose(const Rig& rig) {
+  const auto is_first = [&rig](const Scanner& scanner) {
+    const Rigid3d& first = rig.scanners.front().body_from_scanner;
+    const Rigid3d& pose = scanner.body_from_scanner;
+    return pose.translation == first.translation &&
+           pose.rotation.coeffs() == first.rotation.coeffs();
+  };
+  return rig.scanners.size() > 1 &&
+         std::all_of(rig.scanners.begin(), rig.scanners.end(), is_first);
+}
+
 std::string InWords(const Finding& finding) {
   return OnOneLine((finding.subject.empty() ? "" : finding.subject + ": ") + finding.sentence +
                    (finding.advice.empty() ? "" : " (" + finding.advice + ")"));

@@ -54,6 +54,9 @@ CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& ri
 // The same of a recording that has been surveyed.
 CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig);
 
+// Whether all of several scanners sit at one pose, as in a rig file that was not filled in.
+bool SitAtOnePose(const Rig& rig);
+
 // The finding in words, on one line: "/scan: sentence (advice)".
 std::string InWords(const Finding& finding);
 

@@ -163,6 +163,13 @@ class RigJudge {
   }
 
   void JudgeMounting() {
+    if (SitAtOnePose(rig_)) {
+      Add(Severity::kStop,
+          "",
+          "all " + std::to_string(rig_.scanners.size()) + " scanners sit at one pose",
+          "fill in body_from_scanner of each in the rig file");
+      return;
+    }
     if (report_->other_mounting) {
       const OtherMounting& other = *report_->other_mounting;
       Add(Severity::kStop,

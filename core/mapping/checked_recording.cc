@@ -64,14 +64,7 @@ Rig Near(Rig rig, const MountedRig& near) {
 }  // namespace
 
 void CheckPoses(const std::string& rig_file, const Rig& rig) {
-  const Rigid3d& first = rig.scanners.front().body_from_scanner;
-  const bool is_one =
-      std::all_of(rig.scanners.begin(), rig.scanners.end(), [&first](const Scanner& scanner) {
-        const Rigid3d& pose = scanner.body_from_scanner;
-        return pose.translation == first.translation &&
-               pose.rotation.coeffs() == first.rotation.coeffs();
-      });
-  if (rig.scanners.size() < 2 || !is_one) return;
+  if (!SitAtOnePose(rig)) return;
   throw Error(rig_file + ": all " + std::to_string(rig.scanners.size()) +
               " scanners sit at one pose: fill in body_from_scanner of each");
 }
