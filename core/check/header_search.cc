@@ -15,7 +15,6 @@ namespace {
 using Sample = std::vector<std::vector<SampledLine>>;
 
 constexpr int kLinesToCompare = 1500;  // of each pair
-constexpr double kNear = 0.015;        // m
 // A header is believed where it brings so many more of the places together: this share of
 // them, and so many standard deviations of it, neighbouring lines sharing their errors.
 constexpr double kMinGain = 0.025;
@@ -33,11 +32,11 @@ Places CompareAll(const Sample& sample, const MountedRig& rig) {
   std::vector<ViewComparison> all;
   for (size_t a = 0; a < rig.size(); ++a) {
     for (size_t b = a + 1; b < rig.size(); ++b) {
-      const auto some = CompareViews(sample, rig, a, b, kLinesToCompare);
+      const auto some = CompareViews(sample, rig, a, b, kLinesToCompare, kOnePlace);
       all.insert(all.end(), some.begin(), some.end());
     }
   }
-  return {all.size(), ShareWithin(all, kNear)};
+  return {all.size(), ShareWithin(all, kOnePlace)};
 }
 
 // The angles between beams, `ratio` times as large.

@@ -16,7 +16,6 @@ using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 constexpr int kLinesForFit = 1500;  // of each pair
 constexpr int kMinCompared = 20;    // places that say anything
-constexpr double kNear = 0.015;     // m
 // Scales of Cauchy's loss, one for each step: what is far off is to be caught first.
 constexpr double kLossScales[] = {0.4, 0.4, 0.2, 0.2, 0.1, 0.05, 0.05, 0.05};  // m
 // Standard deviations of the prior about what the rig file says.
@@ -60,11 +59,11 @@ class MountingFit {
     Compare();
     correction.num_compared = static_cast<int>(comparisons_.size());
     if (correction.num_compared < kMinCompared) return correction;
-    correction.near_share = ShareWithin(comparisons_, kNear);
+    correction.near_share = ShareWithin(comparisons_, kOnePlace);
     Iterate();
     HoldOpen();
     Iterate();
-    correction.moved_share = ShareWithin(comparisons_, kNear);
+    correction.moved_share = ShareWithin(comparisons_, kOnePlace);
     correction.rotation_rad = total_.head<3>();
     correction.translation_m = total_.segment<3>(3);
     correction.time_offset_s = total_(6);
@@ -79,7 +78,7 @@ class MountingFit {
     comparisons_.clear();
     for (size_t other = 0; other < rig_.size(); ++other) {
       if (other == scanner_) continue;
-      const auto some = CompareViews(sample_, rig_, scanner_, other, kLinesForFit);
+      const auto some = CompareViews(sample_, rig_, scanner_, other, kLinesForFit, kOnePlace);
       comparisons_.insert(comparisons_.end(), some.begin(), some.end());
     }
   }

@@ -64,6 +64,16 @@ double RangeAlong(const SampledLine& line, const Eigen::Vector2d& direction) {
   return nearest;
 }
 
+bool SeesTheSame(const SampledLine& line, const SampledLine& other, double distance_m) {
+  size_t num_same = 0;
+  for (const SampledSegment& segment : line.segments) {
+    const Eigen::Vector2d middle = segment.At(0.5);
+    const double range = RangeAlong(other, middle.normalized());
+    if (range >= 0.0 && std::abs(range - middle.norm()) < distance_m) ++num_same;
+  }
+  return 2 * num_same > line.segments.size();
+}
+
 double RangeRate(const std::vector<SampledLine>& lines,
                  size_t index,
                  const Eigen::Vector2d& p_scanner) {

@@ -38,6 +38,10 @@ std::vector<SampledLine> SegmentSample(const std::vector<ScanLine>& lines,
 // meets none. direction: unit vector.
 double RangeAlong(const SampledLine& line, const Eigen::Vector2d& direction);
 
+// Whether most segments of a line, by their middles, lie within distance_m where another line
+// saw something: that the scanner has not moved in between, or moves along all that it sees.
+bool SeesTheSame(const SampledLine& line, const SampledLine& other, double distance_m);
+
 // The rate at which the range towards a point of line `index` changes, m/s, from the lines
 // around it; NaN where they do not show it.
 double RangeRate(const std::vector<SampledLine>& lines,

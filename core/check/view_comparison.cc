@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -233,16 +234,25 @@ std::vector<ViewComparison> CompareViews(const std::vector<std::vector<SampledLi
                                          const MountedRig& rig,
                                          size_t a,
                                          size_t b,
-                                         int max_lines) {
+                                         int max_lines,
+                                         double min_motion_m) {
   std::vector<ViewComparison> comparisons;
   const View view_a(sample[rig[a].source], rig[a]);
   const View view_b(sample[rig[b].source], rig[b]);
   ViewComparer comparer(view_a, view_b, &comparisons);
   const size_t num_lines = view_a.lines().size();
   const size_t stride = std::max<size_t>(1, num_lines / static_cast<size_t>(max_lines));
+  std::optional<std::pair<size_t, size_t>> before;
   for (size_t i = stride / 2; i < num_lines; i += stride) {
     const std::optional<size_t> near = view_b.LineNear(view_a.Stamp(i));
-    if (near) comparer.Compare(i, *near);
+    if (!near) continue;
+    if (min_motion_m > 0.0 && before &&
+        SeesTheSame(view_a.lines()[i], view_a.lines()[before->first], min_motion_m) &&
+        SeesTheSame(view_b.lines()[*near], view_b.lines()[before->second], min_motion_m)) {
+      continue;
+    }
+    comparer.Compare(i, *near);
+    before = {i, *near};
   }
   return comparisons;
 }

@@ -9,6 +9,10 @@
 
 namespace plumbline {
 
+// Places that two scanners see nearer to each other than this are one, m: what scan lines of
+// good scanners show of a surface.
+inline constexpr double kOnePlace = 0.015;
+
 // How one scanner is taken to be: as the rig file says, or otherwise.
 struct MountedScanner {
   size_t source = 0;  // position of its lines in the sample
@@ -35,12 +39,15 @@ struct ViewComparison {
 
 // Compares what scanners a and b of a rig see, at up to max_lines lines of a. Where the scan
 // planes are parallel, every beam is compared with the other's view in its direction, as of
-// upright walls.
+// upright walls. Lines of a and b that both see the same to min_motion_m as those compared
+// before are passed over: a rig that stands shows one place, with one error, however often it
+// is measured.
 std::vector<ViewComparison> CompareViews(const std::vector<std::vector<SampledLine>>& sample,
                                          const MountedRig& rig,
                                          size_t a,
                                          size_t b,
-                                         int max_lines);
+                                         int max_lines,
+                                         double min_motion_m = 0.0);
 
 // The median of the distances' sizes, m; 0 without any.
 double MedianDistance(const std::vector<ViewComparison>& comparisons);

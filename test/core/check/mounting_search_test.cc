@@ -103,6 +103,33 @@ TEST_F(MountingSearchTest, CorrectsNothingOfARightRig) {
   }
 }
 
+// A rig that stands for half a minute shows one place with one error, the first line's, which
+// says nothing of a scanner.
+TEST_F(MountingSearchTest, StandingProvesNothing) {
+  std::vector<std::vector<SampledLine>> standing = sample_;
+  for (std::vector<SampledLine>& lines : standing) {
+    SampledLine first = lines.front();
+    for (SampledSegment& segment : first.segments) {
+      const double longer = &lines == &standing[0] ? 0.02 : 0.0;
+      segment.start += longer * segment.start.normalized();
+      segment.end += longer * segment.end.normalized();
+    }
+    std::vector<SampledLine> repeated(600, first);
+    for (size_t k = 0; k < repeated.size(); ++k) {
+      repeated[k].stamp_ns -=
+          NanosecondsFromSeconds(static_cast<double>(repeated.size() - k) / TurningRig::kRate);
+    }
+    lines.insert(lines.begin(), repeated.begin(), repeated.end());
+  }
+  const std::vector<MountingCorrection> moving = FitMountings(sample_, RigFile());
+  const std::vector<MountingCorrection> with_standing = FitMountings(standing, RigFile());
+  for (size_t i = 0; i < moving.size(); ++i) {
+    EXPECT_LE(with_standing[i].num_compared, moving[i].num_compared + 4);
+    EXPECT_LT(with_standing[i].moved_share - with_standing[i].near_share, 0.03);
+    EXPECT_NEAR(with_standing[i].range_offset_m, moving[i].range_offset_m, 0.005);
+  }
+}
+
 // Turns that no fit finds from where the rig file says.
 TEST_F(MountingSearchTest, FindsLargeTurns) {
   const Eigen::Quaterniond stated = RigFile()[0].body_from_scanner.rotation;
