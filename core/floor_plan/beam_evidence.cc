@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "core/util/error.h"
 
@@ -43,6 +44,12 @@ class EvidenceCollector {
       box.extend(face.curve.At(face.end_m()));
     }
     grid_ = FreeGrid(box);
+    for (const PlanePatch& plane : planes) {
+      const bool is_above = plane.centre.z() > storey.band_high_m();
+      if (plane.normal.z() < 0.0 && is_above && by_id_.count(plane.id) == 0) {
+        ceiling_ids_.insert(plane.id);
+      }
+    }
     for (const WallFace& face : faces_) {
       above_ends_.emplace_back(face.columns.size());
       above_hits_.emplace_back(face.planes.size(),
@@ -58,7 +65,9 @@ class EvidenceCollector {
       own = of_plane->second.face;
       AddHit(origin, end, of_plane->second);
     }
-    AddPasses(origin, end, own);
+    // Where no ceiling was seen at all, beams do not tell what is indoors.
+    AddPasses(
+        origin, end, own, ceiling_ids_.empty() || ceiling_ids_.count(point.plane_id) > 0);
   }
 
   // Where only what is above the band was seen of a face, that counts.
@@ -151,7 +160,10 @@ class EvidenceCollector {
     }
   }
 
-  void AddPasses(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, size_t own) {
+  void AddPasses(const Eigen::Vector3d& origin,
+                 const Eigen::Vector3d& end,
+                 size_t own,
+                 bool ends_on_ceiling) {
     const double length = (end - origin).norm();
     if (length <= margin_m_) return;
     const Eigen::Vector3d last = origin + (end - origin) * (1.0 - margin_m_ / length);
@@ -198,6 +210,9 @@ class EvidenceCollector {
         if (is_deep(origin) || is_deep(end)) {
           Increase(&face.columns[static_cast<size_t>(column)].deep_passes);
         }
+        if (ends_on_ceiling && is_deep(end)) {
+          Increase(&face.columns[static_cast<size_t>(column)].ceiling_passes);
+        }
       });
     }
   }
@@ -231,6 +246,7 @@ class EvidenceCollector {
   double margin_m_;
   std::vector<WallFace>& faces_;
   std::unordered_map<int, FaceOfPlane> by_id_;
+  std::unordered_set<int> ceiling_ids_;  // surfaces above the band that face down
   FreeGrid grid_;
   // Of each face, what was hit above the band, as hit_ends and plane_hits.
   std::vector<std::vector<Stretch>> above_ends_;

@@ -73,6 +73,7 @@ struct PlanDoor {
   double width_stddev_m = 0.0;
   bool has_lintel = false;     // the wall was seen above it
   bool reaches_floor = false;  // beams or the rig passed below where sills are
+  bool leads_indoors = false;  // the rig went through, or beams, to a ceiling behind
   int plane_id = -1;
   int rooms[2] = {0, 0};  // numbers; 0: none that is known. One room: a way round leads there
 };
@@ -93,6 +94,7 @@ struct PlanWindow {
   // Of its width: each jamb lies between the last beam that passed and the next column beside
   // it in which the wall was hit above sills.
   double width_stddev_m = 0.0;
+  bool reaches_floor = false;  // beams passed below where sills are
 };
 
 struct StoreyPlan {

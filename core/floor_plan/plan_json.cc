@@ -124,7 +124,8 @@ std::string FormatRooms(const FloorPlans& plan) {
       json["windows"].push_back({{"from", PointJson(window.from)},
                                  {"to", PointJson(window.to)},
                                  {"width_m", Rounded((window.to - window.from).norm())},
-                                 {"sigma_width_m", Rounded(window.width_stddev_m)}});
+                                 {"sigma_width_m", Rounded(window.width_stddev_m)},
+                                 {"reaches_floor", window.reaches_floor}});
     }
     for (const WallPiece& wall : storey.walls) json["walls"].push_back(WallJson(wall));
     storeys.push_back(std::move(json));

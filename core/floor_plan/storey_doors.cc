@@ -205,12 +205,14 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
     door.width_stddev_m = gap.gap.stddev_m;
     door.has_lintel = gap.gap.has_lintel;
     door.reaches_floor = gap.gap.reaches_floor;
+    door.leads_indoors = gap.gap.leads_indoors;
     for (size_t k = i + 1; k < gaps.size(); ++k) {
       const double depth = DepthBetween(gap, gaps[k]);
       if (depth < 0.0 || gaps[k].is_used) continue;
       gaps[k].is_used = true;
       door.has_lintel = door.has_lintel || gaps[k].gap.has_lintel;
       door.reaches_floor = door.reaches_floor || gaps[k].gap.reaches_floor;
+      door.leads_indoors = door.leads_indoors || gaps[k].gap.leads_indoors;
       door.depth_m = depth;
       door.width_m = 0.5 * (door.width_m + (gaps[k].to - gaps[k].from).norm());
       door.width_stddev_m /= std::sqrt(2.0);
@@ -226,11 +228,9 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
   return doors;
 }
 
-// A wide opening behind which no room was seen, nor that it goes down to the floor.
+// An opening behind which there is no room, and beams that went through met no ceiling.
 bool IsWindow(const PlanDoor& door) {
-  constexpr double kMaxDoorM = 1.5;
-  return door.width_m > kMaxDoorM && !door.reaches_floor &&
-         (door.rooms[0] == 0) != (door.rooms[1] == 0);
+  return (door.rooms[0] == 0) != (door.rooms[1] == 0) && !door.leads_indoors;
 }
 
 }  // namespace
@@ -274,33 +274,76 @@ double WidthStddev(const WallFace& face, size_t from, size_t to) {
 
 }  // namespace
 
+namespace {
+
+// A window on a face: where along it, m.
+struct FaceWindow {
+  double from_m = 0.0;
+  double to_m = 0.0;
+  double stddev_m = 0.0;  // of its width
+  bool reaches_floor = false;
+};
+
+// Panes between which there are posts only are one window.
+std::vector<FaceWindow> WithoutPosts(std::vector<FaceWindow> panes) {
+  std::sort(panes.begin(), panes.end(), [](const FaceWindow& a, const FaceWindow& b) {
+    return a.from_m < b.from_m;
+  });
+  std::vector<FaceWindow> windows;
+  for (const FaceWindow& pane : panes) {
+    if (windows.empty() || pane.from_m - windows.back().to_m >= kMinWallM) {
+      windows.push_back(pane);
+      continue;
+    }
+    // Of either width, one jamb is left.
+    FaceWindow& window = windows.back();
+    window.to_m = std::max(window.to_m, pane.to_m);
+    window.stddev_m = std::sqrt(0.5) * std::hypot(window.stddev_m, pane.stddev_m);
+    window.reaches_floor = window.reaches_floor || pane.reaches_floor;
+  }
+  return windows;
+}
+
+}  // namespace
+
 std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
                                     const std::vector<PlanePatch>& planes,
                                     const std::vector<Room>& rooms) {
-  constexpr size_t kMinColumns = 8;
+  constexpr double kMinWindowM = 0.4;
+  std::vector<PlanDoor> openings = PairedGaps(regions, planes, rooms);
   std::vector<PlanWindow> windows;
-  for (const PlanDoor& door : PairedGaps(regions, planes, rooms)) {
-    if (IsWindow(door)) windows.push_back({door.from, door.to, door.width_stddev_m});
-  }
   for (size_t i = 0; i < regions.faces.size(); ++i) {
     const WallFace& face = regions.faces[i];
     const std::vector<bool>& is_window = regions.stretches[i].windows;
+    std::vector<FaceWindow> panes;
+    for (const PlanDoor& opening : openings) {
+      if (opening.plane_id != planes[face.planes.front()].id || !IsWindow(opening)) continue;
+      const double a = face.curve.Parameter(opening.from);
+      const double b = face.curve.Parameter(opening.to);
+      panes.push_back(
+          {std::min(a, b), std::max(a, b), opening.width_stddev_m, opening.reaches_floor});
+    }
     for (size_t from = 0; from < is_window.size();) {
       size_t to = from;
       while (to < is_window.size() && is_window[to]) ++to;
-      if (to - from >= kMinColumns) {
+      if (to > from) {
         const auto at = [&face](size_t column) {
-          return face.curve.At(face.start_m +
-                               WallFace::kColumnM * static_cast<double>(column));
+          return face.start_m + WallFace::kColumnM * static_cast<double>(column);
         };
-        const PlanWindow window = {at(from), at(to), WidthStddev(face, from, to)};
-        const Eigen::Vector2d middle = 0.5 * (window.from + window.to);
-        const Eigen::Vector2d before = kProbeM * face.curve.NormalAt(middle);
-        if (RoomAt(rooms, middle + before) != 0 && RoomAt(rooms, middle - before) == 0) {
-          windows.push_back(window);
-        }
+        panes.push_back({at(from), at(to), WidthStddev(face, from, to)});
       }
       from = std::max(to, from + 1);
+    }
+    for (const FaceWindow& window : WithoutPosts(panes)) {
+      if (window.to_m - window.from_m < kMinWindowM) continue;
+      const Eigen::Vector2d middle = face.curve.At(0.5 * (window.from_m + window.to_m));
+      const Eigen::Vector2d before = kProbeM * face.curve.NormalAt(middle);
+      if (RoomAt(rooms, middle + before) != 0 && RoomAt(rooms, middle - before) == 0) {
+        windows.push_back({face.curve.At(window.from_m),
+                           face.curve.At(window.to_m),
+                           window.stddev_m,
+                           window.reaches_floor});
+      }
     }
   }
   return windows;

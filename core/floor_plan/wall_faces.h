@@ -30,6 +30,9 @@ struct WallColumn {
   // Of the passes, those that came from or went more than kDeepM behind the face.
   static constexpr double kDeepM = 0.6;
   uint16_t deep_passes = 0;
+  // Of those that went so far behind it, those that ended on a ceiling: what lies there is
+  // indoors.
+  uint16_t ceiling_passes = 0;
   bool rig_passed = false;
 
   // Whether it ends below the ceiling, before a wall: a cupboard, say. From some height up to

@@ -20,10 +20,7 @@ struct GapEnd {
   bool is_own = false;
 
   // Whether it is a stretch of the face that is no pillar.
-  bool IsWall() const {
-    constexpr double kMinWallM = 0.3;
-    return is_own && to_m - from_m >= kMinWallM;
-  }
+  bool IsWall() const { return is_own && to_m - from_m >= kMinWallM; }
 };
 
 // A wall that crosses, solid at the crossing.
@@ -122,15 +119,19 @@ struct Gap {
   // Beams that hit and that passed the face up to where sills are, off the gap's ends.
   int low_hits = 0;
   int low_passes = 0;
+  int ceiling_passes = 0;  // beams that went on to a ceiling well behind the face
   bool is_beside_window = false;
   bool rig_passed = false;
   bool is_between = false;  // stretches of the face on both sides are no pillars
 
   double width_m() const { return to_m - from_m; }
+  bool IsOpen() const {
+    constexpr double kMinOpen = 0.4;
+    return open >= kMinOpen;
+  }
   // As wide as a door, and beams pass.
   bool MayBeDoor() const {
-    constexpr double kMinOpen = 0.4;
-    return width_m() >= kMinDoorM && width_m() <= kMaxDoorM && open >= kMinOpen;
+    return width_m() >= kMinDoorM && width_m() <= kMaxDoorM && IsOpen();
   }
   // The wall goes on below it.
   bool HasSill() const {
@@ -141,6 +142,10 @@ struct Gap {
   bool ReachesFloor() const {
     constexpr int kMinBeams = 2;
     return rig_passed || (low_passes >= kMinBeams && low_passes > low_hits);
+  }
+  bool LeadsIndoors() const {
+    constexpr int kMinBeams = 2;
+    return rig_passed || ceiling_passes >= kMinBeams;
   }
   bool HasLintel() const {
     constexpr double kMinLintel = 0.5;
@@ -215,6 +220,7 @@ class GapCloser {
       if (face_.columns[i].IsDeep()) gap.deep += share;
       gap.rig_passed = gap.rig_passed || face_.columns[i].rig_passed;
       if (face_.columns[i].hits_above > 0) gap.lintel += share;
+      gap.ceiling_passes += face_.columns[i].ceiling_passes;
       if (face_.columns[i].EndsBelowCeiling()) gap.furniture += share;
       if (i == gap.first || i + 1 == gap.last) continue;
       for (size_t level = 0; level < WallColumn::kNumLow; ++level) {
@@ -234,7 +240,7 @@ class GapCloser {
     if (gap.furniture >= kMinFurniture) return;
     if (gap.HasSill() && gap.open > 0.0 && gap.width_m() <= kMaxLintelM) {
       CloseAs(gap, ColumnState::kBridged);
-      for (size_t i = gap.first; i < gap.last; ++i) stretches_.windows[i] = true;
+      MarkWindow(gap);
       return;
     }
     if (gap.MayBeDoor()) {
@@ -256,6 +262,8 @@ class GapCloser {
     }
     const bool is_hidden = gap.open <= kMaxHiddenOpen && gap.width_m() <= kMaxHiddenM;
     if (gap.width_m() <= kMaxDoorM || is_hidden || IsRecess(gap)) {
+      // What is narrower than a door, and leads out of doors, is a pane beside a post.
+      if (gap.IsOpen() && gap.width_m() < kMinDoorM && !gap.LeadsIndoors()) MarkWindow(gap);
       CloseAs(gap, ColumnState::kBridged);
     }
   }
@@ -302,6 +310,10 @@ class GapCloser {
     return false;
   }
 
+  void MarkWindow(const Gap& gap) {
+    for (size_t i = gap.first; i < gap.last; ++i) stretches_.windows[i] = true;
+  }
+
   void CloseAs(const Gap& gap, ColumnState state) {
     if (state == ColumnState::kDoor) stretches_.doors.push_back(DoorIn(gap));
     for (size_t i = gap.first; i < gap.last; ++i) {
@@ -329,7 +341,8 @@ class GapCloser {
         gap.to_m - 0.5 * right,
         std::sqrt((left * left + right * right) / 12.0 + 2.0 * kJambStddevM * kJambStddevM),
         gap.HasLintel(),
-        gap.ReachesFloor()};
+        gap.ReachesFloor(),
+        gap.LeadsIndoors()};
   }
 
   size_t at_;

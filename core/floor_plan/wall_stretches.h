@@ -7,6 +7,9 @@
 
 namespace plumbline {
 
+// Stretches of a face that are shorter than this are pillars or posts, and no walls, m.
+inline constexpr double kMinWallM = 0.3;
+
 // What a column of a wall's face is.
 enum class ColumnState {
   kUnseen,   // no beam says anything
@@ -23,6 +26,7 @@ struct DoorGap {
   double stddev_m = 0.0;    // of its width
   bool has_lintel = false;  // the face was hit above it
   bool reaches_floor = false;  // beams passed below where sills are
+  bool leads_indoors = false;  // the rig went through, or beams, to a ceiling behind
 };
 
 // Stretches is a face, column by column: what is wall and what is not.
@@ -45,7 +49,8 @@ struct Stretches {
 // gaps are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams
 // passed only to end within 0.6 m on what is no wall (up to 8 m: windows, with what stands in
 // their recess). A gap below which more beams hit the face than passed it, up to 0.8 m above
-// the floor, has a sill: it is a window, whatever its width, unless the rig went through.
+// the floor, has a sill: it is a window, whatever its width, unless the rig went through. So
+// is what is narrower than a door, where beams pass and meet no ceiling: a pane beside a post.
 // Other gaps stay open, and so does where furniture ends below the ceiling.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 

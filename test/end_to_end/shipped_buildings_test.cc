@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/floor_plan/floor_plan.h"
 #include "core/floor_plan/plan_drawing.h"
+#include "core/util/json_file.h"
 #include "core/util/time.h"
 #include "simulation/sensing/simulate_recording.h"
 #include "simulation/world/floor_plan.h"
@@ -18,6 +20,7 @@ namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 const fs::path kConfigs = PLUMBLINE_CONFIGS_DIR;
 
@@ -300,6 +303,52 @@ TEST(ShippedBuildings, HaveAnExperimentEach) {
     if (extension != ".yaml" && extension != ".ply") continue;
     EXPECT_EQ(walked.count(entry.path().lexically_normal()), 1u) << entry.path();
   }
+}
+
+// Doors and windows of an architect's house: what has panes is a window, the door to the
+// terrace too, whose panes reach the floor. One window is not seen well enough by so few scan
+// lines.
+TEST(ShippedBuildings, WindowsOfTheHouseAreItsPanes) {
+  constexpr double kAwayM = 0.25;  // of a face from the panes and leaves within its wall
+  const std::string storey_name = "Erdgeschoss";
+  const Json elements =
+      ReadJsonFile<Json>((kConfigs / "buildings" / "AC20-FZK-Haus.json").string())
+          .at("elements");
+  const auto box_of = [](const Json& element) {
+    const auto corner = [&](const char* key) {
+      return Eigen::Vector2d(element.at(key)[0].get<double>(),
+                             element.at(key)[1].get<double>());
+    };
+    return Eigen::AlignedBox2d(corner("min"), corner("max"));
+  };
+  const StoreyPlan storey = MakeFloorPlan(TrueMapOf("robustness/fzk_ground")).storeys.at(0);
+  size_t num_drawn = 0;
+  for (const auto& [number, element] : elements.items()) {
+    const std::string type = element.at("type");
+    if (element.at("storey") != storey_name || (type != "IfcWindow" && type != "IfcDoor")) {
+      continue;
+    }
+    SCOPED_TRACE(element.at("name").get<std::string>());
+    const Eigen::AlignedBox2d box = box_of(element);
+    const auto is_here = [&](const auto& drawn) {
+      return box.exteriorDistance(0.5 * (drawn.from + drawn.to)) < kAwayM;
+    };
+    const auto window = std::find_if(storey.windows.begin(), storey.windows.end(), is_here);
+    if (element.at("glass_triangles") == 0) {
+      EXPECT_EQ(window, storey.windows.end());
+      continue;
+    }
+    EXPECT_EQ(std::count_if(storey.doors.begin(), storey.doors.end(), is_here), 0);
+    if (window == storey.windows.end()) continue;
+    ++num_drawn;
+    EXPECT_EQ(window->reaches_floor, type == "IfcDoor");
+    if (type == "IfcDoor") continue;  // its frame is wide, and parts the panes
+    EXPECT_NEAR((window->to - window->from).norm(),
+                box.sizes().maxCoeff(),
+                3.0 * window->width_stddev_m);
+  }
+  EXPECT_GE(num_drawn, 9u);
+  EXPECT_EQ(storey.windows.size(), num_drawn);
 }
 
 // Rooms of buildings that the plan has as one, too, and of which little was not seen.

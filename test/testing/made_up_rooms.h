@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -64,6 +65,10 @@ class MadeUpRooms {
     AddFace({high.x(), low.y()}, high);
     AddFace(high, {low.x(), high.y()});
     AddFace({low.x(), high.y()}, low);
+  }
+  // Beyond these corners there is no ceiling.
+  void SetRoof(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+    roof_ = {low, high};
   }
   // The rig goes straight from each place to the next one.
   void AddWay(const std::vector<Eigen::Vector2d>& places) { way_ = places; }
@@ -154,8 +159,10 @@ class MadeUpRooms {
       plane_id = approach < 0.0 ? face.patch.id : -1;  // from behind it is something else
     }
     if (range > 100.0) return;
+    const Eigen::Vector3d end = origin + range * along;
+    if (plane_id == 1 && !roof_.contains(end.head<2>())) return;
     CloudPoint point;
-    point.p_world = (origin + range * along).cast<float>();
+    point.p_world = end.cast<float>();
     point.time_s = time_s;
     point.plane_id = plane_id;
     if (plane_id < 0) point.residual_m = std::numeric_limits<float>::quiet_NaN();
@@ -164,6 +171,7 @@ class MadeUpRooms {
 
   std::vector<Face> faces_;
   std::vector<Eigen::Vector2d> way_;
+  Eigen::AlignedBox2d roof_{Eigen::Vector2d(-1e3, -1e3), Eigen::Vector2d(1e3, 1e3)};
 };
 
 // Two rooms of 4 m x 3 m and 3 m x 3 m with a wall of 0.2 m and a door of 0.9 m between them.

@@ -230,31 +230,69 @@ TEST(FloorPlan, PointsFarFromEverythingChangeNoRoom) {
   }
 }
 
-TEST(FloorPlan, ASillMakesAWindowAndNoneADoor) {
-  for (const double width_m : {0.9, 1.2, 2.4}) {
-    for (const double sill_m : {0.0, 0.9}) {
-      SCOPED_TRACE(std::to_string(width_m) + " wide, from " + std::to_string(sill_m));
-      MadeUpRooms rooms;
-      rooms.AddFace({0, 0}, {5, 0});
-      rooms.AddWindow({5, 0}, {5, 4}, 1.0, 1.0 + width_m, sill_m);
-      rooms.AddFace({5, 4}, {0, 4});
-      rooms.AddFace({0, 4}, {0, 0});
-      rooms.AddWay({{1, 1}, {3, 1.45}, {3, 2.5}, {1, 3}});
-      const StoreyPlan storey = MakeFloorPlan(rooms.Input()).storeys.at(0);
-      if (sill_m > 0.0) {
-        EXPECT_TRUE(storey.doors.empty());
-        ASSERT_EQ(storey.windows.size(), 1u);
-        const PlanWindow& window = storey.windows[0];
-        EXPECT_NEAR((window.to - window.from).norm(), width_m, 3.0 * window.width_stddev_m);
-        EXPECT_LT(window.width_stddev_m, 0.05);
-      } else {
-        EXPECT_TRUE(storey.windows.empty());
-        ASSERT_EQ(storey.doors.size(), 1u);
-        EXPECT_NEAR(storey.doors[0].width_m, width_m, 3.0 * storey.doors[0].width_stddev_m);
-        EXPECT_TRUE(storey.doors[0].reaches_floor);
-      }
-    }
+// A room of 5 m x 4 m with openings in its east wall; nobody goes through them.
+class OpeningsTest : public testing::Test {
+ protected:
+  OpeningsTest() {
+    rooms_.AddFace({0, 0}, {5, 0});
+    rooms_.AddFace({5, 4}, {0, 4});
+    rooms_.AddFace({0, 4}, {0, 0});
+    rooms_.AddWay({{1, 1}, {3, 1.45}, {3, 2.5}, {1, 3}});
   }
+  StoreyPlan Plan() const { return MakeFloorPlan(rooms_.Input()).storeys.at(0); }
+
+  MadeUpRooms rooms_;
+};
+
+struct OpeningCase {
+  double width_m;
+  double sill_m;
+  bool is_outdoors;  // beams that go through meet no ceiling
+};
+
+class OneOpeningTest : public OpeningsTest, public testing::WithParamInterface<OpeningCase> {};
+
+TEST_P(OneOpeningTest, IsAWindowWhereItHasASillOrLeadsOutdoors) {
+  const OpeningCase& one = GetParam();
+  rooms_.AddWindow({5, 0}, {5, 4}, 1.0, 1.0 + one.width_m, one.sill_m);
+  if (one.is_outdoors) rooms_.SetRoof({0, 0}, {5, 4});
+  const StoreyPlan storey = Plan();
+  if (one.sill_m > 0.0 || one.is_outdoors) {
+    EXPECT_TRUE(storey.doors.empty());
+    ASSERT_EQ(storey.windows.size(), 1u);
+    const PlanWindow& window = storey.windows[0];
+    EXPECT_NEAR((window.to - window.from).norm(), one.width_m, 3.0 * window.width_stddev_m);
+    EXPECT_LT(window.width_stddev_m, 0.05);
+    EXPECT_EQ(window.reaches_floor, one.sill_m == 0.0);
+  } else {
+    EXPECT_TRUE(storey.windows.empty());
+    ASSERT_EQ(storey.doors.size(), 1u);
+    EXPECT_NEAR(storey.doors[0].width_m, one.width_m, 3.0 * storey.doors[0].width_stddev_m);
+    EXPECT_TRUE(storey.doors[0].reaches_floor);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         OneOpeningTest,
+                         testing::Values(OpeningCase{0.9, 0.0, false},
+                                         OpeningCase{0.9, 0.0, true},
+                                         OpeningCase{0.9, 0.9, false},
+                                         OpeningCase{1.2, 0.0, true},
+                                         OpeningCase{1.2, 0.9, true},
+                                         OpeningCase{2.4, 0.0, false},
+                                         OpeningCase{2.4, 0.0, true},
+                                         OpeningCase{2.4, 0.9, false}));
+
+TEST_F(OpeningsTest, PanesBesideAPostAreOneWindow) {
+  rooms_.AddWindow({5, 0}, {5, 2.0}, 1.0, 1.9, 0.0);
+  rooms_.AddWindow({5, 2.0}, {5, 4}, 0.0, 0.4, 0.0);
+  rooms_.SetRoof({0, 0}, {5, 4});
+  const StoreyPlan storey = Plan();
+  EXPECT_TRUE(storey.doors.empty());
+  ASSERT_EQ(storey.windows.size(), 1u);
+  const PlanWindow& window = storey.windows[0];
+  EXPECT_NEAR((window.to - window.from).norm(), 1.4, 3.0 * window.width_stddev_m);
+  EXPECT_TRUE(window.reaches_floor);
 }
 
 TEST(FloorPlan, AnOpeningInTheFloorIsNoArea) {
