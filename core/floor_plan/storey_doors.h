@@ -14,8 +14,8 @@ std::vector<PlanDoor> FindDoors(const StoreyRegions& regions,
                                 const std::vector<PlanePatch>& planes,
                                 const std::vector<Room>& rooms);
 
-// The windows in the edges of rooms, at least 0.4 m wide: beams pass above a parapet, or through
-// an opening that leads out of doors. Panes with posts between them are one.
+// The windows in the edges of rooms, at least 0.4 m wide: beams pass above a parapet, or
+// through an opening that leads out of doors. Panes with posts between them are one.
 std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
                                     const std::vector<PlanePatch>& planes,
                                     const std::vector<Room>& rooms);
