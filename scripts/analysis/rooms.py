@@ -3,7 +3,9 @@
 
 The truth comes from the building file alone: of a floor plan (.yaml) the outlines without walls,
 pillars and shafts, of a mesh (.ply with the .json of its elements) what its walls enclose at a
-height above doors and windows. The plan's frame is laid on that of the building by the true path.
+height above doors and windows. That holds what openings in the floor take from a room, so that it
+is compared with the room's area and theirs. The plan's frame is laid on that of the building by the
+true path.
 """
 
 import argparse
@@ -126,6 +128,11 @@ def mesh_rooms(path, height):
             for hole in part.interiors if Polygon(hole).area > MIN_ROOM_M2]
 
 
+def with_floor_openings(room):
+    openings_m2 = sum(opening["area_m2"] for opening in room.get("floor_openings", []))
+    return {**room, "area_m2": room["area_m2"] + openings_m2}
+
+
 def parts_of(shape, min_area=MIN_ROOM_M2):
     parts = getattr(shape, "geoms", [shape])
     return [part for part in parts if part.area > min_area]
@@ -187,8 +194,11 @@ def main():
     for storey in plan["storeys"]:
         floor = (storey["floor_m"] or 0.0) + lift
         here = path[(path[:, 2] > floor + 0.3) & (path[:, 2] < floor + 2.0)]
-        rooms = (mesh_rooms(building, floor + arguments.height) if building.suffix == ".ply"
-                 else plan_rooms(building, floor))
+        if building.suffix == ".ply":
+            rooms = mesh_rooms(building, floor + arguments.height)
+            storey["rooms"] = [with_floor_openings(room) for room in storey["rooms"]]
+        else:
+            rooms = plan_rooms(building, floor)
         if not rooms:
             sys.exit(f"rooms.py: {building}: no room is enclosed {floor + arguments.height:.2f} m "
                      "high: set --height to where its walls have no openings, below the ceiling")

@@ -28,12 +28,13 @@ def scanner(beams, field_of_view_deg, scan_rate_hz, range_noise_m, min_range_m, 
                 range_noise_m=range_noise_m, min_range_m=min_range_m, max_range_m=max_range_m)
 
 
+# Sources: docs/results.md. The field of view is that of all beams, each a step wide.
 SCANNERS = {
-    "UTM-30LX": scanner(1081, 270.0, 40.0, 0.01, 0.1, 30.0),
-    "UST-10LX": scanner(1081, 270.0, 40.0, 0.03, 0.06, 10.0),
-    "URG-04LX": scanner(683, 240.0, 10.0, 0.02, 0.06, 4.0),
-    "LMS1xx": scanner(541, 270.0, 50.0, 0.012, 0.5, 20.0),
-    "TiM5xx": scanner(811, 270.0, 15.0, 0.02, 0.05, 10.0),
+    "UTM-30LX": scanner(1081, 270.25, 40.0, 0.01, 0.1, 30.0),
+    "UST-10LX": scanner(1081, 270.25, 40.0, 0.03, 0.06, 10.0),
+    "URG-04LX": scanner(682, 239.77, 10.0, 0.02, 0.06, 4.0),
+    "LMS1xx": scanner(541, 270.5, 50.0, 0.012, 0.5, 20.0),
+    "TiM5xx": scanner(811, 270.33, 15.0, 0.02, 0.05, 10.0),
     "RPLIDAR_A": scanner(400, 360.0, 10.0, 0.02, 0.15, 12.0),
     "RPLIDAR_S": scanner(920, 360.0, 10.0, 0.02, 0.1, 40.0),
     "LD06": scanner(450, 360.0, 10.0, 0.01, 0.02, 12.0),

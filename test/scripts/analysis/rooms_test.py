@@ -54,6 +54,12 @@ class TruthTest(unittest.TestCase):
                          [12.5, 13.0, 22.1, 53.8])
 
 
+    def test_what_walls_enclose_holds_openings_in_the_floor(self):
+        room = {"number": 1, "area_m2": 6.5, "floor_openings": [{"area_m2": 3.0}, {"area_m2": 0.5}]}
+        self.assertAlmostEqual(rooms.with_floor_openings(room)["area_m2"], 10.0)
+        self.assertEqual(rooms.with_floor_openings({"area_m2": 6.5}), {"area_m2": 6.5})
+
+
 class CompareTest(unittest.TestCase):
     TRUTH = [Polygon(box(0, 0, 4, 3)), Polygon(box(5, 0, 4, 3)), Polygon(box(10, 0, 4, 3))]
     PATH = [(1, 1), (7, 1)]
