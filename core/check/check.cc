@@ -5,7 +5,6 @@
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
-#include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -25,11 +24,16 @@ bool IsMended(const std::vector<MountingCorrection>& corrections) {
 // would, and more.
 bool IsExplainedByMounting(const OtherHeader& header,
                            const std::vector<std::vector<SampledLine>>& sample,
+                           const Rig& stated,
                            const MountedRig& rig,
                            const std::vector<std::string>& names) {
   constexpr double kMore = 0.025;  // of the places
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
+  if (EstimatesScanners(stated)) {
+    const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated));
+    if (NearShareOfAll(sample, fitted) > header.share_so) return true;
+  }
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
   for (size_t i = 0; i < rig.size(); ++i) {
     if (corrections[i].num_compared == 0) continue;
@@ -54,15 +58,8 @@ std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>&
                                     const std::optional<OtherMounting>& other,
                                     const std::optional<OtherMounting>& turned,
                                     const Rig& stated) {
-  const RigCalibration calibration(stated, IsPlanar(stated));
-  const auto body = std::find_if(calibration.scanners.begin(),
-                                 calibration.scanners.end(),
-                                 [](const ScannerEstimate& one) { return one.is_body; });
-  if (body == calibration.scanners.end()) return std::nullopt;  // all is known exactly
   const MountedRig fitted =
-      FitInTurns(sample,
-                 turned ? turned->rig : rig,
-                 static_cast<size_t>(body - calibration.scanners.begin()));
+      FitInTurns(sample, turned ? turned->rig : rig, BodyScanner(stated));
   if (AreApart(AgreementsOf(sample, fitted))) return std::nullopt;
   if (other && NearShareOfAll(sample, other->rig) > NearShareOfAll(sample, fitted)) {
     return std::nullopt;
@@ -105,7 +102,7 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   report->other_header =
       FindOtherHeader(as_sent, report->survey.topics, mounted, present.scanners);
   if (report->other_header &&
-      IsExplainedByMounting(*report->other_header, as_sent, mounted, names)) {
+      IsExplainedByMounting(*report->other_header, as_sent, present, mounted, names)) {
     report->other_header.reset();
   }
   const std::vector<std::vector<SampledLine>>& sample =
@@ -119,9 +116,9 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   if (!report->other_mounting && !IsMended(corrections)) {
     turned = FindTurn(sample, mounted, names);
   }
-  const bool are_off = report->other_mounting || turned || IsMended(corrections) ||
-                       AreApart(report->agreements);
-  if (are_off && present.scanners.size() == rig.scanners.size()) {
+  const bool are_off = report->other_mounting || turned || AreApart(report->agreements) ||
+                       std::any_of(corrections.begin(), corrections.end(), IsLarge);
+  if (are_off && EstimatesScanners(rig) && present.scanners.size() == rig.scanners.size()) {
     report->near = BringNear(sample, mounted, report->other_mounting, turned, rig);
   }
   if (report->near) report->other_mounting.reset();

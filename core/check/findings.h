@@ -17,4 +17,7 @@ void FindWheelFaults(CheckReport* report);
 // Topics of rig and recording that do not fit, scanners that do not stand as the rig says.
 void FindRigFaults(CheckReport* report);
 
+// Whether a correction is surely so large that no right map can come of the rig file as it is.
+bool IsLarge(const MountingCorrection& correction);
+
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "factors/spline/so3.h"
 
 namespace plumbline {
 namespace {
@@ -43,17 +44,30 @@ using Sample = std::vector<std::vector<SampledLine>>;
 // Fits the correction of one scanner, the others held.
 class MountingFit {
  public:
-  MountingFit(const Sample& sample, const MountedRig& rig, size_t scanner)
+  // stated: of the scanner, what the correction is about.
+  MountingFit(const Sample& sample,
+              const MountedRig& rig,
+              size_t scanner,
+              const MountedScanner& stated)
       : sample_(sample),
         rig_(rig),
         scanner_(scanner),
-        stated_(rig[scanner]),
+        stated_(stated),
         prior_(Stacked(kPriorTurn, kPriorShift, kPriorTime, kPriorRange)
                    .cwiseAbs2()
                    .cwiseInverse()
-                   .asDiagonal()) {}
+                   .asDiagonal()) {
+    const MountedScanner& now = rig[scanner];
+    total_.head<3>() =
+        Log(now.body_from_scanner.rotation * stated.body_from_scanner.rotation.conjugate());
+    total_.segment<3>(3) =
+        now.body_from_scanner.translation - stated.body_from_scanner.translation;
+    total_(6) = now.time_offset_s - stated.time_offset_s;
+    total_(7) = now.range_offset_m - stated.range_offset_m;
+  }
 
-  MountingCorrection Run() {
+  // hold_open: whether what the scans hardly show is held.
+  MountingCorrection Run(bool hold_open) {
     MountingCorrection correction;
     correction.corrected = stated_;
     Compare();
@@ -61,8 +75,10 @@ class MountingFit {
     if (correction.num_compared < kMinCompared) return correction;
     correction.near_share = ShareWithin(comparisons_, kOnePlace);
     Iterate();
-    HoldOpen();
-    Iterate();
+    if (hold_open) {
+      HoldOpen();
+      Iterate();
+    }
     correction.moved_share = ShareWithin(comparisons_, kOnePlace);
     correction.rotation_rad = total_.head<3>();
     correction.translation_m = total_.segment<3>(3);
@@ -96,9 +112,13 @@ class MountingFit {
     constexpr double kHeld = 1e12;
     HoldAxes(0, kOpenTurn);
     HoldAxes(3, kOpenShift);
-    if (covariance_(6, 6) > kOpenTime * kOpenTime) prior_(6, 6) = kHeld;
-    if (covariance_(7, 7) > kOpenRange * kOpenRange) prior_(7, 7) = kHeld;
-    total_.setZero();
+    const auto hold = [&](Eigen::Index index, double open) {
+      if (covariance_(index, index) <= open * open) return;
+      prior_(index, index) = kHeld;
+      total_(index) = 0.0;
+    };
+    hold(6, kOpenTime);
+    hold(7, kOpenRange);
     Apply();
     Compare();
   }
@@ -111,8 +131,9 @@ class MountingFit {
     const Eigen::Vector3d stddev = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     for (Eigen::Index i = 0; i < 3; ++i) {
       if (stddev(i) < std::min(open, kOpenRatio * stddev(0))) continue;
-      prior_.block<3, 3>(first, first) +=
-          kHeld * axes.eigenvectors().col(i) * axes.eigenvectors().col(i).transpose();
+      const Eigen::Vector3d axis = axes.eigenvectors().col(i);
+      prior_.block<3, 3>(first, first) += kHeld * axis * axis.transpose();
+      total_.segment<3>(first) -= axis.dot(total_.segment<3>(first)) * axis;
     }
   }
 
@@ -174,7 +195,7 @@ class MountingFit {
 }  // namespace
 
 MountingCorrection FitMounting(const Sample& sample, const MountedRig& rig, size_t scanner) {
-  return MountingFit(sample, rig, scanner).Run();
+  return MountingFit(sample, rig, scanner, rig[scanner]).Run(true);
 }
 
 MountedRig FitInTurns(const Sample& sample, const MountedRig& rig, size_t held) {
@@ -183,7 +204,9 @@ MountedRig FitInTurns(const Sample& sample, const MountedRig& rig, size_t held) 
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < rig.size(); ++i) {
       if (i == held) continue;
-      const MountingCorrection correction = FitMounting(sample, fitted, i);
+      // While the others are far off, scatter does not tell what the scans hardly show.
+      const MountingCorrection correction =
+          MountingFit(sample, fitted, i, rig[i]).Run(2 * round >= kRounds);
       if (correction.moved_share > correction.near_share) fitted[i] = correction.corrected;
     }
   }

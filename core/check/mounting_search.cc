@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kLinesForAgreement = 400;  // of each pair
-constexpr int kMinCompared = PairAgreement::kMinCompared;
+constexpr double kAgreedShare = 0.75;    // of a pair that sits as the rig file says
 constexpr double kAgreed = 0.1;          // m
 // Another mounting has to bring so many more of the places together, and most of them.
 constexpr double kMinGain = 0.25;
@@ -42,7 +42,7 @@ double ShareOf(const std::vector<PairAgreement>& agreements,
   double sum = 0.0;
   int num = 0;
   for (const PairAgreement& pair : agreements) {
-    if (pair.num_compared < kMinCompared) continue;
+    if (pair.num_compared < kMinPlacesOfPair) continue;
     if (scanners.count(pair.a) == 0 && scanners.count(pair.b) == 0) continue;
     sum += pair.near_share;
     ++num;
@@ -222,7 +222,7 @@ class TurnSearch {
     for (size_t other = 0; other < rig.size(); ++other) {
       if (other == scanner_) continue;
       const auto comparisons = CompareViews(sample_, rig, scanner_, other, kLinesForAgreement);
-      if (static_cast<int>(comparisons.size()) < kMinCompared) continue;
+      if (static_cast<int>(comparisons.size()) < kMinPlacesOfPair) continue;
       sum += ShareWithin(comparisons, kCaught);
       ++num;
     }
@@ -259,6 +259,10 @@ class TurnSearch {
 };
 
 }  // namespace
+
+bool PairAgreement::IsApart() const {
+  return num_compared >= kMinPlacesOfPair && near_share < kAgreedShare;
+}
 
 std::vector<PairAgreement> AgreementsOf(const Sample& sample, const MountedRig& rig) {
   std::vector<PairAgreement> agreements;

@@ -17,14 +17,12 @@ struct PairAgreement {
   double near_share = 0.0;  // of these, within a decimetre of each other
   double median_m = 0.0;    // of the distances' sizes
 
-  // Places that say anything about a pair.
-  static constexpr int kMinCompared = 20;
   // Whether the two see other places than the rig file says.
-  bool IsApart() const { return num_compared >= kMinCompared && near_share < kAgreedShare; }
-
- private:
-  static constexpr double kAgreedShare = 0.75;  // of a pair that sits as the rig file says
+  bool IsApart() const;
 };
+
+// Places that say anything about a pair.
+inline constexpr int kMinPlacesOfPair = 20;
 
 // One element for each pair of scanners.
 std::vector<PairAgreement> AgreementsOf(const std::vector<std::vector<SampledLine>>& sample,

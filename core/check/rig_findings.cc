@@ -10,7 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMinCompared = PairAgreement::kMinCompared;
 // A correction counts where it brings so many more of the places together.
 constexpr double kMinGain = 0.025;
 constexpr double kMinSigmas = 4.0;
@@ -243,7 +242,7 @@ class RigJudge {
     if (rig_.scanners.size() < 2) return;
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i)) continue;
-      if (NumCompared(i) >= kMinCompared) continue;
+      if (NumCompared(i) >= kMinPlacesOfPair) continue;
       Add(Severity::kNote,
           TopicOf(i),
           "scanner " + NameOf(i) +
@@ -256,7 +255,7 @@ class RigJudge {
   // Only where no other scanner vouches for this one: a rig that swings deceives this test.
   void JudgeAttitudes() {
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
-      if (!HasLines(i) || NumCompared(i) >= kMinCompared) continue;
+      if (!HasLines(i) || NumCompared(i) >= kMinPlacesOfPair) continue;
       const OwnAttitude& own =
           report_->attitudes[static_cast<size_t>(report_->topics_of_scanners[i])];
       const bool is_tilted = report_->heights[i].is_tilted;
@@ -363,5 +362,7 @@ class RigJudge {
 void FindRigFaults(CheckReport* report) {
   if (report->rig) RigJudge(report).Judge();
 }
+
+bool IsLarge(const MountingCorrection& correction) { return NameParts(correction).is_large; }
 
 }  // namespace plumbline

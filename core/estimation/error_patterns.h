@@ -15,8 +15,8 @@
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
+#include "core/map/rig_calibration.h"
 #include "core/sensor/rig.h"
-#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/spline/spline.h"
 

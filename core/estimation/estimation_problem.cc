@@ -30,11 +30,13 @@ constexpr double kOriginSigma = 1e-5;  // m
 EstimationProblem::EstimationProblem(const Rig& rig,
                                      bool planar,
                                      Trajectory* trajectory,
-                                     std::deque<Landmark>* landmarks)
+                                     std::deque<Landmark>* landmarks,
+                                     RigCalibration* calibration)
     : rig_(rig),
       planar_(planar),
       trajectory_(trajectory),
       landmarks_(landmarks),
+      calibration_(calibration),
       rotation_manifold_(planar ? CreateYawManifold() : CreateRotationManifold()),
       planar_position_manifold_(
           std::make_unique<ceres::SubsetManifold>(3, std::vector<int>{2})),
@@ -306,24 +308,6 @@ void EstimationProblem::AddTrajectoryTerms(const TrajectoryOptions& options,
 
 void EstimationProblem::AddPrior(const Prior& prior) {
   if (!prior.empty()) AddFactor(CreateLinearPriorFactor(prior.linear), prior.blocks);
-}
-
-void EstimationProblem::AddScannerPriors() {
-  ForEachEstimated([&](const BlockId& scanner) {
-    const ScannerBlock& sigmas = Estimate(scanner).prior_sigma;
-    Prior prior;
-    prior.blocks.push_back(scanner);
-    prior.linear.blocks.push_back({LinearPrior::Kind::kEuclidean,
-                                   kScannerBlockSize,
-                                   Eigen::VectorXd::Zero(kScannerBlockSize)});
-    prior.linear.root.setZero(kScannerBlockSize, kScannerBlockSize);
-    prior.linear.offset.setZero(kScannerBlockSize);
-    for (int i = 0; i < kScannerBlockSize; ++i) {
-      const double sigma = sigmas[static_cast<size_t>(i)];
-      if (sigma > 0.0) prior.linear.root(i, i) = 1.0 / sigma;
-    }
-    AddPrior(prior);
-  });
 }
 
 void EstimationProblem::AddPoseConstraint(const PoseConstraint& constraint) {

@@ -12,9 +12,9 @@
 #include "core/estimation/segment_groups.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
+#include "core/map/rig_calibration.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
-#include "core/sensor/rig_calibration.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"
@@ -63,11 +63,14 @@ struct GroupTerm {
 // makes one cost function each.
 class EstimationProblem {
  public:
-  // trajectory and landmarks hold the unknowns' values and outlive the problem.
+  // trajectory, landmarks and calibration hold the unknowns' values and outlive the problem.
+  // calibration: its estimated scanners are unknowns, where segments are added and landmarks
+  // are not held; nullptr: none is. Single points have their scanners where the rig has them.
   EstimationProblem(const Rig& rig,
                     bool planar,
                     Trajectory* trajectory,
-                    std::deque<Landmark>* landmarks);
+                    std::deque<Landmark>* landmarks,
+                    RigCalibration* calibration = nullptr);
   EstimationProblem(EstimationProblem&&);
   ~EstimationProblem();
 
@@ -75,11 +78,6 @@ class EstimationProblem {
   // term is added.
   void HoldLandmarks() { landmarks_held_ = true; }
   void HoldControlPointsBefore(int control_point) { first_free_ = control_point; }
-  // Makes unknowns of the scanners that are estimated (nullptr: of none), where segments are
-  // added and landmarks are not held; points have their scanners where the rig has them.
-  // Called before any term is added; calibration outlives the problem.
-  void EstimateScanners(RigCalibration* calibration) { calibration_ = calibration; }
-
   // Adds the point-to-plane residuals of segments that have a landmark. huber_width: of the
   // loss on the norm of a segment's residuals, in standard deviations; 0: least squares. The
   // observations outlive the problem. Groups that stand as they were are taken from the cache.
@@ -103,8 +101,6 @@ class EstimationProblem {
                           const MotionProfile& noise,
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
-  // Adds what the rig file says of the estimated scanners.
-  void AddScannerPriors();
   void AddPoseConstraint(const PoseConstraint& constraint);
   // Adds what wheels say of the knot interval that begins with this control point.
   void AddOdometry(int first, const OdometryMeasurement& measurement);
@@ -167,7 +163,7 @@ class EstimationProblem {
   bool planar_;
   Trajectory* trajectory_;
   std::deque<Landmark>* landmarks_;
-  RigCalibration* calibration_ = nullptr;
+  RigCalibration* calibration_;
   bool landmarks_held_ = false;
   int first_free_ = 0;
   // The extrinsics are parameter blocks that no layout has, constant: the factors can estimate

@@ -23,4 +23,7 @@ PoseGaussian PosesFrom(const NormalEquations& equations,
 // leaves one of them open.
 Prior PosePrior(const PoseGaussian& gaussian, bool planar);
 
+// Adds what the rig file says of the estimated scanners.
+void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem);
+
 }  // namespace plumbline

@@ -14,6 +14,7 @@
 #include "core/estimation/linearisation.h"
 #include "core/estimation/motion_noise_estimation.h"
 #include "core/estimation/odometry_terms.h"
+#include "core/estimation/pose_prior.h"
 #include "core/estimation/solver.h"
 #include "core/map/observation_poses.h"
 #include "core/util/time.h"
@@ -134,9 +135,12 @@ double BatchEstimator::TakeNoise(const std::vector<MotionEvidence>& evidence) {
 std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind factor,
                                                                 double huber_width) {
   auto problem = std::make_unique<EstimationProblem>(
-      *rig_, planar_, &state_->trajectory, &state_->landmarks);
-  problem->EstimateScanners(factor == FactorKind::kSegment ? &state_->calibration : nullptr);
-  problem->AddScannerPriors();
+      *rig_,
+      planar_,
+      &state_->trajectory,
+      &state_->landmarks,
+      factor == FactorKind::kSegment ? &state_->calibration : nullptr);
+  if (factor == FactorKind::kSegment) AddScannerPriors(state_->calibration, problem.get());
   if (static_cast<int>(motion_noise_.at.size()) + 2 !=
       state_->trajectory.num_control_points()) {
     motion_noise_ = MotionProfile::Uniform(motion_noise_.usual, state_->trajectory);
@@ -172,12 +176,10 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
     const double offset =
         ObservationWeights(poses.Of(observation), state_->landmarks, observation).offset;
     const PackedSegment& segment = observation.measurement;
-    // Where ranges are estimated, the cost has this part of it.
-    const double in_cost =
-        state_->calibration.IsEstimated(observation.scanner_index) &&
-                !state_->landmarks[static_cast<size_t>(observation.landmark_id)].IsCurved()
-            ? segment.range_offset()
-            : 0.0;
+    // Where ranges are estimated, the cost has their part of it.
+    const double in_cost = state_->calibration.IsEstimated(observation.scanner_index)
+                               ? segment.range_offset()
+                               : 0.0;
     constant += offset * offset * (segment.constant() - in_cost * in_cost);
   });
   const auto num_unknowns = static_cast<double>(problem.Layout().FreeColumns().size());

@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 
+#include "core/map/rig_calibration.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
-#include "core/sensor/rig_calibration.h"
 
 namespace plumbline {
 

@@ -3,11 +3,11 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/check/check.h"
 #include "core/geometry/angles.h"
-#include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -46,7 +46,8 @@ std::vector<Finding> FindingsOf(const std::string& recording,
   return findings;
 }
 
-// The rig with scanners where they agree.
+// The rig with scanners where they agree. What a scanner is off by says how well the rig file
+// knows it, where that is worse than it states.
 Rig Near(Rig rig, const MountedRig& near) {
   for (size_t i = 0; i < near.size(); ++i) {
     Scanner& scanner = rig.scanners[i];
@@ -54,6 +55,14 @@ Rig Near(Rig rig, const MountedRig& near) {
                                  scanner.body_from_scanner.rotation.conjugate());
     LOG(INFO) << "scanner " << scanner.name << " starts turned by "
               << turn.angle() * kDegreesPerRadian << " deg, where it agrees with the others";
+    ScannerUncertainty& uncertainty = scanner.uncertainty;
+    const auto widen = [](double off, double* sigma) { *sigma = std::max(*sigma, off); };
+    widen(turn.angle(), &uncertainty.rotation_rad);
+    widen(
+        (near[i].body_from_scanner.translation - scanner.body_from_scanner.translation).norm(),
+        &uncertainty.translation_m);
+    widen(std::abs(near[i].time_offset_s - scanner.time_offset_s), &uncertainty.time_s);
+    widen(std::abs(near[i].range_offset_m + scanner.range_bias_m), &uncertainty.range_m);
     scanner.body_from_scanner = near[i].body_from_scanner;
     scanner.time_offset_s = near[i].time_offset_s;
     scanner.range_bias_m = -near[i].range_offset_m;
@@ -89,7 +98,7 @@ CheckedRecording ReadChecked(const std::string& recording,
   RecordingSurvey survey = surveyor.Finish(checked.reader->topics());
   survey.wheels = checked.reader->odometry();
   const CheckReport report = CheckSurvey(std::move(survey), rig);
-  const bool estimates_scanners = !RigCalibration(rig, IsPlanar(rig)).scanners.empty();
+  const bool estimates_scanners = EstimatesScanners(rig);
   checked.findings = FindingsOf(recording, report, estimates_scanners, force);
   checked.stated = rig;
   checked.rig = std::move(rig);

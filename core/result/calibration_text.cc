@@ -45,10 +45,10 @@ std::string CalibrationLine(const Calibration& calibration) {
     std::snprintf(text,
                   sizeof(text),
                   ": %.2f deg, %.1f mm, %.2f ms, ranges %.1f mm",
-                  Length(scanner, Calibration::kTurnAt),
-                  1e3 * Length(scanner, Calibration::kShiftAt),
-                  1e3 * scanner.parameters[Calibration::kTimeAt].value,
-                  1e3 * scanner.parameters[Calibration::kRangeAt].value);
+                  Length(scanner, CalibratedScanner::kTurn),
+                  1e3 * Length(scanner, CalibratedScanner::kShift),
+                  1e3 * scanner.parameters[CalibratedScanner::kTime].value,
+                  1e3 * scanner.parameters[CalibratedScanner::kRange].value);
     scanners.push_back(scanner.name + text);
   }
   std::string line = "Scanners off the rig file by " + Joined(scanners);

@@ -178,6 +178,9 @@ struct CalibratedParameter {
 };
 
 struct CalibratedScanner {
+  // Where its parameters begin.
+  enum At { kTurn = 0, kShift = 3, kTime = 6, kRange = 7 };
+
   std::string name;
   // Turns about the body's x, y and z axes, shifts along them, the clock and the range bias.
   std::vector<CalibratedParameter> parameters;
@@ -185,11 +188,6 @@ struct CalibratedScanner {
 
 // What has been found of the scanners that were estimated.
 struct Calibration {
-  static constexpr size_t kTurnAt = 0;
-  static constexpr size_t kShiftAt = 3;
-  static constexpr size_t kTimeAt = 6;
-  static constexpr size_t kRangeAt = 7;
-
   std::vector<CalibratedScanner> scanners;
   Eigen::MatrixXd covariance;  // of all their parameters, in their units
 

@@ -1,5 +1,6 @@
 #include "core/sensor/rig.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <set>
@@ -203,6 +204,25 @@ bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
     if (tilt > tolerance_rad) return false;
   }
   return true;
+}
+
+size_t BodyScanner(const Rig& rig) {
+  const auto exact =
+      std::find_if(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
+        const ScannerUncertainty& uncertainty = scanner.uncertainty;
+        return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
+               uncertainty.time_s == 0.0;
+      });
+  return exact == rig.scanners.end() ? 0 : static_cast<size_t>(exact - rig.scanners.begin());
+}
+
+bool EstimatesScanners(const Rig& rig) {
+  return rig.scanners.size() > 1 &&
+         std::any_of(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
+           const ScannerUncertainty& uncertainty = scanner.uncertainty;
+           return uncertainty.rotation_rad > 0.0 || uncertainty.translation_m > 0.0 ||
+                  uncertainty.time_s > 0.0 || uncertainty.range_m > 0.0;
+         });
 }
 
 double MaxRangeNoise(const Rig& rig) {

@@ -81,6 +81,14 @@ bool IsPlanar(const Rig& rig);
 // True when every scan plane is horizontal in the body frame to within tolerance_rad.
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
+// The scanner whose pose and clock are the body's: the first that is known exactly, else the
+// first one.
+size_t BodyScanner(const Rig& rig);
+// Whether poses, clocks or ranges of a rig's scanners are to be estimated. A lone scanner has
+// no other to be held against: its ranges would show only in how walls look at grazing
+// incidence, where those of real scanners depend on the surface.
+bool EstimatesScanners(const Rig& rig);
+
 // Returns the largest range noise of a rig's scanners, m.
 double MaxRangeNoise(const Rig& rig);
 

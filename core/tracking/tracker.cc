@@ -107,8 +107,8 @@ Eigen::MatrixXd Tracker::Covariance(const Eigen::MatrixXd& information) const {
 }
 
 EstimationProblem Tracker::MakeProblem() const {
-  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  problem.EstimateScanners(&state_->calibration);
+  EstimationProblem problem(
+      rig_, planar_, &state_->trajectory, &state_->landmarks, &state_->calibration);
   problem.HoldLandmarks();
   problem.HoldControlPointsBefore(first());
   problem.AddPrior(prior_);

@@ -87,7 +87,7 @@ void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) co
 void Window::AddStart(EstimationProblem* problem) const {
   problem->AddStartVelocityPrior(options_.trajectory);
   problem->AddOrigin(state_->origin_time_ns);
-  problem->AddScannerPriors();
+  AddScannerPriors(state_->calibration, problem);
 }
 
 void Window::AddPoseConstraints(int end, EstimationProblem* problem) const {
@@ -255,8 +255,8 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   const std::set<int> in_view = LandmarksInWindow();
   const bool activated = ActivateLandmarks(in_view);
   const OutOfView out_of_view = EliminateOutOfView(in_view);
-  EstimationProblem problem(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  problem.EstimateScanners(&state_->calibration);
+  EstimationProblem problem(
+      rig_, planar_, &state_->trajectory, &state_->landmarks, &state_->calibration);
   AddMarginalPrior(out_of_view, &problem);
   if (start_ == 0) AddStart(&problem);
   const int num_control_points = state_->trajectory.num_control_points();
@@ -410,8 +410,8 @@ std::vector<const Observation*> ObservationsBefore(int knot_interval,
 
 void Window::Marginalise(int new_start) {
   if (new_start <= start_) return;
-  EstimationProblem leaving(rig_, planar_, &state_->trajectory, &state_->landmarks);
-  leaving.EstimateScanners(&state_->calibration);
+  EstimationProblem leaving(
+      rig_, planar_, &state_->trajectory, &state_->landmarks, &state_->calibration);
   if (start_ == 0) AddStart(&leaving);
   AddMotionPriors(&leaving, FirstMotionPrior(), new_start);
   AddOdometry(*state_, start_, new_start, &leaving);

@@ -12,11 +12,13 @@ namespace plumbline {
 // turn, shift: in the body frame; body_from_scanner = ( Exp(turn) R, t + shift ).
 // delay: the scanner's points were taken later by this than its stamps say. range bias: by
 // what its ranges are too long.
-inline constexpr int kScannerBlockSize = 8;
-inline constexpr int kScannerTurnAt = 0;
-inline constexpr int kScannerShiftAt = 3;
-inline constexpr int kScannerDelayAt = 6;
-inline constexpr int kScannerRangeAt = 7;
+enum ScannerBlockAt {
+  kScannerTurnAt = 0,
+  kScannerShiftAt = 3,
+  kScannerDelayAt = 6,
+  kScannerRangeAt = 7,
+  kScannerBlockSize = 8
+};
 
 struct ScannerPose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();

@@ -439,6 +439,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
     const bool is_estimated = scan_line.estimated_scanner >= 0;
     const double* const scanner_block =
         is_estimated ? scanner_blocks[scan_line.estimated_scanner] : nullptr;
+    const double* const range_bias_m =
+        is_estimated ? scanner_block + kScannerRangeAt : nullptr;
     const double later =
         is_estimated ? scanner_block[kScannerDelayAt] / knot_interval_s_ : 0.0;
     for (size_t k = 0; k < kNumNodes; ++k) {
@@ -481,14 +483,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
                       poses,
                       plane_parameters[plane],
                       planes[plane],
+                      range_bias_m,
                       &rows);
-        if (is_estimated) {
-          AddRangeBias(*segment.measurement,
-                       {segment.scale, segment.offset},
-                       scanner_block[kScannerRangeAt],
-                       Model::kIsCurved,
-                       &rows);
-        }
         quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
         AddRows(rows,
                 plane_offsets_[plane] - plane_offsets_.front(),

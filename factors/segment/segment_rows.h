@@ -120,17 +120,17 @@ void AddBend(const PackedSegment& measurement,
   }
 }
 
-// What a range bias takes away (SegmentMeasurement). Of a surface that bends the own row is
-// left out: a bow looks much the same.
-template <int kPlaneSize>
+// What a range bias takes away (SegmentMeasurement), with its own row or without: of a surface
+// that bends a bow looks much the same. range_bias_m: nullptr: it is not estimated.
+template <bool kOwnRow, int kPlaneSize>
 void AddRangeBias(const PackedSegment& measurement,
                   const SegmentWeights& by,
-                  double range_bias_m,
-                  bool is_curved,
+                  const double* range_bias_m,
                   SegmentRows<kPlaneSize>* rows) {
+  if (range_bias_m == nullptr) return;
   const auto stored = measurement.rows();
   const Eigen::Index num_rows = stored.rows();
-  if (!is_curved) {
+  if constexpr (kOwnRow) {
     rows->residuals.conservativeResize(num_rows + 1);
     rows->jacobian.conservativeResize(num_rows + 1, Eigen::NoChange);
     rows->residuals[num_rows] = by.offset * measurement.range_offset();
@@ -138,8 +138,8 @@ void AddRangeBias(const PackedSegment& measurement,
   }
   rows->by_range.setZero(rows->residuals.size());
   rows->by_range.head(num_rows) = -by.offset * stored.col(11).template cast<double>();
-  if (!is_curved) rows->by_range[num_rows] = -by.offset * measurement.range_rest();
-  rows->residuals += range_bias_m * rows->by_range;
+  if constexpr (kOwnRow) rows->by_range[num_rows] = -by.offset * measurement.range_rest();
+  rows->residuals += *range_bias_m * rows->by_range;
 }
 
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one
@@ -186,7 +186,8 @@ void DifferentiateNear(const PlaneAt& plane_at,
   rows->residuals += by.offset * stored.col(9).template cast<double>();
 }
 
-// model, parameters: of the surface; plane: its derivatives, where it is one.
+// model, parameters: of the surface; plane: its derivatives, where it is one. range_bias_m: of
+// the scanner; nullptr: it is not estimated.
 template <typename Model, int kPlaneSize>
 void Differentiate(const Model& model,
                    const PackedSegment& measurement,
@@ -195,6 +196,7 @@ void Differentiate(const Model& model,
                    const NodePoses& poses,
                    const double* parameters,
                    const PlaneDerivatives& plane,
+                   const double* range_bias_m,
                    SegmentRows<kPlaneSize>* rows) {
   if constexpr (!Model::kIsCurved) {
     const auto plane_at = [&](const Eigen::Vector3d&,
@@ -202,6 +204,7 @@ void Differentiate(const Model& model,
       return plane;
     };
     DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
+    AddRangeBias<true>(measurement, by, range_bias_m, rows);
   } else {
     PlaneDerivatives near;
     const auto plane_at = [&](const Eigen::Vector3d& position,
@@ -211,6 +214,7 @@ void Differentiate(const Model& model,
     };
     DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
     AddBend(measurement, by, scanner, parameters[Model::kCurvatureAt], rows);
+    AddRangeBias<false>(measurement, by, range_bias_m, rows);
   }
 }
 

@@ -252,8 +252,10 @@ ModelFrameOfTruth FindModelFrame(const EvaluationInput& input,
   frame.reference_face_id = true_wall.id;
   frame.model_from_truth.rotation =
       RotationFromYaw(-std::atan2(true_wall.normal.y(), true_wall.normal.x()));
+  // The map's first position is its origin.
   frame.model_from_truth.translation =
       first.world_from_body.translation -
+      input.trajectory.front().world_from_body.translation -
       frame.model_from_truth.rotation * true_start.translation;
   return frame;
 }

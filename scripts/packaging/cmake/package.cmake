@@ -27,7 +27,8 @@ is. It estimates together the trajectory of the rig in six degrees of freedom
 and the surfaces of the building with their covariances.
 
 plumbline_check tells before mapping what is wrong with a recording or its rig
-file, plumbline_map makes the map, plumbline_report shows it in a browser,
+file, plumbline_map makes the map, plumbline_calibrate finds the rig from several
+recordings, plumbline_report shows it in a browser,
 plumbline_plan draws floor plans with rooms, doors and areas, plumbline_export
 converts points. plumbline_simulate makes recordings, plumbline_evaluate holds
 maps against the truth, plumbline_bound says how precise a map can be at best.")

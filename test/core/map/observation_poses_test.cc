@@ -80,10 +80,10 @@ TEST(SharedPoses, AreThoseOfEachObservation) {
       SegmentMeasurement nodes;
       nodes.node_times_ns = NodesOfSpan(start_ns, start_ns + 20 * kMillisecond);
       observation.measurement = PackedSegment(nodes, {});
-      const Rigid3d& body_from_scanner =
-          rig.scanners[static_cast<size_t>(scanner)].body_from_scanner;
+      const Scanner& one = rig.scanners[static_cast<size_t>(scanner)];
+      const Rigid3d& body_from_scanner = one.body_from_scanner;
       const ObservationPoses& poses = shared.Of(observation);
-      const ObservationPoses alone(trajectory, body_from_scanner, observation);
+      const ObservationPoses alone(trajectory, one, observation);
       const Rigid3d body = trajectory.WorldFromBody(start_ns + 10 * kMillisecond);
       EXPECT_EQ(poses.times_ns, nodes.node_times_ns);
       EXPECT_LT((poses.world_from_body.translation - body.translation).norm(), 1e-12);

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/map/rig_calibration.h"
 #include "core/mapping/calibration_report.h"
 #include "core/result/calibration_text.h"
-#include "core/sensor/rig_calibration.h"
 #include "core/util/error.h"
 #include "test/testing/temporary_directory.h"
 
@@ -48,7 +48,7 @@ class CalibrationJoiningTest : public TemporaryDirectoryTest {
 
 TEST_F(CalibrationJoiningTest, OneRecordingSaysWhatItSays) {
   const Calibration joined = JoinCalibrations({Found(0.001, 0.0001)}, {"a"});
-  const CalibratedParameter& time = joined.scanners[1].parameters[Calibration::kTimeAt];
+  const CalibratedParameter& time = joined.scanners[1].parameters[CalibratedScanner::kTime];
   EXPECT_NEAR(time.value, 0.001, 1e-12);
   EXPECT_NEAR(time.sigma, 0.0001, 1e-12);
 }
@@ -61,7 +61,7 @@ TEST_F(CalibrationJoiningTest, TheRigFileCountsOnce) {
   const double a = 1.0 / (0.0001 * 0.0001);
   const double b = 1.0 / (0.0002 * 0.0002);
   const double information = a + b - prior;
-  const CalibratedParameter& time = joined.scanners[1].parameters[Calibration::kTimeAt];
+  const CalibratedParameter& time = joined.scanners[1].parameters[CalibratedScanner::kTime];
   EXPECT_NEAR(time.value, (a * 0.0010 + b * 0.0012) / information, 1e-12);
   EXPECT_NEAR(time.sigma, 1.0 / std::sqrt(information), 1e-12);
   EXPECT_NEAR(joined.scanners[1].parameters[0].sigma,
@@ -84,7 +84,7 @@ TEST_F(CalibrationJoiningTest, FileIsReadAsItWasWritten) {
   std::ofstream(path) << FormatCalibration(found);
   const Calibration read = ReadCalibration(path);
   ASSERT_EQ(read.scanners.size(), 2u);
-  EXPECT_EQ(read.scanners[1].parameters[Calibration::kTimeAt].value, 0.001);
+  EXPECT_EQ(read.scanners[1].parameters[CalibratedScanner::kTime].value, 0.001);
   EXPECT_EQ(read.covariance, found.covariance);
 }
 

@@ -33,8 +33,7 @@ class OcclusionTest : public ::testing::Test {
     line_.time_increment_s = 1e-5;
     line_.ranges.assign(100, 1.0f);
     sampler_.emplace(trajectory_);
-    poses_.emplace(
-        NodesOfSpan(kStart, line_.BeamTime(99)), scanner_.body_from_scanner, &*sampler_);
+    poses_.emplace(NodesOfSpan(kStart, line_.BeamTime(99)), scanner_, &*sampler_);
   }
 
   static LandmarkView Candidate(const Landmark& landmark) { return LandmarkView(landmark); }
@@ -165,8 +164,7 @@ TEST_F(OcclusionTest, OpeningsAreFoundOnTheMove) {
   line_.ranges.assign(900, 1.0f);
   line_.time_increment_s = 2e-5;
   sampler_.emplace(trajectory_);
-  poses_.emplace(
-      NodesOfSpan(kStart, line_.BeamTime(899)), scanner_.body_from_scanner, &*sampler_);
+  poses_.emplace(NodesOfSpan(kStart, line_.BeamTime(899)), scanner_, &*sampler_);
   Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.0, 4.0, 0.0});
   wall.extent.AddSegment({-5.0, 4.0, -5.0}, {5.0, 4.0, 5.0});
   const LandmarkView plane = Candidate(wall);

@@ -148,7 +148,7 @@ TEST(EvaluationTest, RejectsUnusableTruth) {
   const InterpolatedTrajectory truth({{5, {}}, {6, {}}});
   EXPECT_THROW(truth.Pose(7), Error);
   EvaluationInput input = PerfectInput();
-  input.trajectory.front().time_ns = -1;
+  for (StampedPose& pose : input.trajectory) pose.time_ns = -1 - pose.time_ns;
   EXPECT_THROW(Evaluate(input, {}), Error);
   input.trajectory.clear();
   EXPECT_THROW(Evaluate(input, {}), Error);

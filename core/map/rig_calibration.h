@@ -15,10 +15,10 @@ using ScannerMatrix = Eigen::Matrix<double, kScannerBlockSize, kScannerBlockSize
 // ScannerEstimate is what is estimated of one scanner: a block about the pose and the clock
 // that the rig file states (factors/segment/scanner_block.h).
 struct ScannerEstimate {
-  Rigid3d stated;        // body_from_scanner of the rig file
-  bool is_body = false;  // its frame and clock are the body's, held
-  ScannerBlock block = {};                           // as it is estimated now
-  ScannerBlock prior_sigma = {};                     // of the rig file's statement; 0: held
+  Rigid3d stated;                 // body_from_scanner of the rig file
+  bool is_body = false;           // its frame and clock are the body's, held
+  ScannerBlock block = {};        // as it is estimated now
+  ScannerBlock prior_sigma = {};  // of the rig file's statement; 0: held
   ScannerMatrix covariance = ScannerMatrix::Zero();  // of the block as it is now
 
   bool IsEstimated() const;
@@ -28,9 +28,8 @@ struct ScannerEstimate {
 ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
 
 // RigCalibration is the part of the state that the scanners are (design: calibration is
-// state). The body's frame and clock are those of one scanner, which are held: the first that
-// the rig file knows exactly, else the first one. A rig that moves in the plane does not show
-// heights and tilts, which are held.
+// state). The body's frame and clock are those of BodyScanner, which are held. A rig that
+// moves in the plane does not show heights and tilts, which are held.
 struct RigCalibration {
   std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
 

@@ -1,4 +1,4 @@
-#include "core/sensor/rig_calibration.h"
+#include "core/map/rig_calibration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/sensor/rig_calibration.h"
+#include "core/map/rig_calibration.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,12 +7,6 @@
 
 namespace plumbline {
 namespace {
-
-bool IsExact(const Scanner& scanner) {
-  const ScannerUncertainty& uncertainty = scanner.uncertainty;
-  return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
-         uncertainty.time_s == 0.0;
-}
 
 // Of what is estimated.
 ScannerBlock PriorSigmas(const ScannerUncertainty& uncertainty, bool planar) {
@@ -42,26 +36,24 @@ bool ScannerEstimate::IsEstimated() const {
 }
 
 RigCalibration::RigCalibration(const Rig& rig, bool planar) {
-  const auto exact = std::find_if(rig.scanners.begin(), rig.scanners.end(), IsExact);
-  const auto body = exact == rig.scanners.end() ? rig.scanners.begin() : exact;
-  for (auto scanner = rig.scanners.begin(); scanner != rig.scanners.end(); ++scanner) {
+  if (!EstimatesScanners(rig)) return;
+  const size_t body = BodyScanner(rig);
+  for (size_t i = 0; i < rig.scanners.size(); ++i) {
+    const Scanner& scanner = rig.scanners[i];
     ScannerEstimate estimate;
-    estimate.stated = scanner->body_from_scanner;
-    if (scanner == body) {
-      estimate.is_body = true;
-      estimate.prior_sigma[kScannerRangeAt] = scanner->uncertainty.range_m;
+    estimate.stated = scanner.body_from_scanner;
+    estimate.is_body = i == body;
+    if (estimate.is_body) {
+      estimate.prior_sigma[kScannerRangeAt] = scanner.uncertainty.range_m;
     } else {
-      estimate.prior_sigma = PriorSigmas(scanner->uncertainty, planar);
+      estimate.prior_sigma = PriorSigmas(scanner.uncertainty, planar);
     }
-    for (int i = 0; i < kScannerBlockSize; ++i) {
-      const double sigma = estimate.prior_sigma[static_cast<size_t>(i)];
-      estimate.covariance(i, i) = sigma * sigma;
+    for (size_t k = 0; k < kScannerBlockSize; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      estimate.covariance(row, row) = estimate.prior_sigma[k] * estimate.prior_sigma[k];
     }
     scanners.push_back(estimate);
   }
-  const bool any = std::any_of(
-      scanners.begin(), scanners.end(), [](const auto& s) { return s.IsEstimated(); });
-  if (!any) scanners.clear();
 }
 
 void RigCalibration::ApplyTo(Rig* rig) const {

@@ -1,0 +1,87 @@
+#include "core/mapping/calibration_report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+class CalibrationReportTest : public testing::Test {
+ protected:
+  CalibrationReportTest() {
+    for (const char* name : {"top", "left"}) {
+      Scanner scanner;
+      scanner.name = name;
+      scanner.uncertainty = {0.02, 0.01, 0.002, 0.01};
+      rig_.scanners.push_back(scanner);
+    }
+  }
+
+  // Of both scanners' blocks: as the rig file states them, the left one's clock apart.
+  Eigen::MatrixXd Covariance(const RigCalibration& calibration, double clock_sigma_s) const {
+    Eigen::MatrixXd covariance =
+        Eigen::MatrixXd::Zero(2 * kScannerBlockSize, 2 * kScannerBlockSize);
+    for (int i = 0; i < 2; ++i) {
+      covariance.block<kScannerBlockSize, kScannerBlockSize>(kScannerBlockSize * i,
+                                                             kScannerBlockSize * i) =
+          calibration.scanners[static_cast<size_t>(i)].covariance;
+    }
+    const int clock = kScannerBlockSize + kScannerDelayAt;
+    covariance(clock, clock) = clock_sigma_s * clock_sigma_s;
+    return covariance;
+  }
+
+  Rig rig_;
+};
+
+TEST_F(CalibrationReportTest, SaysWhatIsOffTheRigFileAndWhatIsShown) {
+  RigCalibration calibration(rig_, false);
+  calibration.scanners[1].block[kScannerDelayAt] = 0.0015;
+  const Calibration found =
+      DescribeCalibration(rig_, rig_, calibration, Covariance(calibration, 1e-4));
+  ASSERT_EQ(found.scanners.size(), 2u);
+  const CalibratedParameter& clock = found.scanners[1].parameters[CalibratedScanner::kTime];
+  EXPECT_NEAR(clock.value, 0.0015, 1e-12);
+  EXPECT_NEAR(clock.sigma, 1e-4, 1e-12);
+  EXPECT_TRUE(clock.IsObserved());
+  const CalibratedParameter& roll = found.scanners[1].parameters[0];
+  EXPECT_EQ(roll.name, "roll_deg");
+  EXPECT_NEAR(roll.sigma, 0.02 * kDegreesPerRadian, 1e-9);
+  EXPECT_FALSE(roll.IsObserved());
+  // The first scanner is the body's, but for its ranges.
+  EXPECT_TRUE(found.scanners[0].parameters[0].IsHeld());
+  EXPECT_FALSE(found.scanners[0].parameters[CalibratedScanner::kRange].IsHeld());
+  EXPECT_EQ(found.covariance.rows(), 1 + kScannerBlockSize);
+}
+
+// A rig that started elsewhere is held against what the file says.
+TEST_F(CalibrationReportTest, CountsFromTheRigFileAlsoWhereTheMapStartedElsewhere) {
+  Rig near = rig_;
+  near.scanners[1].time_offset_s = 0.02;
+  near.scanners[1].body_from_scanner.translation.x() = 0.05;
+  RigCalibration calibration(near, false);
+  calibration.scanners[1].block[kScannerDelayAt] = 0.001;
+  const Calibration found =
+      DescribeCalibration(rig_, near, calibration, Covariance(calibration, 1e-4));
+  EXPECT_NEAR(found.scanners[1].parameters[CalibratedScanner::kTime].value, 0.021, 1e-12);
+  EXPECT_NEAR(found.scanners[1].parameters[CalibratedScanner::kShift].value, 0.05, 1e-12);
+}
+
+TEST_F(CalibrationReportTest, CalibratedRigStatesWhatIsStillUncertain) {
+  RigCalibration calibration(rig_, false);
+  ScannerEstimate& left = calibration.scanners[1];
+  left.covariance.setZero();
+  left.covariance.diagonal() << 1e-6, 4e-6, 1e-6, 1e-6, 1e-6, 9e-6, 1e-8, 1e-8;
+  const Rig calibrated = CalibratedRig(rig_, calibration);
+  EXPECT_EQ(calibrated.scanners[0].uncertainty.rotation_rad, 0.0);
+  EXPECT_EQ(calibrated.scanners[0].uncertainty.range_m, 0.01);
+  EXPECT_NEAR(calibrated.scanners[1].uncertainty.rotation_rad, 2e-3, 1e-12);
+  EXPECT_NEAR(calibrated.scanners[1].uncertainty.translation_m, 3e-3, 1e-12);
+  EXPECT_NEAR(calibrated.scanners[1].uncertainty.time_s, 1e-4, 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline
