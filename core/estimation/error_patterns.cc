@@ -91,17 +91,21 @@ void ErrorPatterns::Resize(int num_probes) {
   loads_ = Eigen::MatrixXd::Zero(layout_.size(), num_columns);
 }
 
-const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const std::array<int64_t, 3>& times_ns) {
+const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const Observation& observation) {
+  const std::array<int64_t, 3> times_ns = observation.measurement.node_times_ns();
+  const double delay_s = rig_.scanners[static_cast<size_t>(observation.scanner_index)].delay_s;
   for (const Nodes& nodes : nodes_) {
-    if (nodes.times_ns == times_ns) return nodes;
+    if (nodes.times_ns == times_ns && nodes.delay_s == delay_s) return nodes;
   }
   if (nodes_.size() < kNumNodesKept) nodes_.emplace_back();
   Nodes& nodes = nodes_[next_nodes_];
   next_nodes_ = (next_nodes_ + 1) % kNumNodesKept;
   nodes.times_ns = times_ns;
+  nodes.delay_s = delay_s;
+  PoseSampler sampler(trajectory_);
   for (size_t k = 0; k < 3; ++k) {
     nodes.at[k] = trajectory_.Locate(times_ns[k]);
-    nodes.world_from_body[k] = trajectory_.WorldFromBody(times_ns[k]);
+    nodes.world_from_body[k] = sampler.WorldFromBody(times_ns[k], delay_s);
     nodes.jacobians[k] = trajectory_.PoseJacobian(nodes.at[k]);
     trajectory_.Velocity(times_ns[k], &nodes.angular[k], &nodes.linear[k]);
   }
@@ -385,7 +389,7 @@ void ErrorPatterns::Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd
 
 void ErrorPatterns::RescoreCells(const Observation& observation) {
   if (!Has(observation)) return;
-  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Nodes& nodes = NodesOf(observation);
   const Basis basis = BasisOf(observation, nodes);
   SetScannerCoefficients(observation, nodes);
   const int plane_column = landmark_columns_[static_cast<size_t>(observation.landmark_id)];
@@ -411,7 +415,7 @@ void ErrorPatterns::Add(const Observation& observation) {
   if (!Has(observation)) return;
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const int plane_column = landmark_columns_[static_cast<size_t>(landmark.id)];
-  const Nodes& nodes = NodesOf(observation.measurement.node_times_ns());
+  const Nodes& nodes = NodesOf(observation);
   const Basis basis = BasisOf(observation, nodes);
   SetScannerCoefficients(observation, nodes);
   const int num_pose_rows = static_cast<int>(basis.pose_load.rows());

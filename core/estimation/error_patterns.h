@@ -87,6 +87,7 @@ class ErrorPatterns {
   // Poses at the nodes of a scan line.
   struct Nodes {
     std::array<int64_t, 3> times_ns = {};
+    double delay_s = 0.0;  // of the scanner, at which the poses are looked up
     std::array<Rigid3d, 3> world_from_body;
     std::array<SplinePoseJacobian, 3> jacobians;
     std::array<Eigen::Vector3d, 3> angular;  // rad/s, world
@@ -134,7 +135,7 @@ class ErrorPatterns {
     return static_cast<int>(coefficients_.cols()) - num_scanner_patterns_;
   }
   void Resize(int num_probes);
-  const Nodes& NodesOf(const std::array<int64_t, 3>& times_ns);
+  const Nodes& NodesOf(const Observation& observation);
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
   // Adds what the three patterns do at a node. by_node: d(residuals) / d(g of the node),
   // transposed, times each of them; axes: of the scan plane and its origin's lever, world.
