@@ -29,7 +29,7 @@ RULES = {
     "points_over_planes": ("people_and_doors", "furniture"),
     "sudden_drop": ("strong_swings", "carried"),
     "loosened_poses": ("strong_swings", "carried"),
-    "jolts": ("strong_swings", "feet"),
+    "jolts": ("strong_swings", "carried"),
     "half_window_steps": ("furniture", "duplex_b_stairs"),
     "several_starts": ("fzk_stairs", "duplex_a_stairs"),
     "beams_behind_walls": ("orthogonal_scanners", "furniture"),
