@@ -32,7 +32,8 @@ bool IsExplainedByMounting(const OtherHeader& header,
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   if (EstimatesScanners(stated)) {
     const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated));
-    // All of them moved fit a little better to anything: they have to explain half of the rest.
+    // All of them moved fit a little better to anything: they have to explain half of the
+    // rest.
     if (2.0 * (1.0 - NearShareOfAll(sample, fitted)) < 1.0 - header.share_so) return true;
   }
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
