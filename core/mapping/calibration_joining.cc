@@ -91,8 +91,10 @@ Calibration JoinCalibrations(const std::vector<Calibration>& calibrations,
     const Gaussian gaussian = GaussianOf(calibrations[i]);
     if (gaussian.names != first.names ||
         !gaussian.prior_sigma.isApprox(first.prior_sigma, 1e-6)) {
-      throw Error(names[i] + ": is of another rig file than " + names.front() +
-                  ": other scanners, or other uncertainties");
+      throw Error(
+          names[i] + ": is of another rig file than " + names.front() +
+          ": other scanners, or other uncertainties (maps that started elsewhere than the "
+          "rig file says have wider ones: use the rig_calibrated.yaml of one of them)");
     }
     const Eigen::LLT<Eigen::MatrixXd> factor(calibrations[i].covariance);
     if (factor.info() != Eigen::Success) {
