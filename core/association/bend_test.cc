@@ -63,7 +63,7 @@ std::optional<CylinderEquations::Solution> CylinderEquations::Solve() const {
 
 BendTest::BendTest(const Landmark& wall, double flatness_m, double range_noise_m)
     : reference_(MakeCylinderLandmark(
-          wall.NormalNear(wall.extent.anchor()), 0.0, wall.extent.anchor())),
+          wall.NormalNear(wall.extent.axes().anchor), 0.0, wall.extent.axes().anchor)),
       flatness_m_(flatness_m),
       range_noise_m_(range_noise_m) {}
 
@@ -79,7 +79,7 @@ void BendTest::Add(const Observation& observation,
                  flatness_m_);
   const ScanPlacement& placement = poses.motion.nodes()[1];
   const Eigen::Vector3d centroid = placement * observation.centroid().homogeneous();
-  const double along = reference_.extent.u_axis().dot(centroid - reference_.chart.anchor);
+  const double along = reference_.extent.axes().u.dot(centroid - reference_.chart.anchor);
   const Eigen::Vector3d piece =
       placement.leftCols<2>() * (observation.end() - observation.start());
   num_points_ += observation.num_points;

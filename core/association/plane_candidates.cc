@@ -230,7 +230,7 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
   if (min_scans <= 1 || size.maxCoeff() < kLargeFloor) return true;
   const PlaneThroughLines::Fit fit = plane.lines.Solve();
   if (fit.normal_covariance.trace() > kDecidedSigma * kDecidedSigma) return true;
-  const std::optional<Landmark> shown = DecideKind(fit, plane.landmark.extent.anchor());
+  const std::optional<Landmark> shown = DecideKind(fit, plane.landmark.extent.axes().anchor);
   return shown && shown->model == PlaneModel::kHorizontal;
 }
 

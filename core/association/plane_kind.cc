@@ -35,7 +35,7 @@ std::optional<Landmark> DecideKind(const PlaneThroughLines::Fit& fit,
         Eigen::Vector3d(normal.x(), normal.y(), 0.0).normalized(), fit.centre_world);
     // Known at the centre, where distance and angle do not correlate.
     Eigen::Matrix2d by_centre = Eigen::Matrix2d::Identity();
-    by_centre(1, 0) = wall.extent.u_axis().dot(fit.centre_world);
+    by_centre(1, 0) = wall.extent.axes().u.dot(fit.centre_world);
     wall.covariance.topLeftCorner<2, 2>() =
         by_centre * Eigen::Vector2d(of_turns(0, 0), fit.centre_variance).asDiagonal() *
         by_centre.transpose();

@@ -24,7 +24,7 @@ bool AgreeAlong(bool along_u,
   const PatchExtent& extent = b.extent;
   const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
   const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
-  const Eigen::Vector3d direction = along_u ? extent.u_axis() : extent.v_axis();
+  const Eigen::Vector3d direction = along_u ? extent.axes().u : extent.axes().v;
   const Eigen::Vector3d on_axes = extent.ToWorld(middle);
   const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
   const Eigen::Vector2d difference(a.SignedDistance(point),

@@ -243,7 +243,7 @@ class RangeJudge {
   }
 
   void JudgeNoise() {
-    if (scanner_ == nullptr || topic_.noise_m == 0.0) return;
+    if (scanner_ == nullptr || scanner_->estimates_noise || topic_.noise_m == 0.0) return;
     const double ratio = topic_.noise_m / scanner_->range_noise_m;
     const std::string figures = "neighbouring beams show a noise of " +
                                 Decimal(1e3 * topic_.noise_m, 0) + " mm, the rig file says " +

@@ -103,6 +103,20 @@ class RigJudge {
            Subject about = Subject::kMounting) {
     report_->findings.push_back({severity, subject, sentence, advice, about});
   }
+  // What scanners that sit elsewhere mean for a map, which begins where they agree if it can.
+  void AddMounting(const std::string& subject,
+                   const std::string& sentence,
+                   const std::string& advice) {
+    if (report_->near) {
+      Add(Severity::kWarning,
+          subject,
+          sentence,
+          "plumbline_map begins where the scanners agree and estimates the rest; or: " +
+              advice);
+    } else {
+      Add(Severity::kStop, subject, sentence, advice);
+    }
+  }
   bool HasLines(size_t scanner) const {
     const int topic = report_->topics_of_scanners[scanner];
     return topic >= 0 && !report_->survey.sample[static_cast<size_t>(topic)].empty();
@@ -171,12 +185,12 @@ class RigJudge {
     }
     if (report_->other_mounting) {
       const OtherMounting& other = *report_->other_mounting;
-      Add(Severity::kStop,
-          "",
-          other.words + ". As the rig file stands, " + PercentOf(other.share_as_stated) +
-              " of the places that two scanners see agree to a decimetre; so, " +
-              PercentOf(other.share_so) + " do",
-          other.advice);
+      AddMounting("",
+                  other.words + ". As the rig file stands, " +
+                      PercentOf(other.share_as_stated) +
+                      " of the places that two scanners see agree to a decimetre; so, " +
+                      PercentOf(other.share_so) + " do",
+                  other.advice);
       return;
     }
     std::vector<std::string> apart;
@@ -186,14 +200,13 @@ class RigJudge {
                       Decimal(pair.median_m, 2) + " m apart or more)");
     }
     if (!JudgeCorrections(!apart.empty()) && !apart.empty()) {
-      Add(Severity::kStop,
-          "",
-          "the scanners do not see the same places where the rig file says that they "
-          "should: " +
-              Enumerate(apart),
-          "check body_from_scanner of each: axes x forward, y left, z up; R = Rz(yaw) "
-          "Ry(pitch) "
-          "Rx(roll)");
+      AddMounting("",
+                  "the scanners do not see the same places where the rig file says that they "
+                  "should: " +
+                      Enumerate(apart),
+                  "check body_from_scanner of each: axes x forward, y left, z up; R = Rz(yaw) "
+                  "Ry(pitch) "
+                  "Rx(roll)");
     }
     JudgeUncompared();
   }
@@ -228,13 +241,17 @@ class RigJudge {
     const bool mends_most = 2.0 * (correction.moved_share - correction.near_share) >
                             1.0 - correction.near_share;  // of what does not agree
     if (are_apart && !mends_most) return false;
-    Add(parts.is_large && mends_most ? Severity::kStop : Severity::kWarning,
-        TopicOf(worst),
+    const std::string sentence =
         who + "; with that mended, " + PercentOf(corrections[worst].moved_share) +
-            " of them " + "agree to 1.5 cm, as it is " +
-            PercentOf(corrections[worst].near_share),
-        parts.advice.empty() ? "calibrate its ranges"
-                             : "in the rig file: " + Enumerate(parts.advice));
+        " of them agree to 1.5 cm, as it is " + PercentOf(corrections[worst].near_share);
+    const std::string advice = parts.advice.empty()
+                                   ? "calibrate its ranges"
+                                   : "in the rig file: " + Enumerate(parts.advice);
+    if (parts.is_large && mends_most) {
+      AddMounting(TopicOf(worst), sentence, advice);
+    } else {
+      Add(Severity::kWarning, TopicOf(worst), sentence, advice);
+    }
     return true;
   }
 

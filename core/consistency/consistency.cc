@@ -12,7 +12,6 @@
 #include "core/consistency/doubled_surfaces.h"
 #include "core/consistency/evidence.h"
 #include "core/consistency/likely_cause.h"
-#include "core/consistency/mounting.h"
 #include "core/consistency/passages.h"
 #include "core/consistency/pose_jumps.h"
 #include "core/consistency/revisits.h"
@@ -60,7 +59,6 @@ struct Evidence {
   std::vector<double> position_stddevs_m;
   std::vector<ScannerAgreement> scanners;
   std::vector<ScannerFault> faults;
-  std::vector<MountingError> mountings;
 };
 
 template <typename Element>
@@ -109,13 +107,6 @@ void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence
             << " m, ratio " << a.difference_ratio << " of " << a.num_differences
             << ", deviation ratio " << a.deviation_ratio;
   }
-  for (size_t i = 0; i < evidence.mountings.size(); ++i) {
-    const MountingError& m = evidence.mountings[i];
-    VLOG(1) << "mounting of " << rig.scanners[i].name << ": " << m.num_segments << " segs, "
-            << m.rotation_rad.transpose() * 180.0 / M_PI << " deg, "
-            << m.translation_m.transpose() << " m, " << m.time_offset_s << " s, near "
-            << m.near_share << " moved " << m.moved_share;
-  }
   for (const BentSurface& surface : evidence.bent.surfaces) {
     VLOG(1) << "plane " << surface.landmark_id << ": " << surface.num_off << " of "
             << surface.num_tiles << " places lie off, up to " << surface.largest_m << " m";
@@ -152,9 +143,8 @@ Evidence Collect(const Rig& rig,
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
-  evidence.mountings = CompareMountings(rig, map.planar, state);
   evidence.scanners = CompareScanners(rig, state, activity, start_ns);
-  evidence.faults = FindScannerFaults(rig, evidence.scanners, evidence.mountings, activity);
+  evidence.faults = FindScannerFaults(rig, evidence.scanners, activity);
   return evidence;
 }
 

@@ -33,14 +33,6 @@ constexpr int kMinDifferences = 20;
 // planes together: it builds a map of its own.
 constexpr double kMaxAloneShare = 0.6;
 
-// A correction of the mounting counts where it brings so many more of the scanner's segments
-// onto the planes of the others; of a right rig it brings one in five hundred.
-constexpr double kMinMountingGain = 0.03;
-// Larger errors bend a map by centimetres.
-constexpr double kLargeTurn = 1.5 * M_PI / 180.0;  // rad
-constexpr double kLargeShift = 0.05;               // m
-constexpr double kLargeTime = 0.01;                // s
-
 // Weighted mean of the segments of one scanner on one plane in one second.
 struct Mean {
   double sum_weights = 0.0;
@@ -150,9 +142,8 @@ class FaultFinder {
  public:
   FaultFinder(const Rig& rig,
               const std::vector<ScannerAgreement>& agreements,
-              const std::vector<MountingError>& mountings,
               const ScannerActivity& activity)
-      : rig_(rig), agreements_(agreements), mountings_(mountings), activity_(activity) {}
+      : rig_(rig), agreements_(agreements), activity_(activity) {}
 
   std::vector<ScannerFault> Find() {
     for (size_t i = 0; i < agreements_.size(); ++i) {
@@ -163,7 +154,6 @@ class FaultFinder {
       CheckActivity(i);
       if (agreements_.size() > 1) CheckAgreement(i);
     }
-    CheckMountings();
     return std::move(faults_);
   }
 
@@ -210,29 +200,6 @@ class FaultFinder {
     }
   }
 
-  // Names the one scanner whose correction brings most of its segments onto the planes of the
-  // others: these have been drawn along by it, and look wrong themselves.
-  void CheckMountings() {
-    const auto gain = [](const MountingError& error) {
-      return error.moved_share - error.near_share;
-    };
-    const auto worst = std::max_element(
-        mountings_.begin(), mountings_.end(), [&](const auto& a, const auto& b) {
-          return gain(a) < gain(b);
-        });
-    if (worst == mountings_.end() || gain(*worst) < kMinMountingGain) return;
-    const std::string words = MountingInWords(*worst);
-    if (words.empty()) return;
-    const bool is_large = worst->rotation_rad.norm() > kLargeTurn ||
-                          worst->translation_m.norm() > kLargeShift ||
-                          std::abs(worst->time_offset_s) > kLargeTime;
-    Report(static_cast<size_t>(worst - mountings_.begin()),
-           is_large,
-           (is_large ? "contradicts the others: " : "differs from the others: ") +
-               ("against the planes that they see it looks " + words) +
-               "; check body_from_scanner and time_offset_s in the rig file");
-  }
-
   void CheckAgreement(size_t scanner) {
     const ScannerAgreement& agreement = agreements_[scanner];
     double others_used = 0.0;
@@ -271,7 +238,6 @@ class FaultFinder {
 
   const Rig& rig_;
   const std::vector<ScannerAgreement>& agreements_;
-  const std::vector<MountingError>& mountings_;
   const ScannerActivity& activity_;
   std::vector<ScannerFault> faults_;
 };
@@ -381,9 +347,8 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
 
 std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
                                             const std::vector<ScannerAgreement>& agreements,
-                                            const std::vector<MountingError>& mountings,
                                             const ScannerActivity& activity) {
-  return FaultFinder(rig, agreements, mountings, activity).Find();
+  return FaultFinder(rig, agreements, activity).Find();
 }
 
 }  // namespace plumbline

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/consistency/mounting.h"
 #include "core/map/map_state.h"
 #include "core/sensor/rig.h"
 
@@ -76,11 +75,9 @@ struct ScannerFault {
   std::string sentence;      // naming the scanner
 };
 
-// The faults of scanners: silent, frozen, off all planes, mounted otherwise than the rig file
-// says, or in contradiction to the others.
+// The faults of scanners: silent, frozen, off all planes, or in contradiction to the others.
 std::vector<ScannerFault> FindScannerFaults(const Rig& rig,
                                             const std::vector<ScannerAgreement>& agreements,
-                                            const std::vector<MountingError>& mountings,
                                             const ScannerActivity& activity);
 
 }  // namespace plumbline

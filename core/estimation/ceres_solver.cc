@@ -108,10 +108,10 @@ CeresProblem::CeresProblem(const EstimationProblem& problem, Segments segments)
   for (const FactorTerm& term : terms_) AddTerm(term);
   std::set<const double*> unknowns;
   for (const BlockId& block : problem.Layout().blocks) {
-    double* const data = problem.Data(block);
+    double* const data = problem.unknowns().Data(block);
     unknowns.insert(data);
     if (!problem_->HasParameterBlock(data)) continue;
-    if (const ceres::Manifold* const manifold = problem.ManifoldOf(block)) {
+    if (const ceres::Manifold* const manifold = problem.unknowns().ManifoldOf(block)) {
       problem_->SetManifold(data, const_cast<ceres::Manifold*>(manifold));
     }
   }

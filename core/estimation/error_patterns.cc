@@ -37,12 +37,6 @@ Eigen::Vector3d InFrame(const SegmentFrame& frame, double by_x, double by_y, dou
 
 }  // namespace
 
-ErrorPatterns::Surface::Surface(const Landmark& landmark)
-    : by_parameters(LandmarkView(landmark).plane_by_parameters),
-      axes(landmark.model == PlaneModel::kHorizontal
-               ? PlaneTangents(Eigen::Vector3d::UnitZ())  // of floors and ceilings the same
-               : PlaneTangents(landmark.Normal())) {}
-
 ErrorPatterns::ErrorPatterns(const Rig& rig,
                              const RigCalibration& calibration,
                              const Trajectory& trajectory,
@@ -61,7 +55,12 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
                                           : 0),
       landmark_columns_(landmarks.size(), -1),
       scanner_columns_(rig.scanners.size(), -1) {
-  for (const Landmark& landmark : landmarks) surfaces_.emplace_back(landmark);
+  for (const Landmark& landmark : landmarks) {
+    axes_.push_back(
+        landmark.model == PlaneModel::kHorizontal
+            ? PlaneTangents(Eigen::Vector3d::UnitZ())  // of floors and ceilings alike
+            : PlaneTangents(landmark.Normal()));
+  }
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
     const auto index = static_cast<size_t>(layout.blocks[i].index);
     if (IsScanner(layout.blocks[i])) scanner_columns_[index] = layout.offsets[i];
@@ -105,8 +104,11 @@ const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const Observation& observatio
   PoseSampler sampler(trajectory_);
   for (size_t k = 0; k < 3; ++k) {
     nodes.at[k] = trajectory_.Locate(times_ns[k]);
-    nodes.world_from_body[k] = sampler.WorldFromBody(times_ns[k], delay_s);
-    nodes.jacobians[k] = trajectory_.PoseJacobian(nodes.at[k]);
+    const Rigid3d world_from_body = sampler.WorldFromBody(times_ns[k], delay_s);
+    nodes.poses.world_from_body[k] = world_from_body.rotation.toRotationMatrix();
+    nodes.poses.position[k] = world_from_body.translation;
+    nodes.poses.splines[k] = trajectory_.PoseJacobian(nodes.at[k]);
+    if (k == 1) nodes.middle = world_from_body;
     trajectory_.Velocity(times_ns[k], &nodes.angular[k], &nodes.linear[k]);
   }
   return nodes;
@@ -116,8 +118,7 @@ const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const Observation& observatio
 // first, first + 1, ...
 void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
                                 int k,
-                                const Eigen::Vector3d& turn,
-                                const Eigen::Vector3d& shift,
+                                const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,
                                 int first,
                                 Eigen::Ref<Eigen::VectorXd> load) const {
   const int rotation_size = planar_ ? 1 : 3;
@@ -127,10 +128,10 @@ void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
     const auto index = static_cast<size_t>(j);
     const int row = (nodes.at[node].first - first + j) * block_size;
     const Eigen::Vector3d by_rotation =
-        nodes.jacobians[node].rotation_wrt_control[index].transpose() * turn;
+        nodes.poses.splines[node].rotation_wrt_control[index].transpose() * by_node.head<3>();
     load.segment(row, rotation_size) += by_rotation.tail(rotation_size);
     load.segment<3>(row + rotation_size) +=
-        nodes.jacobians[node].position_weights[index] * shift;
+        nodes.poses.splines[node].position_weights[index] * by_node.tail<3>();
     if (planar_) load[row + rotation_size + 2] = 0.0;
   }
 }
@@ -142,7 +143,7 @@ BodyByScanner ErrorPatterns::ByScanner(const Nodes& nodes, int k, int scanner) c
   if (column < 0) return BodyByScanner::Zero();
   const Rigid3d& body_from_scanner = rig_.scanners[index].body_from_scanner;
   BodyByScanner by_scanner = BodyMotionByScanner(
-      nodes.world_from_body[node].rotation.toRotationMatrix(),
+      nodes.poses.world_from_body[node],
       {body_from_scanner.rotation.toRotationMatrix(), body_from_scanner.translation},
       calibration_.scanners[index].block.data(),
       nodes.angular[node],
@@ -153,116 +154,79 @@ BodyByScanner ErrorPatterns::ByScanner(const Nodes& nodes, int k, int scanner) c
   return by_scanner;
 }
 
-ErrorPatterns::NearSurface ErrorPatterns::SurfaceNear(const Landmark& landmark,
-                                                      const Eigen::Vector3d& p_world) const {
-  return {landmark.PlaneNear(p_world),
-          landmark.IsCurved() ? landmark.PlaneByParameters(p_world)
-                              : surfaces_[static_cast<size_t>(landmark.id)].by_parameters,
-          landmark.Curvature()};
-}
-
-void ErrorPatterns::AddLoads(const Nodes& nodes,
-                             int k,
-                             const BodyByScanner& by_scanner,
-                             const Eigen::Matrix3d& by_node,
-                             const Eigen::Matrix3d& axes,
-                             const Eigen::Vector2d& centroid,
-                             const NearSurface& surface,
-                             Basis* basis) const {
-  const Eigen::Vector3d normal = surface.plane.head<3>();
-  const Eigen::Vector3d to_centroid = axes * centroid.homogeneous();
-  for (int j = 0; j < 3; ++j) {
-    const Eigen::Vector3d lever = axes * by_node.col(j);
-    const double distance = by_node(2, j);
-    // Moved along an arc, the segment meets another normal.
-    Eigen::Vector3d bend = surface.curvature * (lever - distance * to_centroid);
-    bend.z() = 0.0;
-    const Eigen::Vector3d turn = lever.cross(normal) + to_centroid.cross(bend);
-    const Eigen::Vector3d shift = distance * normal + bend;
-    AddPoseLoad(nodes, k, turn, shift, nodes.at[0].first, basis->pose_load.col(j));
-    basis->scanner_load.col(j) += by_scanner.topRows<3>().transpose() * turn +
-                                  by_scanner.bottomRows<3>().transpose() * shift;
-    const Eigen::Vector3d arm =
-        lever + distance * nodes.world_from_body[static_cast<size_t>(k)].translation;
-    basis->plane_load.col(j) += surface.by_parameters.topRows<3>().transpose() * arm -
-                                distance * surface.by_parameters.row(3).transpose();
-  }
-}
-
-ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
+template <typename Model>
+ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
+                                            const Observation& observation,
+                                            const SegmentWeights& weights,
                                             const Nodes& nodes) const {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
-  const Rigid3d& body_from_scanner =
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
-  const Rigid3d world_from_scanner = nodes.world_from_body[1] * body_from_scanner;
-  const Eigen::Vector2d centroid = observation.centroid();
-  const Eigen::Vector3d centroid_world =
-      world_from_scanner * Eigen::Vector3d(centroid.x(), centroid.y(), 0.0);
-  const NearSurface surface = SurfaceNear(landmark, centroid_world);
-  const Eigen::Vector3d normal = surface.plane.head<3>();
-  const SegmentWeights weights = WeightsOn(observation, world_from_scanner.rotation, normal);
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const Rigid3d& body_from_scanner = rig_.scanners[scanner].body_from_scanner;
   const PackedSegment& segment = observation.measurement;
-  const SegmentMeasurement::Rows rows = segment.rows().cast<double>();
-  const Eigen::Matrix3d frame = segment.frame().Matrix();
   const int num_nodes = segment.num_nodes();
-
   Basis basis;
+  basis.scanner_column = scanner_columns_[scanner];
+  SegmentRows<Model::kSize> rows;
+  Differentiate(
+      model,
+      segment,
+      weights,
+      AtNodes({body_from_scanner.rotation.toRotationMatrix(), body_from_scanner.translation},
+              nodes.poses),
+      nodes.poses,
+      landmark.parameters.data(),
+      DerivativesNear(model, landmark.parameters.data(), landmark.chart.anchor),
+      basis.scanner_column < 0 ? nullptr
+                               : &calibration_.scanners[scanner].block[kScannerRangeAt],
+      &rows);
+  // What slopes and offset do, the same at all nodes; nothing in rows beyond the segment's.
+  const SegmentMeasurement::Rows stored = segment.rows().cast<double>();
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, SegmentRows<Model::kSize>::kMaxRows, 3> root;
+  root.setZero(rows.residuals.size(), 3);
+  for (int k = 0; k < num_nodes; ++k) {
+    root.topRows(stored.rows()) += weights.scale * stored.middleCols<3>(3 * k);
+  }
+  basis.product = root.transpose() * root;
+  basis.score = root.transpose() * rows.residuals;
+  basis.plane_load.setZero();
+  basis.plane_load.template topRows<Model::kSize>() =
+      rows.jacobian.template rightCols<Model::kSize>().transpose() * root;
+  if (landmark.heading_fixed) basis.plane_load.row(0).setZero();
   const int first = nodes.at[0].first;
   const int block_size = planar_ ? 4 : 6;
   basis.first_column = first * block_size;
   CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
   basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
-  basis.plane_load.setZero();
   basis.scanner_load.setZero();
-  basis.scanner_column = scanner_columns_[static_cast<size_t>(observation.scanner_index)];
-  using Root = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> residual =
-      weights.offset *
-      (rows.col(9) -
-       rig_.scanners[static_cast<size_t>(observation.scanner_index)].range_excess_m *
-           rows.col(11));
-  Root root = Root::Zero(rows.rows(), 3);
-  std::array<Eigen::Matrix3d, 3> axes;  // of the scan plane and its origin's lever, world
   for (int k = 0; k < num_nodes; ++k) {
-    const Rigid3d& world_from_body = nodes.world_from_body[static_cast<size_t>(k)];
-    const Eigen::Matrix3d rotation =
-        (world_from_body.rotation * body_from_scanner.rotation).toRotationMatrix();
-    Eigen::Matrix3d& axis = axes[static_cast<size_t>(k)];
-    axis << rotation.leftCols<2>(), world_from_body.rotation * body_from_scanner.translation;
-    Eigen::Vector3d g = axis.transpose() * normal;
-    g.z() += normal.dot(world_from_body.translation) - surface.plane[3];
-    residual += weights.scale * rows.middleCols<3>(3 * k) * (frame.transpose() * g);
-    root += weights.scale * rows.middleCols<3>(3 * k);
-  }
-  const Eigen::Vector2d tangent = observation.tangent();
-  const Eigen::Vector3d tangent_world =
-      world_from_scanner.rotation * Eigen::Vector3d(tangent.x(), tangent.y(), 0.0);
-  const double level2 = tangent_world.head<2>().squaredNorm();
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 9, 1> bow =
-      weights.scale * level2 * rows.col(10);
-  residual += surface.curvature * bow;
-  basis.product = root.transpose() * root;
-  basis.score = root.transpose() * residual;
-  if (landmark.IsCurved()) {
-    basis.plane_load.row(Cylinder::kCurvatureAt) = bow.transpose() * root;
-  }
-  for (int k = 0; k < num_nodes; ++k) {
-    const Eigen::Matrix3d by_node =
-        frame * (weights.scale * rows.middleCols<3>(3 * k).transpose() * root);
-    AddLoads(nodes,
-             k,
-             ByScanner(nodes, k, observation.scanner_index),
-             by_node,
-             axes[static_cast<size_t>(k)],
-             centroid,
-             surface,
-             &basis);
+    const Eigen::Matrix<double, kNodePoseSize, 3> load =
+        rows.jacobian.template middleCols<kNodePoseSize>(kNodePoseSize * k).transpose() * root;
+    for (int j = 0; j < 3; ++j) {
+      AddPoseLoad(nodes, k, load.col(j), first, basis.pose_load.col(j));
+    }
+    basis.scanner_load += ByScanner(nodes, k, observation.scanner_index).transpose() * load;
   }
   if (basis.scanner_column >= 0) {
-    basis.scanner_load.row(kScannerRangeAt) =
-        -weights.offset * rows.col(11).transpose() * root;
+    basis.scanner_load.row(kScannerRangeAt) = rows.by_range.transpose() * root;
   }
   return basis;
+}
+
+ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
+                                            const Nodes& nodes) const {
+  const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
+  const Rigid3d world_from_scanner =
+      nodes.middle *
+      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+  const Eigen::Vector2d centroid = observation.centroid();
+  const SegmentWeights weights =
+      WeightsOn(observation,
+                world_from_scanner.rotation,
+                landmark.NormalNear(world_from_scanner *
+                                    Eigen::Vector3d(centroid.x(), centroid.y(), 0.0)));
+  return VisitPlaneModel(landmark.model, landmark.chart, [&](const auto& model) {
+    return BasisOn(model, observation, weights, nodes);
+  });
 }
 
 int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
@@ -294,10 +258,10 @@ void ErrorPatterns::Share(const Landmark& landmark,
                           const Eigen::Vector3d& p_world,
                           double offset,
                           double slope) {
-  const Surface& surface = surfaces_[static_cast<size_t>(landmark.id)];
-  const Eigen::Vector2d on_surface = landmark.IsCurved()
-                                         ? landmark.extent.Project(p_world)
-                                         : Eigen::Vector2d(surface.axes.transpose() * p_world);
+  const Eigen::Vector2d on_surface =
+      landmark.IsCurved()
+          ? landmark.extent.Project(p_world)
+          : Eigen::Vector2d(axes_[static_cast<size_t>(landmark.id)].transpose() * p_world);
   const double u = on_surface.x() / kCellM;
   const double v = on_surface.y() / kCellM;
   const int first_u = static_cast<int>(std::floor(u));
@@ -362,7 +326,7 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
                                            const Nodes& nodes) {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d world_from_scanner =
-      nodes.world_from_body[1] *
+      nodes.middle *
       rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
   const int own = kPerScanner * observation.scanner_index;
   coefficients_.leftCols(num_scanner_patterns_).setZero();

@@ -18,6 +18,7 @@
 #include "core/map/rig_calibration.h"
 #include "core/sensor/rig.h"
 #include "core/trajectory/trajectory.h"
+#include "factors/segment/segment_rows.h"
 #include "factors/spline/spline.h"
 
 namespace plumbline {
@@ -88,8 +89,8 @@ class ErrorPatterns {
   struct Nodes {
     std::array<int64_t, 3> times_ns = {};
     double delay_s = 0.0;  // of the scanner, at which the poses are looked up
-    std::array<Rigid3d, 3> world_from_body;
-    std::array<SplinePoseJacobian, 3> jacobians;
+    Rigid3d middle;        // world_from_body at the second
+    NodePoses poses;
     std::array<Eigen::Vector3d, 3> angular;  // rad/s, world
     std::array<Eigen::Vector3d, 3> linear;   // m/s, world
     std::array<Trajectory::Location, 3> at;
@@ -115,45 +116,23 @@ class ErrorPatterns {
     double slope = 0.0;
   };
   using Coefficients = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-  // A landmark's plane by its parameters, and the axes of its grid.
-  struct Surface {
-    explicit Surface(const Landmark& landmark);
-    Eigen::Matrix<double, 4, 3> by_parameters;  // normal and distance
-    Eigen::Matrix<double, 3, 2> axes;
-  };
-
-  // A surface as it is near an observation.
-  struct NearSurface {
-    Eigen::Vector4d plane;  // normal and distance
-    Eigen::Matrix<double, 4, 3> by_parameters;
-    double curvature;
-  };
-
   bool Has(const Observation& observation) const;
-  NearSurface SurfaceNear(const Landmark& landmark, const Eigen::Vector3d& p_world) const;
   int num_probes() const {
     return static_cast<int>(coefficients_.cols()) - num_scanner_patterns_;
   }
   void Resize(int num_probes);
   const Nodes& NodesOf(const Observation& observation);
   Basis BasisOf(const Observation& observation, const Nodes& nodes) const;
-  // Adds what the three patterns do at a node. by_node: d(residuals) / d(g of the node),
-  // transposed, times each of them; axes: of the scan plane and its origin's lever, world.
-  // by_scanner: of the body's pose at the node.
-  void AddLoads(const Nodes& nodes,
-                int k,
-                const BodyByScanner& by_scanner,
-                const Eigen::Matrix3d& by_node,
-                const Eigen::Matrix3d& axes,
-                const Eigen::Vector2d& centroid,
-                const NearSurface& surface,
-                Basis* basis) const;
+  template <typename Model>
+  Basis BasisOn(const Model& model,
+                const Observation& observation,
+                const SegmentWeights& weights,
+                const Nodes& nodes) const;
   // How a scanner's block moves the body at a node, in the directions that are estimated.
   BodyByScanner ByScanner(const Nodes& nodes, int k, int scanner) const;
   void AddPoseLoad(const Nodes& nodes,
                    int k,
-                   const Eigen::Vector3d& turn,
-                   const Eigen::Vector3d& shift,
+                   const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,
                    int first,
                    Eigen::Ref<Eigen::VectorXd> load) const;
   // The columns of a scanner's own patterns and the shares of the cells.
@@ -182,7 +161,7 @@ class ErrorPatterns {
   const int num_band_;
   const bool has_scanners_;
   const int num_scanner_patterns_;
-  std::vector<Surface> surfaces_;      // by landmark
+  std::vector<Eigen::Matrix<double, 3, 2>> axes_;  // of a surface's grid, by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated
   std::vector<int> scanner_columns_;   // by scanner; -1: not estimated
   std::optional<BorderSolver> cell_effects_;  // on the landmarks; column: a cell

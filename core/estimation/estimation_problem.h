@@ -4,12 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory>
 #include <vector>
 
 #include "core/estimation/block_layout.h"
 #include "core/estimation/segment_groups.h"
+#include "core/estimation/unknowns.h"
 #include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/rig_calibration.h"
@@ -23,7 +23,6 @@
 
 namespace ceres {
 class CostFunction;
-class Manifold;
 }  // namespace ceres
 
 namespace plumbline {
@@ -76,8 +75,10 @@ class EstimationProblem {
 
   // Holds all landmarks, or the control points before this one, constant. Called before any
   // term is added.
-  void HoldLandmarks() { landmarks_held_ = true; }
-  void HoldControlPointsBefore(int control_point) { first_free_ = control_point; }
+  void HoldLandmarks() { unknowns_.HoldLandmarks(); }
+  void HoldControlPointsBefore(int control_point) {
+    unknowns_.HoldControlPointsBefore(control_point);
+  }
   // Adds the point-to-plane residuals of segments that have a landmark. huber_width: of the
   // loss on the norm of a segment's residuals, in standard deviations; 0: least squares. The
   // observations outlive the problem. Groups that stand as they were are taken from the cache.
@@ -108,28 +109,16 @@ class EstimationProblem {
   void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
                  const std::vector<BlockId>& blocks);
 
+  // What the terms are of.
+  const Unknowns& unknowns() const { return unknowns_; }
   // The unknowns that occur in terms, in order, and their columns.
-  BlockLayout Layout() const;
+  BlockLayout Layout() const { return unknowns_.Layout(); }
   const std::vector<FactorTerm>& factor_terms() const { return factor_terms_; }
   const std::vector<GroupTerm>& group_terms() const { return group_terms_; }
   // The segments as cost functions, one each (CreateSegmentFactor), weighted for the unknowns
   // as they stand.
   std::vector<FactorTerm> MakeSegmentTerms() const;
-  bool planar() const { return planar_; }
-
-  int TangentSize(const BlockId& block) const;
-  int AmbientSize(const BlockId& block) const;
-  LinearPrior::Kind KindOf(const BlockId& block) const;
-  double* Data(const BlockId& block) const;
-  // The manifold of a block that occurs in terms; nullptr: its tangent is the block itself.
-  const ceres::Manifold* ManifoldOf(const BlockId& block) const;
-
-  // Values of the unknowns, by their position in a layout.
-  using Values = std::vector<std::array<double, kScannerBlockSize>>;
-  Values ValuesOf(const BlockLayout& layout) const;
-  void SetValues(const BlockLayout& layout, const Values& values);
-  // Moves the unknowns by their parts of a step, whose rows are the layout's free columns.
-  void Move(const BlockLayout& layout, const Eigen::VectorXd& step);
+  bool planar() const { return unknowns_.planar(); }
 
  private:
   struct Segments {
@@ -137,22 +126,7 @@ class EstimationProblem {
     double huber_width;
   };
 
-  bool IsHeld(const BlockId& block) const {
-    return IsControlPoint(block) ? block.index < first_free_ : landmarks_held_;
-  }
-  ScannerEstimate& Estimate(const BlockId& scanner) const {
-    return calibration_->scanners[static_cast<size_t>(scanner.index)];
-  }
-  void Register(const BlockId& block);
-  // Calls visit(block id) for each scanner that is estimated.
-  template <typename Visit>
-  void ForEachEstimated(const Visit& visit) const {
-    if (calibration_ == nullptr) return;
-    for (size_t i = 0; i < calibration_->scanners.size(); ++i) {
-      if (calibration_->scanners[i].IsEstimated()) visit(ScannerBlockId(static_cast<int>(i)));
-    }
-  }
-  const ceres::Manifold* MakeManifold(const BlockId& block);
+  std::vector<BlockId> EstimatedScanners() const;
   std::vector<double*> ControlPointBlocks(int first, int count);
   void Add(std::unique_ptr<ceres::CostFunction> factor,
            const std::vector<double*>& blocks,
@@ -160,21 +134,14 @@ class EstimationProblem {
   FactorTerm MakeSegmentTerm(const Observation& observation, double huber_width) const;
 
   const Rig& rig_;
-  bool planar_;
   Trajectory* trajectory_;
   std::deque<Landmark>* landmarks_;
   RigCalibration* calibration_;
-  bool landmarks_held_ = false;
-  int first_free_ = 0;
+  Unknowns unknowns_;
   // The extrinsics are parameter blocks that no layout has, constant: the factors can estimate
   // them.
   std::vector<std::array<double, 4>> extrinsic_rotations_;
   std::vector<std::array<double, 3>> extrinsic_translations_;
-  std::unique_ptr<ceres::Manifold> rotation_manifold_;  // shared by all rotations
-  std::unique_ptr<ceres::Manifold> planar_position_manifold_;
-  std::unique_ptr<ceres::Manifold> fixed_heading_manifold_;
-  std::vector<std::unique_ptr<ceres::Manifold>> own_manifolds_;  // of planes and scanners
-  std::map<BlockId, const ceres::Manifold*> blocks_;
   std::vector<GroupTerm> group_terms_;
   std::vector<FactorTerm> factor_terms_;
   std::vector<Segments> segments_;

@@ -74,13 +74,13 @@ double MoveDown(const BlockLayout& layout,
   constexpr double kRounding = 1e-12;  // of a cost
   const std::vector<int> free = layout.FreeColumns();
   const double cost = now->cost;
-  const EstimationProblem::Values values = problem->ValuesOf(layout);
+  const Unknowns::Values values = problem->unknowns().ValuesOf(layout);
   double share = 1.0;
   for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
-    problem->Move(layout, step(free));
+    problem->unknowns().Move(layout, step(free));
     *now = Shape::Linearise(*problem, layout);
     if (now->cost <= (1.0 + kRounding) * cost) return share;
-    problem->SetValues(layout, values);
+    problem->unknowns().SetValues(layout, values);
     step *= 0.5;
     share *= 0.5;
   }
@@ -102,7 +102,7 @@ Equations GaussNewtonSolver<Equations>::Solve(EstimationProblem* problem) const 
     const Eigen::VectorXd step = Shape::Step(layout, &now);
     const double slope = step.dot(now.gradient);
     if (Shape::kStepKeepsHessian && -0.5 * slope <= limit) {  // too small to fail
-      problem->Move(layout, step(layout.FreeColumns()));
+      problem->unknowns().Move(layout, step(layout.FreeColumns()));
       break;
     }
     const double share = MoveDown(layout, step, problem, &now);
@@ -134,7 +134,7 @@ void TakeGaussNewtonStep(EstimationProblem* problem) {
   if (of_poses.size() > 0 && of_poses.lpNorm<Eigen::Infinity>() > kSmallStep) {
     MoveDown(layout, step, problem, &now);
   } else {
-    problem->Move(layout, step(layout.FreeColumns()));
+    problem->unknowns().Move(layout, step(layout.FreeColumns()));
   }
 }
 

@@ -29,7 +29,7 @@ using BlockPositions = std::unordered_map<const double*, size_t>;
 BlockPositions PositionsIn(const EstimationProblem& problem, const BlockLayout& layout) {
   BlockPositions positions;
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
-    positions[problem.Data(layout.blocks[i])] = i;
+    positions[problem.unknowns().Data(layout.blocks[i])] = i;
   }
   return positions;
 }
@@ -90,9 +90,9 @@ class FactorEvaluator {
                          const double* by_parameters,
                          Eigen::Index column) {
     const Eigen::Index num_residuals = residuals_.size();
-    const int ambient = problem_.AmbientSize(block);
+    const int ambient = problem_.unknowns().AmbientSize(block);
     const Eigen::Map<const RowMajorMatrix> by_block(by_parameters, num_residuals, ambient);
-    const ceres::Manifold* manifold = problem_.ManifoldOf(block);
+    const ceres::Manifold* manifold = problem_.unknowns().ManifoldOf(block);
     if (manifold == nullptr) {
       jacobian_.middleCols(column, ambient) = by_block;
       return ambient;

@@ -41,10 +41,11 @@ Eigen::Vector4d Landmark::PlaneNear(const Eigen::Vector3d& p_world) const {
 }
 
 PatchExtent Landmark::EmptyExtent() const {
-  const Eigen::Vector3d normal = NormalNear(extent.anchor()).normalized();
-  const Eigen::Vector3d anchor = extent.anchor() - SignedDistance(extent.anchor()) * normal;
+  const Eigen::Vector3d normal = NormalNear(extent.axes().anchor).normalized();
+  const Eigen::Vector3d anchor =
+      extent.axes().anchor - SignedDistance(extent.axes().anchor) * normal;
   if (model == PlaneModel::kHorizontal) {
-    return PatchExtent(anchor, extent.u_axis(), extent.v_axis());
+    return PatchExtent(anchor, extent.axes().u, extent.axes().v);
   }
   const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
   return PatchExtent(anchor, tangents.col(0), tangents.col(1), Curvature());

@@ -102,9 +102,6 @@ class PatchExtent {
   std::vector<Eigen::Vector2d> Outline() const;
 
   const PlaneAxes& axes() const { return axes_; }
-  const Eigen::Vector3d& anchor() const { return axes_.anchor; }
-  const Eigen::Vector3d& u_axis() const { return axes_.u; }
-  const Eigen::Vector3d& v_axis() const { return axes_.v; }
   Eigen::Vector3d ToWorld(const Eigen::Vector2d& uv) const { return axes_.ToWorld(uv); }
 
   // Calls visit(member) for each: to keep them in a file and take them back.

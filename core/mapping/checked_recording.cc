@@ -70,6 +70,27 @@ Rig Near(Rig rig, const MountedRig& near) {
   return rig;
 }
 
+// Sets the range noises that the rig file leaves to the recording to what neighbouring beams
+// show.
+void EstimateNoise(const std::string& recording, const RecordingSurvey& survey, Rig* rig) {
+  for (Scanner& scanner : rig->scanners) {
+    if (!scanner.estimates_noise) continue;
+    const auto topic = std::find_if(
+        survey.topics.begin(), survey.topics.end(), [&](const TopicSurvey& candidate) {
+          return candidate.name == scanner.topic;
+        });
+    if (topic == survey.topics.end() || topic->noise_m == 0.0) {
+      throw Error(recording + ": scanner " + scanner.name +
+                  " shows no straight surfaces to tell its noise from: state its "
+                  "range_noise_m in the rig file");
+    }
+    scanner.range_noise_m = topic->noise_m;
+    scanner.estimates_noise = false;
+    LOG(INFO) << "scanner " << scanner.name << " has a range noise of "
+              << 1e3 * scanner.range_noise_m << " mm, as neighbouring beams show";
+  }
+}
+
 }  // namespace
 
 void CheckPoses(const std::string& rig_file, const Rig& rig) {
@@ -97,6 +118,7 @@ CheckedRecording ReadChecked(const std::string& recording,
   }
   RecordingSurvey survey = surveyor.Finish(checked.reader->topics());
   survey.wheels = checked.reader->odometry();
+  EstimateNoise(recording, survey, &rig);
   const CheckReport report = CheckSurvey(std::move(survey), rig);
   const bool estimates_scanners = EstimatesScanners(rig);
   checked.findings = FindingsOf(recording, report, estimates_scanners, force);

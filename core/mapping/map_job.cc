@@ -428,6 +428,22 @@ void WriteCalibration(const CheckedRecording& checked,
   WriteRig(CalibratedRig(checked.rig, calibration), folder + "/" + kRigCalibrated);
 }
 
+std::vector<PartSummary> ListParts(const std::vector<std::string>& folders,
+                                   const std::vector<MapResult>& parts,
+                                   const std::vector<Summary>& summaries) {
+  std::vector<PartSummary> list;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    list.push_back({folders[i].empty() ? "." : folders[i],
+                    parts[i].start_s,
+                    parts[i].end_s,
+                    summaries[i].scans,
+                    summaries[i].planes,
+                    summaries[i].consistency.verdict,
+                    {}});
+  }
+  return list;
+}
+
 // Runs the job on the threads of the caller's arena.
 Summary Run(const MapJob& job, const ProgressCallback& progress) {
   JobWatches watches;
@@ -478,15 +494,7 @@ Summary Run(const MapJob& job, const ProgressCallback& progress) {
     of_part.version = job.version;
   }
   Summary& summary = summaries[longest];
-  for (size_t i = 0; i < parts.size() && parts.size() > 1; ++i) {
-    summary.parts.push_back({folders[i].empty() ? "." : folders[i],
-                             parts[i].start_s,
-                             parts[i].end_s,
-                             summaries[i].scans,
-                             summaries[i].planes,
-                             summaries[i].consistency.verdict,
-                             {}});
-  }
+  if (parts.size() > 1) summary.parts = ListParts(folders, parts, summaries);
   PlaceParts(rig, parts, longest, &summary);
   writing.reset();
   total.reset();

@@ -42,7 +42,7 @@ Rigid3d ToFrame(const PartPose& pose, double height_m) {
 
 // Takes a landmark to another frame; its extent gets axes there, and is empty.
 void Move(const Rigid3d& to_from, Landmark* landmark) {
-  const Eigen::Vector3d anchor = to_from * landmark->extent.anchor();
+  const Eigen::Vector3d anchor = to_from * landmark->extent.axes().anchor;
   if (landmark->model == PlaneModel::kHorizontal) {
     landmark->parameters[0] += landmark->chart.sign * to_from.translation.z();
     landmark->extent = PatchExtent(anchor, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
@@ -61,7 +61,7 @@ void Move(const Rigid3d& to_from, Landmark* landmark) {
     landmark->chart.anchor = to_from * landmark->chart.anchor;
     landmark->parameters[0] = std::atan2(normal.y(), normal.x());
     landmark->extent = PatchExtent(anchor,
-                                   to_from.rotation * landmark->extent.u_axis(),
+                                   to_from.rotation * landmark->extent.axes().u,
                                    Eigen::Vector3d::UnitZ(),
                                    landmark->Curvature());
     return;

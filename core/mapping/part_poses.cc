@@ -61,7 +61,7 @@ std::pair<int, WallSpot> SpotOn(const Landmark& wall,
                                 const Eigen::Vector2d& p,
                                 double spacing_m) {
   if (wall.IsCurved()) {
-    const Eigen::Vector3d p_world(p.x(), p.y(), wall.extent.anchor().z());
+    const Eigen::Vector3d p_world(p.x(), p.y(), wall.extent.axes().anchor.z());
     const double u = wall.extent.Project(p_world).x();
     const Eigen::Vector4d plane = wall.PlaneNear(p_world);
     const Eigen::Vector2d normal = plane.head<2>().normalized();

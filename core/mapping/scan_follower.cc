@@ -284,7 +284,7 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   PoseGaussian newest = window_->Solve(now_ns, window_s);
   state_->calibration.ApplyTo(&rig_);
-  tracker_->Reset(now_ns, std::move(newest));
+  tracker_->Reset(std::move(newest));
   // What has left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
   num_calibrated_ = window_->start();
@@ -425,8 +425,7 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
     motion_prior_.Forget();
   }
   CheckNotLost(scan.end_ns);
-  // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
-  if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
+  if (options_.window.resegment) {
     ResegmentScan(rig_,
                   options_,
                   scan,
@@ -434,6 +433,19 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
                   tracker_->pose_uncertainty().At(state_->trajectory, scan.end_ns),
                   state_.get());
   }
+  TakeObservations(first, last);
+  if (may_found) StartPlanes(options_.planes.min_scans);
+  tentative_planes_.DropStale(scan.end_ns);
+  const bool in_half_steps = options_.rules.half_window_steps && !tracker_->FollowsWell();
+  const double share = in_half_steps ? 0.5 : 1.0;
+  const int step = static_cast<int>(
+      share * std::max(2.0, options_.window.step_s / state_->trajectory.knot_interval_s()));
+  if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {
+    SolveWindow(scan.end_ns);
+  }
+}
+
+void ScanFollower::TakeObservations(int first, int last) {
   poses_.emplace(rig_, state_->trajectory);
   for (int index = first; index <= last; ++index) {
     const Observation& observation = state_->observations[static_cast<size_t>(index)];
@@ -449,16 +461,6 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
                                   state_->trajectory, observation.middle_time_ns())) +
                                   ScannerCovariance(*state_, observation));
     }
-  }
-  if (may_found) StartPlanes(options_.planes.min_scans);
-  tentative_planes_.DropStale(scan.end_ns);
-  const bool in_half_steps =
-      options_.rules.half_window_steps && !tracker_->FollowsWell(scan.end_ns);
-  const double share = in_half_steps ? 0.5 : 1.0;
-  const int step = static_cast<int>(
-      share * std::max(2.0, options_.window.step_s / state_->trajectory.knot_interval_s()));
-  if (state_->trajectory.Locate(scan.end_ns).first >= last_solved_interval_ + step) {
-    SolveWindow(scan.end_ns);
   }
 }
 

@@ -95,6 +95,9 @@ class ScanFollower {
   // Finds the segments of a scan.
   std::vector<Observation> Observe(const Scan& scan);
   ScannerMotion PredictMotion(const ScanLine& scan_line) const;
+  // Takes in a scan's observations, once it has been tracked: on their landmarks, or as
+  // what may found new ones.
+  void TakeObservations(int first, int last);
   // Gives an observation that has a landmark to the window, and to the tracker unless the scan
   // was tracked with it.
   void Accept(int observation_index, bool tracked);

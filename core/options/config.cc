@@ -62,9 +62,6 @@ void VisitRules(Options& o, Visitor& v) {
     s.Flag("second_hypothesis", o.rules.second_hypothesis);
     s.Flag("thin_evidence", o.rules.thin_evidence);
     s.Flag("points_over_planes", o.rules.points_over_planes);
-    s.Flag("sudden_drop", o.rules.sudden_drop);
-    s.Flag("loosened_poses", o.rules.loosened_poses);
-    s.Flag("jolts", o.rules.jolts);
     s.Flag("half_window_steps", o.rules.half_window_steps);
     s.Flag("several_starts", o.rules.several_starts);
     s.Flag("beams_behind_walls", o.rules.beams_behind_walls);

@@ -130,12 +130,6 @@ struct RuleOptions {
   // Where a scan lies well in the local map and the planes would have it elsewhere, the local
   // map holds it.
   bool points_over_planes = true;
-  // A scan of which suddenly fewer segments find their planes is one of unsteady motion...
-  bool sudden_drop = true;
-  // ...after which the window's newest poses are not trusted.
-  bool loosened_poses = true;
-  // Segments are looked for as far off as a jolt moves the rig.
-  bool jolts = true;
   // The window is solved twice as often where segments hardly find their planes.
   bool half_window_steps = true;
   // Several scans are tried as the map's first.

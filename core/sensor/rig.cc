@@ -15,6 +15,8 @@
 namespace plumbline {
 namespace {
 
+const std::string kEstimate = "estimate";  // a range noise that the recording shows
+
 const std::array<const char*, 3> kMotionNames = {"automatic", "spatial", "planar"};
 
 Rigid3d ReadRigid(const YamlNode& node) {
@@ -63,7 +65,9 @@ Scanner ReadScanner(const YamlNode& node) {
   scanner.name = node["name"].AsString();
   scanner.topic = node["topic"].AsString();
   scanner.body_from_scanner = ReadRigid(node["body_from_scanner"]);
-  scanner.range_noise_m = node["range_noise_m"].AsDouble(1e-6, 10.0);
+  const YamlNode noise = node["range_noise_m"];
+  scanner.estimates_noise = noise.AsString() == kEstimate;
+  if (!scanner.estimates_noise) scanner.range_noise_m = noise.AsDouble(1e-6, 10.0);
   scanner.min_range_m = node["min_range_m"].AsDouble(0.0, 1000.0);
   scanner.max_range_m = node["max_range_m"].AsDouble(0.0, 1000.0);
   if (scanner.min_range_m >= scanner.max_range_m) {
@@ -128,7 +132,8 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    body_from_scanner:\n"
       << "      translation: " << Format(pose.translation) << "\n"
       << "      rotation_rpy_deg: " << Format(RollPitchYawDegrees(pose.rotation)) << "\n"
-      << "    range_noise_m: " << Format(scanner.range_noise_m) << "\n"
+      << "    range_noise_m: "
+      << (scanner.estimates_noise ? kEstimate : Format(scanner.range_noise_m)) << "\n"
       << "    angle_noise_deg: " << Format(scanner.angle_noise_rad / kRadiansPerDegree) << "\n"
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"

@@ -24,6 +24,8 @@ struct Scanner {
   std::string topic;  // of its sensor_msgs/LaserScan messages
   Rigid3d body_from_scanner;
   double range_noise_m = 0.03;  // standard deviation of one range
+  // Whether that is to be taken from the recording; `range_noise_m: estimate` in the file.
+  bool estimates_noise = false;
   // Standard deviation of a beam's direction; angle_noise_deg in the file, 0.005 deg by
   // default.
   double angle_noise_rad = 0.005 * M_PI / 180.0;

@@ -96,7 +96,7 @@ Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
   const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
   const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);
   // Along their own normal the patch's axes may have been left behind by the plane.
-  const Eigen::Vector3d across = extent.u_axis().cross(extent.v_axis());
+  const Eigen::Vector3d across = extent.axes().u.cross(extent.axes().v);
   const double slope = plane.normal.dot(across);
   if (std::abs(slope) < 0.5) {
     constexpr double kAnywhere = 1e6;  // m

@@ -18,7 +18,7 @@ Eigen::Vector2d AnchorOf(const Landmark& landmark) {
   if (landmark.model != PlaneModel::kVertical || landmark.heading_fixed) {
     return Eigen::Vector2d::Zero();
   }
-  return landmark.extent.anchor().head<2>();
+  return landmark.extent.axes().anchor.head<2>();
 }
 
 Eigen::VectorXd AnchoredParameters(const Landmark& landmark) {

@@ -136,7 +136,7 @@ Eigen::VectorXd Window::Moved(const EstimationProblem& problem, size_t block) co
   if (IsLandmark(id)) {
     return AnchoredParameters(state_->landmarks[static_cast<size_t>(id.index)]) - at;
   }
-  const double* now = problem.Data(id);
+  const double* now = problem.unknowns().Data(id);
   if (id.kind != BlockId::Kind::kRotation) {
     return Eigen::Map<const Eigen::VectorXd>(now, at.size()) - at;
   }
@@ -197,8 +197,9 @@ void Window::AddMarginalPrior(const OutOfView& out_of_view, EstimationProblem* p
   for (const size_t i : out_of_view.active_blocks) {
     const BlockId& block = prior_.equations.blocks[i];
     prior.blocks.push_back(block);
-    prior.linear.blocks.push_back(
-        {problem->KindOf(block), static_cast<int>(prior_.at[i].size()), prior_.at[i]});
+    prior.linear.blocks.push_back({problem->unknowns().KindOf(block),
+                                   static_cast<int>(prior_.at[i].size()),
+                                   prior_.at[i]});
     if (!IsLandmark(block)) continue;
     prior.linear.blocks.back().anchor =
         AnchorOf(state_->landmarks[static_cast<size_t>(block.index)]);
@@ -434,8 +435,10 @@ void Window::Marginalise(int new_start) {
   inactive_.Rebase(prior_, moved);
 
   std::map<BlockId, int> sizes;
-  for (const BlockId& block : past.blocks) sizes[block] = leaving.TangentSize(block);
-  for (const BlockId& block : added.blocks) sizes[block] = leaving.TangentSize(block);
+  for (const BlockId& block : past.blocks)
+    sizes[block] = leaving.unknowns().TangentSize(block);
+  for (const BlockId& block : added.blocks)
+    sizes[block] = leaving.unknowns().TangentSize(block);
   NormalEquations all = ZeroSystem(sizes);
   AddTo(past, past.blocks, &all);
   AddTo(added, added.blocks, &all);
@@ -464,8 +467,8 @@ void Window::Marginalise(int new_start) {
           AnchoredParameters(state_->landmarks[static_cast<size_t>(block.index)]));
       continue;
     }
-    prior_.at.emplace_back(
-        Eigen::Map<const Eigen::VectorXd>(leaving.Data(block), leaving.AmbientSize(block)));
+    prior_.at.emplace_back(Eigen::Map<const Eigen::VectorXd>(
+        leaving.unknowns().Data(block), leaving.unknowns().AmbientSize(block)));
   }
   past.hessian = rest->hessian();
   past.gradient = rest->gradient();

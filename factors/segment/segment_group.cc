@@ -28,9 +28,21 @@ constexpr int kLineSize = kNodePosesSize;
 using LineVector = Eigen::Matrix<double, kLineSize, 1>;
 using LineMatrix = Eigen::Matrix<double, kLineSize, kLineSize, Eigen::RowMajor>;
 
+}  // namespace
+
 // Normal equations of a scan line's segments in the poses at its nodes, [ rotation tangent |
 // position ] each, and in the planes' parameters.
 struct LineSystem {
+  void Clear(size_t num_planes, int num_plane_columns) {
+    poses.setZero();
+    gradient.setZero();
+    cross.setZero(kLineSize, num_plane_columns);
+    sees_plane.assign(num_planes, false);
+    range_with_poses.setZero();
+    range_with_planes.setZero(num_plane_columns);
+    range2 = range_gradient = 0.0;
+  }
+
   LineMatrix poses;
   LineVector gradient;
   // Columns: planes' parameters.
@@ -44,6 +56,18 @@ struct LineSystem {
   double range_gradient = 0.0;
 };
 
+// The values that a linearisation is at, by what they are of, and what all scan lines share.
+struct SegmentGroup::Values {
+  double const* const* rotations;
+  double const* const* positions;
+  double const* const* planes;
+  double const* const* scanner_blocks;  // of those that are estimated
+  std::vector<ScannerPose> scanners;
+  std::vector<PlaneDerivatives> plane_derivatives;
+};
+
+namespace {
+
 // Adds the products of a segment's range bias to the line's system.
 template <int kPlaneSize>
 void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem* line) {
@@ -56,14 +80,6 @@ void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem*
     line->range2 += rows.by_range.squaredNorm();
     line->range_gradient += rows.by_range.dot(rows.residuals);
   }
-}
-
-ScannerAtNodes AtNodes(const ScannerPose& scanner, const NodePoses& poses) {
-  Eigen::Matrix3d in_body = scanner.rotation;
-  in_body.col(2) = scanner.translation;
-  ScannerAtNodes nodes;
-  for (size_t k = 0; k < kNumNodes; ++k) nodes[k] = poses.world_from_body[k] * in_body;
-  return nodes;
 }
 
 // Of a plane, wherever it is seen.
@@ -404,111 +420,120 @@ void SegmentGroup::LinearisePoses(double const* const* parameters,
   Sum<true>(parameters, quadratic);
 }
 
+SegmentGroup::Values SegmentGroup::ValuesOf(double const* const* parameters) const {
+  Values at;
+  at.rotations = parameters;
+  at.positions = parameters + num_control_points_;
+  at.planes = parameters + 2 * num_control_points_;
+  at.scanner_blocks = at.planes + planes_.size();
+  double const* const* next_block = at.scanner_blocks;
+  for (const Scanner& scanner : scanners_) {
+    at.scanners.push_back(scanner.estimated
+                              ? PoseOfScanner(scanner.body_from_scanner, *next_block++)
+                              : scanner.body_from_scanner);
+  }
+  at.plane_derivatives.reserve(planes_.size());
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    at.plane_derivatives.push_back(DerivativesOf(planes_[i], at.planes[i]));
+  }
+  return at;
+}
+
+template <bool kPlanesHeld>
+void SegmentGroup::SumMembers(size_t begin,
+                              const ScanLine& scan_line,
+                              const Values& at,
+                              const NodePoses& poses,
+                              LineSystem* line,
+                              Quadratic* quadratic) const {
+  const bool is_estimated = scan_line.estimated_scanner >= 0;
+  const double* const range_bias_m =
+      is_estimated ? at.scanner_blocks[scan_line.estimated_scanner] + kScannerRangeAt
+                   : nullptr;
+  ScannerAtNodes scanner;
+  int scanner_at_nodes = -1;
+  for (size_t next = begin; next < scan_line.end; ++next) {
+    const Member& segment = members_[next];
+    const auto plane = static_cast<size_t>(segment.plane);
+    line->sees_plane[plane] = !kPlanesHeld;
+    if (segment.scanner != scanner_at_nodes) {
+      scanner_at_nodes = segment.scanner;
+      scanner = AtNodes(at.scanners[static_cast<size_t>(segment.scanner)], poses);
+    }
+    VisitPlaneModel(planes_[plane].model, planes_[plane].chart, [&](const auto& model) {
+      using Model = std::decay_t<decltype(model)>;
+      SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
+      Differentiate(model,
+                    *segment.measurement,
+                    {segment.scale, segment.offset},
+                    scanner,
+                    poses,
+                    at.planes[plane],
+                    at.plane_derivatives[plane],
+                    range_bias_m,
+                    &rows);
+      quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
+      const int column = plane_offsets_[plane] - plane_offsets_.front();
+      AddRows(rows, column, plane_offsets_[plane], line, quadratic);
+      if (is_estimated) AddRange(rows, column, line);
+    });
+  }
+}
+
 template <bool kPlanesHeld>
 void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) const {
-  const int num_rows = kPlanesHeld ? plane_offsets_.front() : size();
-  double const* const* const q = parameters;
-  double const* const* const p = parameters + num_control_points_;
-  double const* const* const plane_parameters = parameters + 2 * num_control_points_;
-  double const* const* const scanner_blocks = plane_parameters + planes_.size();
-  std::vector<ScannerPose> scanners;
-  double const* const* next_block = scanner_blocks;
-  for (const Scanner& scanner : scanners_) {
-    scanners.push_back(scanner.estimated
-                           ? PoseOfScanner(scanner.body_from_scanner, *next_block++)
-                           : scanner.body_from_scanner);
-  }
+  const Values at = ValuesOf(parameters);
   Steps steps;
   for (int j = 0; j + 1 < num_control_points_; ++j) {
-    steps[static_cast<size_t>(j)] = MakeRotationStep(q[j], q[j + 1]);
+    steps[static_cast<size_t>(j)] = MakeRotationStep(at.rotations[j], at.rotations[j + 1]);
   }
-  std::vector<PlaneDerivatives> planes;
-  planes.reserve(planes_.size());
-  for (size_t i = 0; i < planes_.size(); ++i) {
-    planes.push_back(DerivativesOf(planes_[i], plane_parameters[i]));
-  }
+  const int num_rows = kPlanesHeld ? plane_offsets_.front() : size();
   quadratic->cost = 0.0;
   quadratic->has_outliers = false;
   quadratic->gradient.setZero(num_rows);
   quadratic->hessian.setZero(num_rows, num_rows);
   LineSystem line;
   NodePoses poses;
-  size_t next = 0;
+  size_t begin = 0;
   for (const ScanLine& scan_line : scan_lines_) {
-    std::array<int, kNumNodes> first;
-    const bool is_estimated = scan_line.estimated_scanner >= 0;
-    const double* const scanner_block =
-        is_estimated ? scanner_blocks[scan_line.estimated_scanner] : nullptr;
-    const double* const range_bias_m =
-        is_estimated ? scanner_block + kScannerRangeAt : nullptr;
+    const double* const scanner_block = scan_line.estimated_scanner < 0
+                                            ? nullptr
+                                            : at.scanner_blocks[scan_line.estimated_scanner];
     const double later =
-        is_estimated ? scanner_block[kScannerDelayAt] / knot_interval_s_ : 0.0;
+        scanner_block == nullptr ? 0.0 : scanner_block[kScannerDelayAt] / knot_interval_s_;
+    std::array<int, kNumNodes> first;
     for (size_t k = 0; k < kNumNodes; ++k) {
       const SplineNode& node = scan_line.nodes[k];
-      const double u = node.u + later;
       const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
-                                           q[node.first],
-                                           p + node.first,
-                                           u,
+                                           at.rotations[node.first],
+                                           at.positions + node.first,
+                                           node.u + later,
                                            &poses.splines[k]);
       poses.world_from_body[k] = pose.world_from_body.toRotationMatrix();
       poses.position[k] = pose.position;
       first[k] = node.first;
     }
-    line.poses.setZero();
-    line.gradient.setZero();
-    line.cross.setZero(kLineSize,
-                       kPlanesHeld ? 0 : plane_offsets_.back() - plane_offsets_.front());
-    line.sees_plane.assign(planes_.size(), false);
-    line.range_with_poses.setZero();
-    line.range_with_planes.setZero(line.cross.cols());
-    line.range2 = line.range_gradient = 0.0;
-    ScannerAtNodes scanner;
-    int scanner_at_nodes = -1;
-    for (; next < scan_line.end; ++next) {
-      const Member& segment = members_[next];
-      const auto plane = static_cast<size_t>(segment.plane);
-      line.sees_plane[plane] = !kPlanesHeld;
-      if (segment.scanner != scanner_at_nodes) {
-        scanner_at_nodes = segment.scanner;
-        scanner = AtNodes(scanners[static_cast<size_t>(segment.scanner)], poses);
-      }
-      VisitPlaneModel(planes_[plane].model, planes_[plane].chart, [&](const auto& model) {
-        using Model = std::decay_t<decltype(model)>;
-        SegmentRows<kPlanesHeld ? 0 : Model::kSize> rows;
-        Differentiate(model,
-                      *segment.measurement,
-                      {segment.scale, segment.offset},
-                      scanner,
-                      poses,
-                      plane_parameters[plane],
-                      planes[plane],
-                      range_bias_m,
-                      &rows);
-        quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
-        AddRows(rows,
-                plane_offsets_[plane] - plane_offsets_.front(),
-                plane_offsets_[plane],
-                &line,
-                quadratic);
-        if (is_estimated) {
-          AddRange(rows, plane_offsets_[plane] - plane_offsets_.front(), &line);
-        }
-      });
-    }
+    line.Clear(planes_.size(),
+               kPlanesHeld ? 0 : plane_offsets_.back() - plane_offsets_.front());
+    SumMembers<kPlanesHeld>(begin, scan_line, at, poses, &line, quadratic);
     FillUpperBlocks(&line);
     const Spread spread(first, poses, scan_line.num_nodes);
     spread.Add(line, plane_offsets_, quadratic);
-    if (kPlanesHeld || !is_estimated) continue;
-    AddScanner(line,
-               ByScanner(scanners[static_cast<size_t>(scanner_at_nodes)],
-                         scanner_block,
-                         poses,
-                         VelocitiesAt(scan_line.nodes, q, p, later, knot_interval_s_)),
-               plane_offsets_,
-               spread,
-               ScannerOffset(scan_line.estimated_scanner),
-               quadratic);
+    if (!kPlanesHeld && scanner_block != nullptr) {
+      const auto scanner = static_cast<size_t>(members_[begin].scanner);
+      AddScanner(
+          line,
+          ByScanner(at.scanners[scanner],
+                    scanner_block,
+                    poses,
+                    VelocitiesAt(
+                        scan_line.nodes, at.rotations, at.positions, later, knot_interval_s_)),
+          plane_offsets_,
+          spread,
+          ScannerOffset(scan_line.estimated_scanner),
+          quadratic);
+    }
+    begin = scan_line.end;
   }
 }
 

@@ -13,6 +13,9 @@
 
 namespace plumbline {
 
+struct LineSystem;  // of a scan line
+struct NodePoses;
+
 // All segments of one stretch of the trajectory as one least squares term. Its cost is the sum
 // of the segments' costs (CreateSegmentFactor, with Huber's loss where asked for); what they
 // share, the spline's steps above all, is computed once.
@@ -89,8 +92,19 @@ class SegmentGroup {
     int plane;
   };
 
+  struct Values;
+
+  Values ValuesOf(double const* const* parameters) const;
   template <bool kPlanesHeld>
   void Sum(double const* const* parameters, Quadratic* quadratic) const;
+  // Adds up a scan line's members, from this one on; poses: of the body at its nodes.
+  template <bool kPlanesHeld>
+  void SumMembers(size_t begin,
+                  const ScanLine& scan_line,
+                  const Values& at,
+                  const NodePoses& poses,
+                  LineSystem* line,
+                  Quadratic* quadratic) const;
 
   int num_control_points_;
   double knot_interval_s_;

@@ -8,13 +8,14 @@
 
 #include "factors/manifold/plane_model.h"
 #include "factors/segment/packed_segment.h"
+#include "factors/segment/scanner_block.h"
 #include "factors/segment/segment_measurement.h"
 #include "factors/spline/spline.h"
 
 namespace plumbline {
 
 // A segment's residuals and their derivatives by the poses at its scan line's nodes and by its
-// surface: what SegmentGroup sums. Internal to it.
+// surface: what SegmentGroup sums, and what covariances hold errors that repeat against.
 
 constexpr int kNumSegmentNodes = 3;
 constexpr int kNodePoseSize = 6;  // [ rotation tangent | position ]
@@ -31,6 +32,16 @@ struct NodePoses {
 // A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the
 // body's position, in the world's axes.
 using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumSegmentNodes>;
+
+inline ScannerAtNodes AtNodes(const ScannerPose& body_from_scanner, const NodePoses& poses) {
+  Eigen::Matrix3d in_body = body_from_scanner.rotation;
+  in_body.col(2) = body_from_scanner.translation;
+  ScannerAtNodes nodes;
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+    nodes[k] = poses.world_from_body[k] * in_body;
+  }
+  return nodes;
+}
 
 // A plane's normal and distance, differentiated by its parameters; columns beyond their number
 // are zero.

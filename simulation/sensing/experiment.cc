@@ -199,6 +199,11 @@ Experiment ReadExperiment(const std::string& path) {
   Experiment experiment;
   ReadBuildingAndPath(root, path, &experiment);
   experiment.rig = ReadRig(Resolve(root["rig"], path));
+  for (const Scanner& scanner : experiment.rig.scanners) {
+    if (!scanner.estimates_noise) continue;
+    root["rig"].Fail("scanner " + scanner.name +
+                     ": to simulate it, range_noise_m has to be a number");
+  }
   if (root.Has("motion")) ReadMotion(root["motion"], &experiment.path);
   if (root.Has("noise")) experiment.noise = ReadNoise(root["noise"]);
   if (root.Has("faults")) experiment.faults = ReadFaults(root["faults"], experiment.rig);

@@ -100,8 +100,8 @@ class CovarianceTest : public MappingTest {
   std::vector<double> Values() const {
     std::vector<double> values;
     for (const BlockId& block : problem_->Layout().blocks) {
-      const double* data = problem_->Data(block);
-      values.insert(values.end(), data, data + problem_->AmbientSize(block));
+      const double* data = problem_->unknowns().Data(block);
+      values.insert(values.end(), data, data + problem_->unknowns().AmbientSize(block));
     }
     return values;
   }
@@ -109,11 +109,12 @@ class CovarianceTest : public MappingTest {
   void MoveAway(const std::vector<double>& solution) {
     size_t next = 0;
     for (const BlockId& block : problem_->Layout().blocks) {
-      double* data = problem_->Data(block);
-      for (int i = 0; i < problem_->AmbientSize(block); ++i, ++next) data[i] = solution[next];
+      double* data = problem_->unknowns().Data(block);
+      for (int i = 0; i < problem_->unknowns().AmbientSize(block); ++i, ++next)
+        data[i] = solution[next];
       if (block.kind == BlockId::Kind::kPosition) data[0] += 0.003 * (block.index % 3 - 1);
       if (block.kind == BlockId::Kind::kLandmark) {
-        data[problem_->AmbientSize(block) - 1] += 0.002 * (block.index % 3 - 1);
+        data[problem_->unknowns().AmbientSize(block) - 1] += 0.002 * (block.index % 3 - 1);
       }
     }
   }
@@ -186,7 +187,7 @@ TEST_F(CovarianceTest, EndsWhereAnotherStepWouldFindLittle) {
   const auto cost_after = [&](const SolverOptions& options) {
     MoveAway(mapped);
     for (const BlockId& block : problem_->Layout().blocks) {
-      if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.05;
+      if (block.kind == BlockId::Kind::kPosition) problem_->unknowns().Data(block)[2] += 0.05;
     }
     return GaussNewtonSolver<ArrowheadEquations>(options).Solve(problem_.get()).cost;
   };
@@ -214,7 +215,7 @@ TEST_F(CovarianceTest, SingleStepsLowerTheCost) {
   // So far that the steps are verified.
   MoveAway(mapped);
   for (const BlockId& block : problem_->Layout().blocks) {
-    if (block.kind == BlockId::Kind::kPosition) problem_->Data(block)[2] += 0.2;
+    if (block.kind == BlockId::Kind::kPosition) problem_->unknowns().Data(block)[2] += 0.2;
   }
   const double raised = Linearise().cost;
   TakeGaussNewtonStep(problem_.get());
@@ -231,7 +232,7 @@ TEST_F(CovarianceTest, PlanesAgreeWithCeres) {
   std::vector<std::pair<const double*, const double*>> pairs;
   std::vector<const double*> blocks;
   for (const int id : covariance.landmark_ids()) {
-    blocks.push_back(problem_->Data(LandmarkBlock(id)));
+    blocks.push_back(problem_->unknowns().Data(LandmarkBlock(id)));
   }
   for (const double* a : blocks) {
     for (const double* b : blocks) pairs.emplace_back(a, b);

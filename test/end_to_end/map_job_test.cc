@@ -139,6 +139,20 @@ TEST_F(MapJobTest, TheFirstPositionIsHeld) {
   }
 }
 
+TEST_F(MapJobTest, NoiseLeftToTheRecordingIsThatOfItsBeams) {
+  SimulatedRecording recording = Simulate(Base());
+  WriteRecording(recording);
+  const double true_noise_m = recording.rig.scanners[0].range_noise_m;
+  for (Scanner& scanner : recording.rig.scanners) scanner.estimates_noise = true;
+  WriteRig(recording.rig, Path("rig.yaml"));
+  Map();
+  for (const Scanner& scanner : ReadRig(Path("result/rig_used.yaml")).scanners) {
+    EXPECT_FALSE(scanner.estimates_noise);
+    EXPECT_NEAR(scanner.range_noise_m, true_noise_m, 0.1 * true_noise_m) << scanner.name;
+    EXPECT_NE(scanner.range_noise_m, true_noise_m);
+  }
+}
+
 TEST_F(MapJobTest, LeavesNothingButTheResult) {
   WriteRecording(Simulate(Base()));
   Map();

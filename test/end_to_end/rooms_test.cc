@@ -84,5 +84,26 @@ INSTANTIATE_TEST_SUITE_P(Rooms,
                          testing::ValuesIn(RoomCases()),
                          [](const auto& info) { return std::string(info.param.name); });
 
+// Twice around a corridor, no wall of which is in view all the way: what is known of the
+// second round pulls on the first one only as far as both agree.
+TEST_F(MappingTest, TheSecondRoundAgreesWithTheFirst) {
+  Scenario scenario;
+  scenario.building =
+      "floor_height_m: 0.0\nceiling_height_m: 3.0\noutlines:\n"
+      "  - corners: [[0.0, 0.0], [16.0, 0.0], [16.0, 9.0], [0.0, 9.0]]\n"
+      "solids:\n"
+      "  - corners: [[2.5, 2.2], [13.0, 2.2], [13.0, 6.9], [2.5, 6.9]]\n";
+  scenario.scanners = Rig(180, 20.0, 0.02);
+  scenario.path =
+      "path:\n"
+      "  way_points: [[7.0, 1.1], [14.5, 1.1], [14.5, 8.0], [1.2, 8.0], [1.2, 1.1]]\n"
+      "  closed: true\n  laps: 2.1\n  corner_radius_m: 0.6\n  body_height_m: 1.4\n"
+      "speed_m_s: 1.2\n";
+  const Evaluation evaluation = Run(scenario, 3);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  ExpectTruePlanes(evaluation);
+  ExpectPreciseTrajectory(evaluation, scenario, summary_);
+}
+
 }  // namespace
 }  // namespace plumbline

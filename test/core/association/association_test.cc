@@ -118,7 +118,7 @@ TEST_F(AssociationTest, CandidatesOfAScanAreThoseInItsReach) {
   AddWall(0.0, 0.0, 5.0, 9.0);
   AddWall(10.0, 0.0, -1.0, 1.0);
   landmarks_[3].extent = PatchExtent(
-      {0.0, 12.0, 0.0}, landmarks_[3].extent.u_axis(), landmarks_[3].extent.v_axis());
+      {0.0, 12.0, 0.0}, landmarks_[3].extent.axes().u, landmarks_[3].extent.axes().v);
   landmarks_[3].extent.AddSegment({-1.0, 12.0, 0.0}, {1.0, 12.0, 0.0});
   for (Landmark& landmark : landmarks_) landmark.num_segments = 1;
   const std::vector<LandmarkView> all = ViewsWithinGap(landmarks_, 0, {});

@@ -27,7 +27,7 @@ class PlaneMergingTest : public testing::Test {
     landmark.extent.AddSegment({first_x, 2.0, 0.2}, {last_x, 2.0, 1.7});
     // Known at its middle: distance and angle there do not correlate.
     Eigen::Matrix2d by_middle;
-    const Eigen::Vector3d along = landmark.extent.u_axis();
+    const Eigen::Vector3d along = landmark.extent.axes().u;
     by_middle = landmark.DeviationJacobian({middle_x, 2.0, 0.0}, along).leftCols<2>();
     const Eigen::Matrix2d inverse = by_middle.inverse();
     landmark.covariance.topLeftCorner<2, 2>() =

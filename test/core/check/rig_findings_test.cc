@@ -46,6 +46,18 @@ TEST(RigFindings, NamesPairsThatSeeOtherPlaces) {
   FindRigFaults(&report);
   ASSERT_FALSE(report.findings.empty());
   EXPECT_THAT(report.findings.front().sentence, HasSubstr("do not see the same places"));
+  EXPECT_EQ(report.findings.front().severity, Severity::kStop);
+}
+
+TEST(RigFindings, NoMapIsStoppedThatBeginsWhereTheScannersAgree) {
+  CheckReport report = TwoScanners();
+  report.rig->scanners[1].body_from_scanner.translation.x() = 0.1;
+  report.near = MountedRig(2);
+  FindRigFaults(&report);
+  ASSERT_FALSE(report.findings.empty());
+  EXPECT_EQ(report.findings.front().severity, Severity::kWarning);
+  EXPECT_THAT(report.findings.front().advice,
+              HasSubstr("plumbline_map begins where the scanners agree"));
 }
 
 }  // namespace

@@ -31,8 +31,7 @@ class ScannerAgreementTest : public testing::Test {
   }
   std::vector<ScannerFault> Find() {
     const auto agreements = CompareScanners(map_.rig(), map_.state(), activity_, 0);
-    const auto mountings = CompareMountings(map_.rig(), true, map_.state());
-    return FindScannerFaults(map_.rig(), agreements, mountings, activity_);
+    return FindScannerFaults(map_.rig(), agreements, activity_);
   }
 
   HandMadeMap map_{2};
@@ -105,24 +104,6 @@ TEST_F(ScannerAgreementTest, WhatALevelScannerCanNotSeeIsNotSeenAlone) {
     EXPECT_NEAR(agreements[1].alone_share, is_floor ? 0.0 : 0.5, 1e-9);
     EXPECT_EQ(agreements[0].alone_share, 0.0);
   }
-}
-
-TEST_F(ScannerAgreementTest, NamesAScannerThatSitsElsewhere) {
-  constexpr double kShift = 0.1;  // m, of what scanner 1 sees
-  const int wall = map_.AddWall(5.0, -2.0, 2.0);
-  for (int second = 0; second < 12; ++second) {
-    map_.SeeAlong(second, wall, {5.0, -2.0}, {5.0, 2.0}, 0);
-    map_.SeeAlong(second, -1, {5.0 + kShift, -2.0}, {5.0 + kShift, 2.0}, 1);
-    for (int i = 0; i < 10; ++i) {
-      Take(0, second + 0.1 * i, NewRanges());
-      Take(1, second + 0.1 * i, NewRanges());
-    }
-  }
-  const std::vector<ScannerFault> faults = Find();
-  ASSERT_EQ(faults.size(), 1u);
-  EXPECT_EQ(faults[0].scanner_index, 1);
-  EXPECT_TRUE(faults[0].contradicts);
-  EXPECT_THAT(faults[0].sentence, HasSubstr("shifted by"));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(PatchExtentTest, FollowsAnArc) {
   for (const double curvature : {-0.25, 0.25}) {
     PatchExtent extent(
         {1.0, 2.0, 0.0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), curvature);
-    const Eigen::Vector3d axis = extent.anchor() + Eigen::Vector3d::UnitY() / curvature;
+    const Eigen::Vector3d axis = extent.axes().anchor + Eigen::Vector3d::UnitY() / curvature;
     for (const double u : {-9.0, -2.0, 0.0, 3.0, 12.0}) {
       const Eigen::Vector3d p = extent.ToWorld({u, 0.7});
       EXPECT_NEAR((p - axis).head<2>().norm(), 4.0, 1e-12);
@@ -264,8 +264,8 @@ TEST(LandmarkTest, PassesThroughItsPoint) {
     EXPECT_NEAR(landmark.SignedDistance(p), 0.0, 1e-12);
     EXPECT_NEAR(landmark.SignedDistance(p + 2.0 * landmark.Normal()), 2.0, 1e-12);
     // The extent's axes lie on the plane.
-    EXPECT_NEAR(landmark.extent.u_axis().dot(landmark.Normal()), 0.0, 1e-12);
-    EXPECT_NEAR(landmark.extent.v_axis().dot(landmark.Normal()), 0.0, 1e-12);
+    EXPECT_NEAR(landmark.extent.axes().u.dot(landmark.Normal()), 0.0, 1e-12);
+    EXPECT_NEAR(landmark.extent.axes().v.dot(landmark.Normal()), 0.0, 1e-12);
   }
 }
 

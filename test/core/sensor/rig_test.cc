@@ -51,6 +51,17 @@ TEST(Rig, ReadsDefaults) {
   EXPECT_EQ(ReadText("motion: planar\nscanners:\n" + kScanner).motion, MotionModel::kPlanar);
 }
 
+TEST(Rig, NoiseCanBeLeftToTheRecording) {
+  std::string text = "scanners:\n" + kScanner;
+  text.replace(text.find("noise_m: 0.03"), 13, "noise_m: estimate");
+  const Rig rig = ReadText(text);
+  EXPECT_TRUE(rig.scanners[0].estimates_noise);
+  WriteRig(rig, TestPath());
+  EXPECT_TRUE(ReadRig(TestPath()).scanners[0].estimates_noise);
+  text.replace(text.find("noise_m: estimate"), 17, "noise_m: guess");
+  EXPECT_NE(ErrorOf(text).find("range_noise_m"), std::string::npos);
+}
+
 TEST(Rig, PaperRigPointsAsDescribed) {
   for (const auto& [file, beams] : {std::pair("paper.yaml", 270), {"paper_1080.yaml", 1080}}) {
     const Rig rig = ReadRig(kConfigs + "/rigs/" + file);

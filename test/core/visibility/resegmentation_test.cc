@@ -29,7 +29,7 @@ TEST_F(ResegmentationTest, BeamsBeyondTheCornerGo) {
 TEST_F(ResegmentationTest, SegmentsLosePlanesOutOfTheirScanLinesReach) {
   AddObservation(kFront, 40, kLast);
   Landmark& front = state_->landmarks[kFront];
-  front.extent = PatchExtent({500.0, 0.0, 0.0}, front.extent.u_axis(), front.extent.v_axis());
+  front.extent = PatchExtent({500.0, 0.0, 0.0}, front.extent.axes().u, front.extent.axes().v);
   front.extent.AddSegment({500.0, 0.0, 0.0}, {500.0, 1.0, 0.0});
   Resegment(true);
   EXPECT_EQ(observation(0).landmark_id, -1);

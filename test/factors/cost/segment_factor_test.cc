@@ -1,6 +1,5 @@
 #include "factors/cost/segment_factor.h"
 
-#include <ceres/dynamic_autodiff_cost_function.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -99,63 +98,6 @@ double SumOfPointFactors(const TestSegment& segment,
     sum += residual * residual;
   }
   return sum;
-}
-
-// The factor differentiated automatically all the way to the control points.
-template <typename Plane>
-struct OracleFunctor {
-  Eigen::MatrixXd root;
-  std::array<SplineNode, 3> nodes;
-  int num_control_points;
-  Plane plane;
-
-  template <typename T>
-  bool operator()(T const* const* parameters, T* residuals) const {
-    using Vector = Eigen::Matrix<T, 3, 1>;
-    const int m = num_control_points;
-    const Eigen::Map<const Eigen::Quaternion<T>> body_from_scanner(parameters[2 * m]);
-    const Eigen::Map<const Vector> origin_body(parameters[2 * m + 1]);
-    Vector normal;
-    T distance;
-    plane.Evaluate(parameters[2 * m + 2], normal.data(), &distance);
-    Eigen::Matrix<T, 9, 1> g;
-    for (int k = 0; k < 3; ++k) {
-      const int first = nodes[k].first;
-      Eigen::Quaternion<T> world_from_body;
-      Vector position;
-      EvaluateRotation(parameters + first, nodes[k].u, world_from_body.coeffs().data());
-      EvaluatePosition(parameters + m + first, nodes[k].u, position.data());
-      const Vector normal_scanner =
-          body_from_scanner.conjugate() * (world_from_body.conjugate() * normal);
-      g[3 * k] = normal_scanner[0];
-      g[3 * k + 1] = normal_scanner[1];
-      g[3 * k + 2] = normal.dot(world_from_body * origin_body + position) - distance;
-    }
-    for (Eigen::Index row = 0; row < root.rows(); ++row) {
-      residuals[row] = T(0.0);
-      for (int i = 0; i < 9; ++i) residuals[row] += root(row, i) * g[i];
-    }
-    return true;
-  }
-};
-
-std::unique_ptr<ceres::CostFunction> CreateOracle(const SegmentMeasurement& measurement,
-                                                  const std::array<SplineNode, 3>& nodes,
-                                                  int num_control_points,
-                                                  PlaneModel model,
-                                                  const PlaneChart& chart,
-                                                  double weight_scale) {
-  return VisitPlaneModel(
-      model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
-        using Functor = OracleFunctor<std::decay_t<decltype(plane)>>;
-        auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<Functor, 8>>(
-            new Functor{weight_scale * measurement.root(), nodes, num_control_points, plane});
-        for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(4);
-        for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(3);
-        for (const int size : {4, 3, plane.kSize}) cost->AddParameterBlock(size);
-        cost->SetNumResiduals(static_cast<int>(measurement.rows.rows()));
-        return cost;
-      });
 }
 
 Eigen::VectorXd PlaneParameters(PlaneModel model, TestRandom* random) {
@@ -276,36 +218,6 @@ TEST(SegmentFactor, EqualsSumOverPointsExactlyWhereInterpolationIsExact) {
   }
 }
 
-TEST(SegmentFactor, MatchesFullAutomaticDifferentiation) {
-  TestRandom random(5);
-  for (const PlaneModel model : kModels) {
-    for (int m = 4; m <= 6; ++m) {
-      for (const double step : {0.0, 0.1, 2.9}) {
-        SegmentMeasurement measurement;
-        measurement.rows.setZero(7, 10);
-        for (double& value : measurement.rows.leftCols(9).reshaped()) {
-          value = random.Uniform(-9.0, 9.0);
-        }
-        const std::array<SplineNode, 3> nodes = {
-            SplineNode{0, 0.9}, SplineNode{(m - 4) / 2, 0.5}, SplineNode{m - 4, 0.1}};
-        TestBlocks blocks;
-        blocks.AddSpline(m, step, &random);
-        blocks.AddRotation(random.Rotation(2.0));
-        blocks.AddEuclidean(random.Vector(1.0));
-        blocks.AddEuclidean(PlaneParameters(model, &random));
-        const PlaneChart chart = random.Chart();
-        const auto factor =
-            CreateSegmentFactor(measurement, nodes, m, model, chart, SegmentWeights{0.7, 0.7});
-        const auto oracle = CreateOracle(measurement, nodes, m, model, chart, 0.7);
-        EXPECT_LT((blocks.Residuals(*factor) - blocks.Residuals(*oracle)).norm(), 1e-11);
-        const Eigen::MatrixXd expected = blocks.TangentJacobian(*oracle);
-        EXPECT_LT((blocks.TangentJacobian(*factor) - expected).norm(), 1e-12 * expected.norm())
-            << "control points " << m << " step " << step;
-      }
-    }
-  }
-}
-
 TEST(SegmentFactor, GradientsOfAMeasuredSegment) {
   TestRandom random(6);
   for (const PlaneModel model : kModels) {
@@ -365,58 +277,6 @@ TEST(SegmentFactor, ControlPointsOutsideTheSupportHaveNoEffect) {
   blocks[4] = random.Rotation(1.0).coeffs();
   blocks[10] = random.Vector(9.0);
   EXPECT_EQ(blocks.Residuals(*factor), residuals);
-}
-
-// Ceres asks for no Jacobian of a constant block.
-TEST(SegmentFactor, EachJacobianAloneIsTheSame) {
-  TestRandom random(8);
-  const TestSegment segment = TestSegment::Line(60, 120000000, 92593, &random);
-  const SegmentMeasurement measurement = segment.Compress();
-  const TestBlocks blocks = GentleMotion(5, Eigen::Vector2d(0.3, 2.0), &random);
-  const auto factor = CreateSegmentFactor(measurement,
-                                          NodesOf(measurement),
-                                          5,
-                                          PlaneModel::kVertical,
-                                          {},
-                                          SegmentWeights{1.0, 1.0});
-  const int rows = factor->num_residuals();
-  Eigen::VectorXd residuals(rows);
-  const std::vector<int>& sizes = factor->parameter_block_sizes();
-  std::vector<Eigen::VectorXd> storage;
-  std::vector<double*> all;
-  for (const int size : sizes) {
-    storage.emplace_back(rows * size);
-    all.push_back(storage.back().data());
-  }
-  factor->Evaluate(blocks.pointers().data(), residuals.data(), all.data());
-  for (size_t i = 0; i < sizes.size(); ++i) {
-    Eigen::VectorXd alone = Eigen::VectorXd::Constant(rows * sizes[i], NAN);
-    std::vector<double*> one(sizes.size(), nullptr);
-    one[i] = alone.data();
-    factor->Evaluate(blocks.pointers().data(), residuals.data(), one.data());
-    EXPECT_LE((alone - storage[i]).cwiseAbs().maxCoeff(),
-              1e-13 * storage[i].cwiseAbs().maxCoeff())
-        << "block " << i;
-  }
-}
-
-TEST(SegmentFactor, GeometryGivesTheFactorsChiSquared) {
-  TestRandom random(9);
-  const TestSegment segment = TestSegment::Line(60, 20000000, 92593, &random);
-  const SegmentMeasurement measurement = segment.Compress();
-  const std::array<SplineNode, 3> nodes = NodesOf(measurement);
-  TestBlocks blocks = GentleMotion(4, Eigen::Vector2d(0.3, 2.0), &random);
-  const std::vector<const double*> pointers = blocks.pointers();
-  std::array<SplinePose, 3> poses;
-  for (size_t k = 0; k < 3; ++k) {
-    poses[k] = EvaluatePose(pointers.data(), pointers.data() + 4, nodes[k].u, nullptr);
-  }
-  const Eigen::Vector3d normal(std::cos(0.3), std::sin(0.3), 0.0);
-  const Eigen::Matrix<double, 9, 1> g = SegmentGeometry(
-      poses, Eigen::Quaterniond(Eigen::Vector4d(blocks[8])), blocks[9], normal, 2.0);
-  const auto factor = CreateSegmentFactor(
-      measurement, nodes, 4, PlaneModel::kVertical, {}, SegmentWeights{1.0, 1.0});
-  EXPECT_LT((measurement.root() * g - blocks.Residuals(*factor)).norm(), 1e-10);
 }
 
 TEST(CompressSegment, NodesSpanTheSegment) {
