@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
         const plumbline::Bound bound = Compute();
         plumbline::WriteBound(bound, FLAGS_output);
         std::cout << plumbline::BoundTable(bound) << "Written to " << FLAGS_output
-                  << ": planes.json, trajectory.tum and their covariances (CSV)\n";
+                  << ": planes.json, trajectory.tum and their covariances (CSV)"
+                  << (bound.calibration.empty() ? "\n" : ", calibration.json\n");
       });
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/map/calibration_report.h"
 #include "core/map/rig_calibration.h"
-#include "core/mapping/calibration_report.h"
 #include "core/util/error.h"
 #include "core/util/json_file.h"
 

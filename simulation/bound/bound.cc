@@ -13,10 +13,13 @@
 #include "core/estimation/ceres_solver.h"
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
+#include "core/estimation/pose_prior.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
+#include "core/map/calibration_report.h"
 #include "core/map/map_state.h"
 #include "core/map/plane_patches.h"
+#include "core/result/calibration_text.h"
 #include "core/result/result_text.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
@@ -108,7 +111,8 @@ class BoundComputer {
         seed_(seed),
         simulator_(experiment),
         plane_of_face_(PlaneOfFace(experiment.building)),
-        planar_(IsPlanar(experiment.rig)) {}
+        planar_(IsPlanar(experiment.rig)),
+        rig_(experiment.rig) {}
 
   Bound Run(const ProgressCallback& progress) {
     int num_done = 0;
@@ -130,6 +134,8 @@ class BoundComputer {
           covariance.landmarks().block(offset, offset, size, size);
     }
     Bound bound;
+    bound.calibration = DescribeCalibration(
+        experiment_.rig, experiment_.rig, state_->calibration, covariance.scanners());
     bound.planes =
         StatedCovariance(state_->landmarks, PlanePatches(*state_), covariance.landmarks());
     for (const PlanePatch& plane : bound.planes.planes()) {
@@ -153,7 +159,8 @@ class BoundComputer {
 
   std::unique_ptr<EstimationProblem> MakeProblem() {
     auto problem = std::make_unique<EstimationProblem>(
-        experiment_.rig, planar_, &state_->trajectory, &state_->landmarks);
+        rig_, planar_, &state_->trajectory, &state_->landmarks, &state_->calibration);
+    AddScannerPriors(state_->calibration, problem.get());
     problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
     std::vector<const Observation*> observations;
     for (const Observation& observation : state_->observations) {
@@ -174,7 +181,7 @@ class BoundComputer {
     constexpr int kRounds = 3;  // another one changes weights by less than they are known to
     const CeresSolver<ArrowheadEquations> solver({});
     for (int round = 0; round < kRounds; ++round) {
-      solver.Solve(MakeProblem().get());
+      Solve(solver);
       for (size_t i = 0; i < sources_.size(); ++i) {
         Observation& observation = state_->observations[i];
         Observation anew =
@@ -183,12 +190,16 @@ class BoundComputer {
         observation = std::move(anew);
       }
     }
+    Solve(solver);
+  }
+
+  void Solve(const CeresSolver<ArrowheadEquations>& solver) {
     solver.Solve(MakeProblem().get());
+    state_->calibration.ApplyTo(&rig_);
   }
 
   Observation Observe(const ScanLine& scan_line, const Segment& segment, int landmark_id) {
-    const Scanner& scanner =
-        experiment_.rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
+    const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
     const ScanMotion motion = MotionOf(scan_line, scanner, segment);
     // Single beams have no line of their own to be weighted by.
@@ -274,6 +285,7 @@ class BoundComputer {
                         ? MotionProfile::Of(trajectory, initial)
                         : MotionProfile::Uniform(initial, trajectory);
     state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
+    state_->calibration = RigCalibration(experiment_.rig, planar_);
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
     return true;
@@ -333,10 +345,11 @@ class BoundComputer {
     const std::array<int64_t, 3> times_ns =
         NodesOfSpan(BeamInstant(scan_line, segment.first_beam, experiment_.rig),
                     BeamInstant(scan_line, segment.last_beam, experiment_.rig));
+    PoseSampler poses(state_->trajectory);
     std::array<Rigid3d, 3> world_from_scanner;
     for (size_t k = 0; k < 3; ++k) {
       world_from_scanner[k] =
-          state_->trajectory.WorldFromBody(times_ns[k]) * scanner.body_from_scanner;
+          poses.WorldFromBody(times_ns[k], scanner.delay_s) * scanner.body_from_scanner;
     }
     return {times_ns, world_from_scanner};
   }
@@ -382,6 +395,7 @@ class BoundComputer {
   Simulator simulator_;
   std::vector<int> plane_of_face_;
   bool planar_;
+  Rig rig_;                     // with its scanners as they are estimated
   MotionProfile motion_noise_;  // of the path, as the mapper would estimate it
   std::vector<std::pair<ScanLine, std::vector<BeamRun>>> first_lines_;  // before the start
   std::vector<int> face_of_landmark_;
@@ -391,6 +405,22 @@ class BoundComputer {
   std::vector<int64_t> scan_times_ns_;
   std::vector<Source> sources_;  // of the observations; with a seed only
 };
+
+// The root mean square of the standard deviations of all scanners' parameters first .. end - 1
+// that are not held.
+double RmsSigma(const Calibration& calibration, size_t first, size_t end) {
+  double squares = 0.0;
+  int count = 0;
+  for (const CalibratedScanner& scanner : calibration.scanners) {
+    for (size_t i = first; i < end; ++i) {
+      const CalibratedParameter& parameter = scanner.parameters[i];
+      if (parameter.IsHeld()) continue;
+      squares += parameter.sigma * parameter.sigma;
+      ++count;
+    }
+  }
+  return count == 0 ? 0.0 : std::sqrt(squares / count);
+}
 
 }  // namespace
 
@@ -436,7 +466,23 @@ std::string BoundTable(const Bound& bound) {
                 1e3 * positions.back(),
                 rotations[rotations.size() / 2] * kDegreesPerRadian,
                 rotations.back() * kDegreesPerRadian);
-  return text + line;
+  text += line;
+  if (bound.calibration.empty()) return text;
+  using At = CalibratedScanner::At;
+  const Calibration& calibration = bound.calibration;
+  std::snprintf(line,
+                sizeof(line),
+                "scanners: rotations %.4f deg, translations %.3f mm, clocks %.4f ms, range "
+                "biases %.3f mm\n",
+                RmsSigma(calibration, At::kTurn, At::kShift),
+                1e3 * RmsSigma(calibration, At::kShift, At::kTime),
+                1e3 * RmsSigma(calibration, At::kTime, At::kRange),
+                1e3 * RmsSigma(calibration, At::kRange, kScannerBlockSize));
+  text += line;
+  for (const std::string& unobserved : UnobservedInWords(calibration)) {
+    text += "not shown: " + unobserved + "\n";
+  }
+  return text;
 }
 
 void WriteBound(const Bound& bound, const std::string& directory) {
@@ -458,6 +504,12 @@ void WriteBound(const Bound& bound, const std::string& directory) {
   WriteFileAtomically((path / "faces.csv").string(), faces);
   WriteFileAtomically((path / "plane_covariance.csv").string(),
                       FormatPlaneCovariance(bound.planes));
+  const std::filesystem::path calibration = path / "calibration.json";
+  if (bound.calibration.empty()) {
+    std::filesystem::remove(calibration, error);  // of an earlier bound
+    return;
+  }
+  WriteFileAtomically(calibration.string(), FormatCalibration(bound.calibration));
 }
 
 }  // namespace plumbline

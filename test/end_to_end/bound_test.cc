@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "core/mapping/calibration_joining.h"
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"
 #include "simulation/sensing/experiment.h"
@@ -13,6 +15,9 @@
 
 namespace plumbline {
 namespace {
+
+constexpr ScannerUncertainty kByHand = {0.02, 0.01, 0.002, 0.01};
+constexpr ScannerUncertainty kByEye = {0.1, 0.05, 0.02, 0.02};
 
 class BoundTest : public MappingTest {
  protected:
@@ -25,6 +30,24 @@ class BoundTest : public MappingTest {
   Bound Compute(const MapperOptions& options = {}) {
     Simulate(scenario_);  // writes the experiment's files
     return ComputeBound(ReadExperiment(Path("experiment.yaml")), options, [](double) {});
+  }
+
+  // The bound where every scanner is so uncertain.
+  Bound ComputeUncertain(const ScannerUncertainty& uncertainty) {
+    Simulate(scenario_);
+    return ComputeBound(UncertainExperiment(uncertainty), {}, [](double) {});
+  }
+
+  Experiment UncertainExperiment(const ScannerUncertainty& uncertainty) const {
+    Experiment experiment = ReadExperiment(Path("experiment.yaml"));
+    for (Scanner& scanner : experiment.rig.scanners) scanner.uncertainty = uncertainty;
+    return experiment;
+  }
+
+  static double PoseVariance(const Bound& bound) {
+    double sum = 0.0;
+    for (const StampedCovariance& pose : bound.poses) sum += pose.covariance.trace();
+    return sum;
   }
 
   static double FloorSigma(const Bound& bound) {
@@ -156,6 +179,64 @@ TEST_F(BoundTest, WithTrueAssociationsTheBoundIsReached) {
   EXPECT_NEAR(sum / count, 1.0, 4.0 * std::sqrt(2.0 / count));
 }
 
+TEST_F(BoundTest, ScannersThatAreKnownWellChangeNothing) {
+  const Bound exact = Compute();
+  EXPECT_TRUE(exact.calibration.empty());
+  const Bound bound = ComputeUncertain({1e-7, 1e-7, 1e-8, 1e-7});
+  EXPECT_EQ(bound.calibration.scanners.size(), 3u);
+  EXPECT_NEAR(PoseVariance(bound) / PoseVariance(exact), 1.0, 1e-5);
+  EXPECT_NEAR(FloorSigma(bound) / FloorSigma(exact), 1.0, 1e-5);
+}
+
+TEST_F(BoundTest, TheLessIsKnownOfScannersTheLessIsKnownOfAll) {
+  const Bound exact = Compute();
+  const Bound by_hand = ComputeUncertain(kByHand);
+  const Bound by_eye = ComputeUncertain(kByEye);
+  EXPECT_GT(PoseVariance(by_hand), 1.01 * PoseVariance(exact));
+  EXPECT_GT(PoseVariance(by_eye), PoseVariance(by_hand));
+  EXPECT_GT(FloorSigma(by_hand), FloorSigma(exact));
+  for (size_t i = 0; i < by_hand.calibration.scanners.size(); ++i) {
+    const auto& parameters = by_hand.calibration.scanners[i].parameters;
+    for (size_t k = 0; k < parameters.size(); ++k) {
+      const double sigma = parameters[k].sigma;
+      EXPECT_LE(sigma, parameters[k].prior_sigma);
+      EXPECT_LE(sigma, by_eye.calibration.scanners[i].parameters[k].sigma);
+    }
+    // What ranges of 20 mm say a thousand times over is better known than a ruler has it.
+    EXPECT_TRUE(parameters[CalibratedScanner::kRange].IsObserved());
+  }
+}
+
+// The best estimate of the scanners is off by what the bound says. Where the prior is about
+// the truth, x^T C^-1 x of the estimates has the mean n - trace(P^-1 C), C being the bound and
+// P the prior.
+TEST_F(BoundTest, WithTrueAssociationsTheScannersBoundIsReached) {
+  Compute();
+  const Experiment experiment = UncertainExperiment(kByEye);
+  double sum = 0.0;
+  double expected = 0.0;
+  constexpr int kRuns = 12;
+  for (uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const Calibration found =
+        EstimateWithTrueAssociations(experiment, MapperOptions(), seed, [](double) {
+        }).calibration;
+    std::vector<double> errors;
+    for (const CalibratedScanner& scanner : found.scanners) {
+      for (const CalibratedParameter& parameter : scanner.parameters) {
+        if (parameter.IsHeld()) continue;
+        errors.push_back(parameter.value);
+        expected += 1.0 - std::pow(parameter.sigma / parameter.prior_sigma, 2);
+      }
+    }
+    const Eigen::Map<const Eigen::VectorXd> error(errors.data(),
+                                                  static_cast<Eigen::Index>(errors.size()));
+    sum += error.dot(found.covariance.llt().solve(error));
+  }
+  ASSERT_GT(expected, kRuns * 10.0);
+  // Four standard errors of a chi-square.
+  EXPECT_NEAR(sum, expected, 4.0 * std::sqrt(2.0 * expected));
+}
+
 TEST_F(BoundTest, WritesWhatCanBeReadBack) {
   const Bound bound = Compute();
   WriteBound(bound, Path("bound"));
@@ -164,6 +245,22 @@ TEST_F(BoundTest, WritesWhatCanBeReadBack) {
   EXPECT_EQ(ReadTrajectory(Path("bound/trajectory.tum")).size(), bound.trajectory.size());
   EXPECT_TRUE(std::filesystem::exists(Path("bound/faces.csv")));
   EXPECT_NE(BoundTable(bound).find("poses: position"), std::string::npos);
+  EXPECT_EQ(BoundTable(bound).find("scanners:"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(Path("bound/calibration.json")));
+}
+
+TEST_F(BoundTest, WritesWhatIsKnownOfScanners) {
+  const Bound bound = ComputeUncertain(kByHand);
+  WriteBound(bound, Path("bound"));
+  const Calibration read = ReadCalibration(Path("bound/calibration.json"));
+  ASSERT_EQ(read.scanners.size(), 3u);
+  EXPECT_EQ(read.scanners[1].parameters[0].sigma,
+            bound.calibration.scanners[1].parameters[0].sigma);
+  EXPECT_EQ(read.covariance.rows(), 2 * 8 + 1);
+  EXPECT_NE(BoundTable(bound).find("scanners: rotations "), std::string::npos);
+  // What is left of it says nothing of a rig that is known exactly.
+  WriteBound(Compute(), Path("bound"));
+  EXPECT_FALSE(std::filesystem::exists(Path("bound/calibration.json")));
 }
 
 // A floor plan with a ramp and a round wall: every kind of surface has a bound.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/map/calibration_report.h"
 #include "core/map/rig_calibration.h"
-#include "core/mapping/calibration_report.h"
 #include "core/result/calibration_text.h"
 #include "core/util/error.h"
 #include "test/testing/temporary_directory.h"

@@ -1,4 +1,4 @@
-#include "core/mapping/calibration_report.h"
+#include "core/map/calibration_report.h"
 
 #include <gtest/gtest.h>
 
