@@ -50,6 +50,8 @@ def write_variant(case, path, scanner, length_m=None, faults=None):
     for one in rig["scanners"]:
         one.update(scanner)
     experiment["building"] = str((source.parent / experiment["building"]).resolve())
+    if "file" in experiment["path"]:
+        experiment["path"]["file"] = str((source.parent / experiment["path"]["file"]).resolve())
     experiment["rig"] = f"{path.stem}_rig.yaml"
     if length_m is not None:
         experiment["path"]["length_m"] = length_m
