@@ -29,6 +29,14 @@ constexpr std::array<ParameterName, kScannerBlockSize> kParameters = {{
     {"range_m", "range bias", 1.0},
 }};
 
+const ParameterName* FindParameter(const std::string& name) {
+  const auto found =
+      std::find_if(kParameters.begin(), kParameters.end(), [&](const ParameterName& known) {
+        return name == known.name;
+      });
+  return found == kParameters.end() ? nullptr : &*found;
+}
+
 // The block that makes one scanner of the other.
 ScannerBlock BlockBetween(const Scanner& from, const Scanner& to) {
   const Eigen::Vector3d turn =
@@ -50,6 +58,11 @@ double LargestSigma(const ScannerMatrix& covariance, int first, int count) {
 }
 
 }  // namespace
+
+std::string ParameterInWords(const std::string& name) {
+  const ParameterName* found = FindParameter(name);
+  return found == nullptr ? "" : found->words;
+}
 
 Calibration DescribeCalibration(const Rig& stated,
                                 const Rig& rig,
@@ -110,15 +123,12 @@ void TakeCalibration(const Rig& rig,
     }
     ScannerEstimate& estimate = calibration->scanners[index];
     for (const CalibratedParameter& parameter : scanner.parameters) {
-      const auto named = std::find_if(
-          kParameters.begin(), kParameters.end(), [&](const ParameterName& known) {
-            return parameter.name == known.name;
-          });
-      const auto k = static_cast<size_t>(named - kParameters.begin());
-      if (k == kParameters.size()) {
+      const ParameterName* named = FindParameter(parameter.name);
+      if (named == nullptr) {
         throw Error("scanner " + scanner.name + " has no parameter " + parameter.name);
       }
-      const double unit = kParameters[k].unit;
+      const auto k = static_cast<size_t>(named - kParameters.data());
+      const double unit = named->unit;
       estimate.block[k] = parameter.value * unit;
       const auto row = static_cast<Eigen::Index>(k);
       estimate.covariance(row, row) = std::pow(parameter.sigma * unit, 2);

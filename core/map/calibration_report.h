@@ -1,12 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "core/map/rig_calibration.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
 
 namespace plumbline {
+
+// Returns a parameter of calibration.json in words; empty where there is none of that name.
+std::string ParameterInWords(const std::string& name);
 
 // Returns what has been found of the scanners, as users are told: what they are off the rig
 // file by (stated). rig: that the estimates are about. covariance: of the estimated scanners'

@@ -55,8 +55,9 @@ Calibration ReadCalibration(const std::string& path) {
       CalibratedScanner read;
       read.name = scanner.at("name").get<std::string>();
       for (const auto& parameter : scanner.at("parameters")) {
-        read.parameters.push_back({parameter.at("name").get<std::string>(),
-                                   "",
+        const auto name = parameter.at("name").get<std::string>();
+        read.parameters.push_back({name,
+                                   ParameterInWords(name),
                                    parameter.at("value").get<double>(),
                                    parameter.at("sigma").get<double>(),
                                    parameter.at("prior_sigma").get<double>()});

@@ -1,5 +1,7 @@
 #include "core/result/calibration_text.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -22,15 +24,59 @@ double Length(const CalibratedScanner& scanner, size_t first) {
   return std::sqrt(squares);
 }
 
+// The parameters that are not held, in the covariance's order.
+std::vector<const CalibratedParameter*> FreeParameters(const Calibration& calibration) {
+  std::vector<const CalibratedParameter*> free;
+  for (const CalibratedScanner& scanner : calibration.scanners) {
+    for (const CalibratedParameter& parameter : scanner.parameters) {
+      if (!parameter.IsHeld()) free.push_back(&parameter);
+    }
+  }
+  return free;
+}
+
+// The share of each parameter that lies in open directions, 0 to 1.
+Eigen::VectorXd OpenShares(const Eigen::MatrixXd& covariance,
+                           const std::vector<const CalibratedParameter*>& free) {
+  if (free.empty()) return {};
+  Eigen::VectorXd information(covariance.rows());  // square root of the prior's
+  for (Eigen::Index i = 0; i < information.size(); ++i) {
+    information[i] = 1.0 / free[static_cast<size_t>(i)]->prior_sigma;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      information.asDiagonal() * covariance * information.asDiagonal());
+  const auto is_open = (solver.eigenvalues().array() > 0.5).cast<double>().matrix();
+  return solver.eigenvectors().cwiseAbs2() * is_open;
+}
+
 }  // namespace
 
-std::vector<std::string> UnobservedInWords(const Calibration& calibration) {
-  std::vector<std::string> words;
+std::vector<std::vector<bool>> ObservedParameters(const Calibration& calibration) {
+  const std::vector<const CalibratedParameter*> free = FreeParameters(calibration);
+  const Eigen::VectorXd open_shares = OpenShares(calibration.covariance, free);
+  std::vector<std::vector<bool>> observed;
+  Eigen::Index row = 0;
   for (const CalibratedScanner& scanner : calibration.scanners) {
-    std::vector<std::string> of_scanner;
+    std::vector<bool>& of_scanner = observed.emplace_back();
     for (const CalibratedParameter& parameter : scanner.parameters) {
-      if (!parameter.IsHeld() && !parameter.IsObserved())
-        of_scanner.push_back(parameter.words);
+      const auto num_alike = std::count_if(free.begin(), free.end(), [&](const auto* other) {
+        return other->name == parameter.name;
+      });
+      of_scanner.push_back(parameter.IsHeld() ||
+                           2.0 * static_cast<double>(num_alike) * open_shares[row++] < 1.0);
+    }
+  }
+  return observed;
+}
+
+std::vector<std::string> UnobservedInWords(const Calibration& calibration) {
+  const std::vector<std::vector<bool>> observed = ObservedParameters(calibration);
+  std::vector<std::string> words;
+  for (size_t i = 0; i < calibration.scanners.size(); ++i) {
+    const CalibratedScanner& scanner = calibration.scanners[i];
+    std::vector<std::string> of_scanner;
+    for (size_t k = 0; k < scanner.parameters.size(); ++k) {
+      if (!observed[i][k]) of_scanner.push_back(scanner.parameters[k].words);
     }
     if (!of_scanner.empty())
       words.push_back(Joined(of_scanner) + " of scanner " + scanner.name);
@@ -58,15 +104,18 @@ std::string CalibrationLine(const Calibration& calibration) {
 }
 
 std::string FormatCalibration(const Calibration& calibration) {
+  const std::vector<std::vector<bool>> observed = ObservedParameters(calibration);
   nlohmann::ordered_json scanners = nlohmann::ordered_json::array();
-  for (const CalibratedScanner& scanner : calibration.scanners) {
+  for (size_t i = 0; i < calibration.scanners.size(); ++i) {
+    const CalibratedScanner& scanner = calibration.scanners[i];
     nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
-    for (const CalibratedParameter& parameter : scanner.parameters) {
+    for (size_t k = 0; k < scanner.parameters.size(); ++k) {
+      const CalibratedParameter& parameter = scanner.parameters[k];
       parameters.push_back({{"name", parameter.name},
                             {"value", parameter.value},
                             {"sigma", parameter.sigma},
                             {"prior_sigma", parameter.prior_sigma},
-                            {"observed", parameter.IsHeld() || parameter.IsObserved()}});
+                            {"observed", static_cast<bool>(observed[i][k])}});
     }
     scanners.push_back({{"name", scanner.name}, {"parameters", parameters}});
   }

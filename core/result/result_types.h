@@ -162,7 +162,6 @@ struct Cause {
   std::string next_step;  // what to do about it, a sentence
 };
 
-// Summary holds the figures of summary.json.
 // One number of a scanner's calibration: what it is off the rig file by.
 struct CalibratedParameter {
   std::string name;   // with its unit
@@ -173,8 +172,6 @@ struct CalibratedParameter {
 
   // Whether it is the body's by definition, and so is known.
   bool IsHeld() const { return prior_sigma == 0.0; }
-  // Whether the recording says more of it than the rig file does.
-  bool IsObserved() const { return 2.0 * sigma * sigma < prior_sigma * prior_sigma; }
 };
 
 struct CalibratedScanner {
@@ -189,11 +186,12 @@ struct CalibratedScanner {
 // What has been found of the scanners that were estimated.
 struct Calibration {
   std::vector<CalibratedScanner> scanners;
-  Eigen::MatrixXd covariance;  // of all their parameters, in their units
+  Eigen::MatrixXd covariance;  // of all their parameters that are not held, in their units
 
   bool empty() const { return scanners.empty(); }
 };
 
+// Summary holds the figures of summary.json.
 struct Summary {
   std::string recording;              // file name, without its directory
   std::string version;                // of the program that made the map

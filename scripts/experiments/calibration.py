@@ -9,8 +9,8 @@ are the body's.
 
 One line a run: the map's errors after rigid alignment, verdict, and how far the calibrated rig is
 from the true one (rotation, translation, clock, range bias: root mean square over scanners and
-axes). Below, per experiment: how many are right (5 cm and 0.5 deg at most) and consistent, how many
-name what is open as the bound has it, the root mean squares over the runs, of the errors, in stated
+axes). Below, per experiment: how many are right (5 cm and 0.5 deg at most) and consistent, what the bound
+leaves open and what the maps name as open, the root mean squares over the runs, of the errors, in stated
 standard deviations and in those of the bound, and the normalised errors squared (NEES) of all
 parameters together, per degree of freedom. All errors of the rig are those of the parameters that
 the bound shows.
@@ -20,6 +20,7 @@ the wrong one, and how much larger the errors of the map are than these is said 
 """
 
 import argparse
+import collections
 import math
 import sys
 
@@ -189,6 +190,15 @@ def shown(calibration):
             if parameter["observed"]}
 
 
+def open_in_words(calibration):
+    names = {}
+    for scanner, name in free_parameters(calibration):
+        if (scanner, name) not in shown(calibration):
+            names.setdefault(scanner, []).append(name)
+    return "; ".join(f"{', '.join(of_scanner)} of {scanner}"
+                     for scanner, of_scanner in names.items()) or "nothing"
+
+
 def nees_of(calibration, errors):
     """e^T C^-1 e of the errors ({(scanner, parameter): value}); their number is its freedom."""
     rows = [row for row, key in enumerate(free_parameters(calibration)) if key in errors]
@@ -210,8 +220,8 @@ def figures_of(found, bound, truth):
     parameters = free_parameters(found)
     errors = {key: parameters[key]["value"] - truth[key[0]][key[1]] for key in parameters
               if key in shown(bound)}
-    figures = {"names_what_is_open": shown(found) == shown(bound),
-               "nees": nees_of(found, errors), "freedom": len(errors)}
+    figures = {"open": open_in_words(found), "nees": nees_of(found, errors),
+               "freedom": len(errors)}
     for kind, names in KINDS.items():
         keys = [key for key in errors if key[1] in names]
         figures[kind] = rms([errors[key] for key in keys])
@@ -275,15 +285,6 @@ def line_of(row):
     return " ".join(parts)
 
 
-def open_in_words(bound):
-    names = {}
-    for scanner, name in free_parameters(bound):
-        if (scanner, name) not in shown(bound):
-            names.setdefault(scanner, []).append(name)
-    return "; ".join(f"{', '.join(of_scanner)} of {scanner}"
-                     for scanner, of_scanner in names.items()) or "nothing"
-
-
 def ratio_to_right(rows, right, name):
     return (rms([row["errors"][name] for row in rows])
             / rms([row["right_errors"][right][name] for row in rows]))
@@ -296,8 +297,9 @@ def summary_of(experiment, rows, bound):
     if not mapped:
         return lines[0]
     lines[0] += f", {1e3 * rms([row['errors']['positions'] for row in mapped]):.2f} mm rms"
-    lines.append(f"  open: {open_in_words(bound)}; named by "
-                 f"{sum(row['names_what_is_open'] for row in mapped)} of {len(mapped)}")
+    named = collections.Counter(row["open"] for row in mapped)
+    lines.append(f"  open: {open_in_words(bound)}; named: " + "; ".join(
+        f"{words} ({count} of {len(mapped)})" for words, count in sorted(named.items())))
     for kind, (unit, factor) in UNITS.items():
         limit = bound_of_kind(bound, kind)
         if limit == 0.0:

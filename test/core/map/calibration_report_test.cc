@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "core/result/calibration_text.h"
 
 namespace plumbline {
 namespace {
@@ -46,11 +47,12 @@ TEST_F(CalibrationReportTest, SaysWhatIsOffTheRigFileAndWhatIsShown) {
   const CalibratedParameter& clock = found.scanners[1].parameters[CalibratedScanner::kTime];
   EXPECT_NEAR(clock.value, 0.0015, 1e-12);
   EXPECT_NEAR(clock.sigma, 1e-4, 1e-12);
-  EXPECT_TRUE(clock.IsObserved());
   const CalibratedParameter& roll = found.scanners[1].parameters[0];
   EXPECT_EQ(roll.name, "roll_deg");
   EXPECT_NEAR(roll.sigma, 0.02 * kDegreesPerRadian, 1e-9);
-  EXPECT_FALSE(roll.IsObserved());
+  const std::vector<bool> observed = ObservedParameters(found)[1];
+  EXPECT_TRUE(observed[CalibratedScanner::kTime]);
+  EXPECT_FALSE(observed[CalibratedScanner::kTurn]);
   // The first scanner is the body's, but for its ranges.
   EXPECT_TRUE(found.scanners[0].parameters[0].IsHeld());
   EXPECT_FALSE(found.scanners[0].parameters[CalibratedScanner::kRange].IsHeld());

@@ -86,6 +86,7 @@ TEST_F(CalibrationJoiningTest, FileIsReadAsItWasWritten) {
   ASSERT_EQ(read.scanners.size(), 2u);
   EXPECT_EQ(read.scanners[1].parameters[CalibratedScanner::kTime].value, 0.001);
   EXPECT_EQ(read.covariance, found.covariance);
+  EXPECT_EQ(CalibrationLine(read), CalibrationLine(found));
 }
 
 TEST_F(CalibrationJoiningTest, OtherRigFilesAreRefused) {

@@ -83,10 +83,10 @@ class FiguresTest(unittest.TestCase):
         # 3 and -1.5 standard deviations, correlated by 0.5:
         # (9 + 2.25 - 2 * 0.5 * 3 * -1.5) / (1 - 0.25)
         self.assertAlmostEqual(figures["nees"], 21.0)
-        self.assertTrue(figures["names_what_is_open"])
+        self.assertEqual(figures["open"], "z_m of left")
         found["scanners"][1]["parameters"][2]["observed"] = False
-        self.assertFalse(calibration.figures_of(found, self.BOUND, self.TRUTH)
-                         ["names_what_is_open"])
+        self.assertEqual(calibration.figures_of(found, self.BOUND, self.TRUTH)["open"],
+                         "z_m, time_s of left")
 
     def test_bound_of_a_kind(self):
         bound = two_scanners([parameter("roll_deg", 0, 0.03), parameter("yaw_deg", 0, 0.04)],
@@ -104,7 +104,7 @@ class FiguresTest(unittest.TestCase):
 
     def row(self, factor, **more):
         return {"experiment": "hall", "right": True, "verdict": "consistent", "nees": 2.0 * factor,
-                "freedom": 2, "names_what_is_open": factor < 2,
+                "freedom": 2, "open": "z_m of left" if factor < 2 else "nothing",
                 "errors": dict.fromkeys(calibration.MAP_ERRORS, 0.001 * factor),
                 "right_errors": {"exact": dict.fromkeys(calibration.MAP_ERRORS, 0.001)},
                 **{kind: 0.0 for kind in calibration.KINDS},
@@ -115,7 +115,7 @@ class FiguresTest(unittest.TestCase):
         rows = [self.row(1), self.row(7), {"experiment": "hall", "seed": 3, "error": "lost"}]
         text = calibration.summary_of("hall", rows, self.BOUND)
         self.assertIn("hall: 2 of 3 right, 2 consistent, 5.00 mm rms", text)
-        self.assertIn("open: z_m of left; named by 1 of 2", text)
+        self.assertIn("open: z_m of left; named: nothing (1 of 2); z_m of left (1 of 2)", text)
         self.assertIn("0.1500 deg, 5.00 stated standard deviations, 5.00 of the bound 0.0300",
                       text)
         self.assertIn("NEES 4.000, OUTSIDE ", text)
