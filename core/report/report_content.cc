@@ -319,6 +319,9 @@ ReportContent ReadReportContent(const ReportJob& job) {
   json["title"] = job.title;
   json["summary"] = ReadJsonObject<Json>(path("summary.json"));
   json["evaluation"] = job.evaluation.empty() ? Json() : ReadJsonObject<Json>(job.evaluation);
+  const std::string calibration = path("calibration.json");
+  json["calibration"] =
+      std::filesystem::exists(calibration) ? ReadJsonObject<Json>(calibration) : Json();
   const PlaneCovariance covariance = ReadPlaneCovariance(job.result_directory);
   const std::vector<PlanePatch>& planes = covariance.planes();
   if (planes.size() > UINT16_MAX - QuantisedPoints::kFirstPlane) {

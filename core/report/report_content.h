@@ -12,8 +12,8 @@ namespace plumbline {
 // What stands in a report: a JSON text, numbers as sections, and the points.
 //
 // The text is one object: title; start_s, when the recording begins, on its clock; summary,
-// planes, loop_closures and evaluation as docs/outputs.md describes these files (the last one
-// null where there is none); floor_plans and num_poses, how many there are;
+// planes, loop_closures, calibration and evaluation as docs/outputs.md describes these files
+// (the last two null where there are none); floor_plans and num_poses, how many there are;
 // part_reports, whether those of parts stand where this one can name them;
 // covariance_plane_ids, the planes whose parameters the section holds, in its order;
 // statistics of all points.

@@ -163,6 +163,18 @@ TEST_F(ReportTest, TakesInFloorPlansAndErrors) {
   EXPECT_EQ(report["evaluation"]["planes"]["matched"], 2);
 }
 
+TEST_F(ReportTest, TakesInTheCalibrationWhereThereIsOne) {
+  const auto calibration = [this] {
+    WriteReport(job_);
+    return nlohmann::json::parse(Element(ReadBytes(job_.output), "report"))["calibration"];
+  };
+  EXPECT_TRUE(calibration().is_null());
+  WriteBytes(Result("calibration.json"), R"({"scanners": [], "unobserved": ["height"]})");
+  EXPECT_EQ(calibration()["unobserved"][0], "height");
+  WriteBytes(Result("calibration.json"), "{");
+  EXPECT_THAT(Fault(), HasSubstr("calibration.json: byte "));
+}
+
 TEST_F(ReportTest, NamesWhatIsMissingOrBroken) {
   job_.evaluation = (directory_ / "none.json").string();
   EXPECT_THAT(Fault(), HasSubstr(job_.evaluation + ": can not be read"));

@@ -22,6 +22,7 @@ class Element {
     return this.parts.map((part) => part.text ?? String(part)).join(' ');
   }
 }
+globalThis.Node = Element;
 globalThis.document = {
   createElement: (tag) => new Element(tag),
   createElementNS: (space, tag) => new Element(tag),
@@ -30,8 +31,9 @@ globalThis.document = {
 const source = '../../../core/report/viewer/src';
 const { drawBand, drawFigures, drawVerdict } = await import(`${source}/verdict.js`);
 const { angleWithStddev, lengthWithStddev } = await import(`${source}/format.js`);
+const { drawRig } = await import(`${source}/rig.js`);
 const { bow } = await import(`${source}/surface.js`);
-const { reports, cylinders } = JSON.parse(readFileSync(process.argv[2], 'utf8'));
+const { reports, cylinders, calibrations } = JSON.parse(readFileSync(process.argv[2], 'utf8'));
 const found = {
   tops: reports.map((report) => ({
     band: drawBand(report)?.text ?? null,
@@ -40,6 +42,7 @@ const found = {
   })),
   held: [angleWithStddev(Math.PI / 2, 0), lengthWithStddev(2, 0)],
   measured: [angleWithStddev(Math.PI / 2, 1e-4), lengthWithStddev(2, 1e-3)],
+  rigs: calibrations.map((calibration) => drawRig(calibration).text),
   bows: cylinders.map(bow),
 };
 console.log(JSON.stringify(found));

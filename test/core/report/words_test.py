@@ -34,6 +34,19 @@ def arc(radius, turn):
             "outline": [[x, y, 0] for x, y in places] + [[x, y, 1] for x, y in places[::-1]]}
 
 
+def calibration(unobserved):
+    def parameter(name, value, sigma, prior_sigma, observed=True):
+        return {"name": name, "value": value, "sigma": sigma, "prior_sigma": prior_sigma,
+                "observed": observed}
+
+    return {"unobserved": unobserved, "scanners": [
+        {"name": "top", "parameters": [parameter("roll_deg", 0, 0, 0),
+                                       parameter("range_m", -0.0098, 0.00012, 0.01)]},
+        {"name": "left", "parameters": [parameter("roll_deg", 0.98765, 0.0049, 1),
+                                        parameter("z_m", 0.0031, 0.0071, 0.01, not unobserved),
+                                        parameter("time_s", 0.00199, 0.000021, 0.002)]}]}
+
+
 class Words(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -42,6 +55,7 @@ class Words(unittest.TestCase):
         case = {"reports": [report("consistent", [], []),
                             report("doubtful", symptoms, [f"warning {i}" for i in range(40)]),
                             report("contradictory", symptoms, [])],
+                "calibrations": [calibration([]), calibration(["height of scanner left"])],
                 "cylinders": [arc(17.0, 0.06), arc(2.0, math.pi), arc(3.0, 2 * math.pi)]}
         with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
             json.dump(case, file)
@@ -76,6 +90,16 @@ class Words(unittest.TestCase):
         self.assertEqual(self.found["held"], ["90.0000° (held, not measured)",
                                               "2.0000 m (held, not measured)"])
         self.assertEqual(self.found["measured"], ["90.0000° ± 0.0057°", "2.0000 m ± 1.0 mm"])
+
+    def test_rig_with_standard_deviations_and_what_is_open(self):
+        shown, partly = self.found["rigs"]
+        for words in ("top held", "-9.80 mm ± 0.12 mm", "left 0.9877° ± 0.0049°",
+                      "1.990 ms ± 0.021 ms", "This recording shows all of it."):
+            self.assertIn(words, shown)
+        self.assertIn("3.1 mm ± 7.1 mm", shown)
+        self.assertNotIn("open", shown)
+        self.assertIn("open: 3.1 mm ± 7.1 mm", partly)
+        self.assertIn("This recording does not show height of scanner left: ", partly)
 
     def test_bow_of_an_arc(self):
         for found, true in zip(self.found["bows"], [17 * (1 - math.cos(0.03)), 2.0, 6.0]):

@@ -29,6 +29,10 @@ export function seconds(value) {
 const placesFor = (stddev) =>
   stddev > 0 ? Math.max(0, Math.min(8, 1 - Math.floor(Math.log10(stddev)))) : 4;
 
+// A number with its standard deviation, both in a unit: as many digits as it is known to.
+export const withStddev = (value, stddev, unit) =>
+  `${value.toFixed(placesFor(stddev))}${unit} ± ${digits(stddev, 2)}${unit}`;
+
 // A length in m with its standard deviation in mm.
 export function lengthWithStddev(value, stddev) {
   if (!known(value) || !known(stddev)) return metres(value, 4);
