@@ -16,6 +16,7 @@
 #include "core/mapping/map_job.h"
 #include "core/result/calibration_text.h"
 #include "core/result/result_files.h"
+#include "core/result/result_reader.h"
 #include "core/sensor/rig.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
@@ -47,7 +48,14 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// Maps a recording; a map that must not be trusted says nothing of the rig.
+// A map that must not be trusted says nothing of the rig.
+void RequireTrusted(const std::string& recording, const std::string& verdict) {
+  if (verdict != plumbline::VerdictName(plumbline::Verdict::kContradictory)) return;
+  throw plumbline::Error(recording +
+                         ": its map contradicts its scans and is of no use for a " +
+                         "calibration: leave it out");
+}
+
 void Map(const std::string& recording, const std::string& output) {
   plumbline::Progress progress("map");
   plumbline::MapJob job;
@@ -60,13 +68,9 @@ void Map(const std::string& recording, const std::string& output) {
   job.stop = plumbline::StopSignals();
   const plumbline::Summary summary =
       plumbline::RunMapJob(job, [&](const auto& state) { progress.Report(state); });
-  std::printf("%s: %s\n",
-              recording.c_str(),
-              plumbline::VerdictName(summary.consistency.verdict).c_str());
-  if (summary.consistency.verdict != plumbline::Verdict::kContradictory) return;
-  throw plumbline::Error(recording +
-                         ": its map contradicts its scans and is of no use for a " +
-                         "calibration: leave it out");
+  const std::string verdict = plumbline::VerdictName(summary.consistency.verdict);
+  std::printf("%s: %s\n", recording.c_str(), verdict.c_str());
+  RequireTrusted(recording, verdict);
 }
 
 void Calibrate() {
@@ -76,6 +80,8 @@ void Calibrate() {
   for (const std::string& name : Lines(FLAGS_recordings)) {
     const std::string file = (fs::path(name) / "calibration.json").string();
     if (fs::exists(file)) {
+      RequireTrusted(
+          name, plumbline::ReadMapOrigin((fs::path(name) / "summary.json").string()).verdict);
       files.push_back(file);
       continue;
     }

@@ -13,6 +13,7 @@ import unittest
 
 BIN = pathlib.Path(sys.argv.pop(1))
 CONFIGS = pathlib.Path(__file__).resolve().parents[2] / "configs"
+SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
 EXACT = "uncertainty: {rotation_deg: 0, translation_m: 0, time_s: 0, range_m: 0}"
 
 
@@ -65,6 +66,30 @@ class Calibrate(unittest.TestCase):
         self.assertEqual((self.folder / "again/rig_calibrated.yaml").read_bytes(),
                          (self.folder / "both/rig_calibrated.yaml").read_bytes())
         self.assertFalse((self.folder / "again/map_1").exists())
+
+    def test_recordings_that_were_mapped_side_by_side(self):
+        maps = self.folder / "maps"
+        walks = self.folder / "walks"
+        walks.mkdir()
+        for walk in ("1", "2"):
+            (walks / f"{walk}.bag").symlink_to(self.folder / walk / "recording.bag")
+        done = subprocess.run(
+            [sys.executable, SCRIPTS / "experiments/map_all.py", walks, f"--rig={self.rig}",
+             f"--output={maps}", f"--binaries={BIN}", "--jobs=2"],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = self.calibrate("side_by_side", maps / "1", maps / "2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertLess(self.clock_of_left("side_by_side")["sigma"],
+                        0.8 * self.clock_of_left("maps/1")["sigma"])
+        # A map that contradicts its scans is no witness.
+        summary = json.loads((maps / "2/summary.json").read_text(encoding="utf-8"))
+        summary["consistency"]["verdict"] = "contradictory"
+        (maps / "2/summary.json").write_text(json.dumps(summary), encoding="utf-8")
+        refused = self.calibrate("refused", maps / "1", maps / "2")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("maps/2: its map contradicts its scans", refused.stderr)
+        self.assertFalse((self.folder / "refused").exists())
 
     def test_an_exact_rig_leaves_nothing_to_calibrate(self):
         done = run("plumbline_calibrate", self.folder / "1/recording.bag",
