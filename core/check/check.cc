@@ -31,7 +31,7 @@ bool IsExplainedByMounting(const OtherHeader& header,
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   if (EstimatesScanners(stated)) {
-    const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated));
+    const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated), IsPlanar(stated));
     // All of them moved fit a little better to anything: they have to explain half of the
     // rest.
     if (2.0 * (1.0 - NearShareOfAll(sample, fitted)) < 1.0 - header.share_so) return true;
@@ -61,7 +61,7 @@ std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>&
                                     const std::optional<OtherMounting>& turned,
                                     const Rig& stated) {
   const MountedRig fitted =
-      FitInTurns(sample, turned ? turned->rig : rig, BodyScanner(stated));
+      FitInTurns(sample, turned ? turned->rig : rig, BodyScanner(stated), IsPlanar(stated));
   if (AreApart(AgreementsOf(sample, fitted))) return std::nullopt;
   if (other && NearShareOfAll(sample, other->rig) > NearShareOfAll(sample, fitted)) {
     return std::nullopt;

@@ -32,6 +32,7 @@ constexpr double kOpenShift = 0.05;  // m
 constexpr double kOpenTime = 0.01;   // s
 constexpr double kOpenRange = 0.01;  // m
 constexpr double kOpenRatio = 5.0;
+constexpr double kHeld = 1e12;  // information about what is held
 
 Vector8d Stacked(double turn, double shift, double time, double range) {
   Vector8d stacked;
@@ -64,6 +65,12 @@ class MountingFit {
         now.body_from_scanner.translation - stated.body_from_scanner.translation;
     total_(6) = now.time_offset_s - stated.time_offset_s;
     total_(7) = now.range_offset_m - stated.range_offset_m;
+  }
+
+  // Holds what level scanners do not show: turns about the body's x and y axes, and the
+  // height.
+  void HoldTiltsAndHeight() {
+    for (const Eigen::Index index : {0, 1, 5}) prior_(index, index) = kHeld;
   }
 
   // hold_open: whether what the scans hardly show is held.
@@ -109,7 +116,6 @@ class MountingFit {
 
   // Holds what the scans do not show.
   void HoldOpen() {
-    constexpr double kHeld = 1e12;
     HoldAxes(0, kOpenTurn);
     HoldAxes(3, kOpenShift);
     const auto hold = [&](Eigen::Index index, double open) {
@@ -125,7 +131,6 @@ class MountingFit {
 
   // Holds the axes, of any direction, of a turn or a shift that are known badly.
   void HoldAxes(Eigen::Index first, double open) {
-    constexpr double kHeld = 1e12;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
         covariance_.block<3, 3>(first, first));
     const Eigen::Vector3d stddev = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
@@ -198,15 +203,16 @@ MountingCorrection FitMounting(const Sample& sample, const MountedRig& rig, size
   return MountingFit(sample, rig, scanner, rig[scanner]).Run(true);
 }
 
-MountedRig FitInTurns(const Sample& sample, const MountedRig& rig, size_t held) {
+MountedRig FitInTurns(const Sample& sample, const MountedRig& rig, size_t held, bool planar) {
   constexpr int kRounds = 4;
   MountedRig fitted = rig;
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < rig.size(); ++i) {
       if (i == held) continue;
+      MountingFit fit(sample, fitted, i, rig[i]);
+      if (planar) fit.HoldTiltsAndHeight();
       // While the others are far off, scatter does not tell what the scans hardly show.
-      const MountingCorrection correction =
-          MountingFit(sample, fitted, i, rig[i]).Run(2 * round >= kRounds);
+      const MountingCorrection correction = fit.Run(!planar && 2 * round >= kRounds);
       if (correction.moved_share > correction.near_share) fitted[i] = correction.corrected;
     }
   }

@@ -29,10 +29,12 @@ MountingCorrection FitMounting(const std::vector<std::vector<SampledLine>>& samp
                                size_t scanner);
 
 // Brings all scanners but the one that is held near to where they agree, by corrections of one
-// after the other, in turns.
+// after the other, in turns. planar: tilts and heights, which level scanners do not show, are
+// held as well.
 MountedRig FitInTurns(const std::vector<std::vector<SampledLine>>& sample,
                       const MountedRig& rig,
-                      size_t held);
+                      size_t held,
+                      bool planar);
 
 // One element for each scanner, each as if the others were right.
 std::vector<MountingCorrection> FitMountings(
