@@ -31,10 +31,13 @@ bool IsExplainedByMounting(const OtherHeader& header,
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   if (EstimatesScanners(stated)) {
-    const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated), IsPlanar(stated));
     // All of them moved fit a little better to anything: they have to explain half of the
-    // rest.
-    if (2.0 * (1.0 - NearShareOfAll(sample, fitted)) < 1.0 - header.share_so) return true;
+    // rest, those of a planar rig with their tilts or without.
+    const auto explain = [&](bool planar) {
+      const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated), planar);
+      return 2.0 * (1.0 - NearShareOfAll(sample, fitted)) < 1.0 - header.share_so;
+    };
+    if (explain(false) || (IsPlanar(stated) && explain(true))) return true;
   }
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
   for (size_t i = 0; i < rig.size(); ++i) {
