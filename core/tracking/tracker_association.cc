@@ -47,7 +47,7 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
   // The points have shown how the rig moved.
   if (by_points) return ChooseUnder(PointsCovariance(), order, landmarks);
   Association steady = ChooseUnder(Matrix6d::Zero(), order, landmarks);
-  if (steady.length_m >= kExplained * total_length || getenv("PL_U2")) return steady;
+  if (steady.length_m >= kExplained * total_length) return steady;
   Association unsteady = ChooseUnder(UnsteadyCovariance(), order, landmarks);
   return unsteady.cost - 2.0 * std::log(kUnsteadyShare) < steady.cost ? std::move(unsteady)
                                                                       : std::move(steady);
