@@ -149,6 +149,13 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";
 }
 
+// The angle between a scan plane and the horizontal one of the body.
+double Tilt(const Scanner& scanner) {
+  const Eigen::Vector3d normal_body =
+      scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+  return std::atan2(normal_body.head<2>().norm(), std::abs(normal_body.z()));
+}
+
 }  // namespace
 
 Rig ReadRig(const std::string& path) {
@@ -202,13 +209,9 @@ bool IsPlanar(const Rig& rig) {
 }
 
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
-  for (const Scanner& scanner : rig.scanners) {
-    const Eigen::Vector3d normal_body =
-        scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
-    const double tilt = std::atan2(normal_body.head<2>().norm(), std::abs(normal_body.z()));
-    if (tilt > tolerance_rad) return false;
-  }
-  return true;
+  return std::all_of(rig.scanners.begin(), rig.scanners.end(), [&](const Scanner& scanner) {
+    return Tilt(scanner) <= tolerance_rad;
+  });
 }
 
 size_t BodyScanner(const Rig& rig) {
@@ -218,7 +221,17 @@ size_t BodyScanner(const Rig& rig) {
         return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
                uncertainty.time_s == 0.0;
       });
-  return exact == rig.scanners.end() ? 0 : static_cast<size_t>(exact - rig.scanners.begin());
+  if (exact != rig.scanners.end()) return static_cast<size_t>(exact - rig.scanners.begin());
+  if (IsPlanar(rig)) return 0;
+  // A level scanner sees neither floor nor ceiling, by which the body's attitude is known. Of
+  // scanners that are about as steep it is the first, however a rig file is off.
+  double steepest = 0.0;
+  for (const Scanner& scanner : rig.scanners) steepest = std::max(steepest, Tilt(scanner));
+  const auto body =
+      std::find_if(rig.scanners.begin(), rig.scanners.end(), [&](const Scanner& scanner) {
+        return 2.0 * Tilt(scanner) >= steepest;
+      });
+  return static_cast<size_t>(body - rig.scanners.begin());
 }
 
 bool EstimatesScanners(const Rig& rig) {

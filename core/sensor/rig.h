@@ -83,8 +83,8 @@ bool IsPlanar(const Rig& rig);
 // True when every scan plane is horizontal in the body frame to within tolerance_rad.
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
-// The scanner whose pose and clock are the body's: the first that is known exactly, else the
-// first one.
+// The scanner whose pose and clock are the body's: the first that is known exactly, else of the
+// steep ones the first; of a rig that moves in the plane the first.
 size_t BodyScanner(const Rig& rig);
 // Whether poses, clocks or ranges of a rig's scanners are to be estimated. A lone scanner has
 // no other to be held against: its ranges would show only in how walls look at grazing

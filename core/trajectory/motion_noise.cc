@@ -59,7 +59,7 @@ KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory, int first) {
     q[static_cast<size_t>(i)] = Eigen::Quaterniond(control_point.rotation.data());
   }
   const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
-  const Eigen::Vector3d turn = Log(q[1].conjugate() * q[2]) - Log(q[0].conjugate() * q[1]);
+  const Eigen::Vector3d turn = Log(q[2] * q[1].conjugate()) - Log(q[1] * q[0].conjugate());
   return {per_s2 * (p[0] - 2.0 * p[1] + p[2]), per_s2 * turn};
 }
 
@@ -67,7 +67,7 @@ KnotAcceleration InnovationAt(const Trajectory& trajectory, int first, double pe
   const KnotAcceleration before = KnotAcceleration::At(trajectory, first);
   const KnotAcceleration after = KnotAcceleration::At(trajectory, first + 1);
   return {after.linear_world - persistence * before.linear_world,
-          after.angular_body - persistence * before.angular_body};
+          after.angular_world - persistence * before.angular_world};
 }
 
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
@@ -154,7 +154,7 @@ MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& init
     const KnotAcceleration e = InnovationAt(known, i, rho);
     MotionEvidence of_knot;
     of_knot.squares = SumByKind(to_density * e.linear_world.cwiseAbs2(),
-                                to_density * e.angular_body.cwiseAbs2());
+                                to_density * e.angular_world.cwiseAbs2());
     of_knot.weight = kNumAxes;
     evidence.push_back(of_knot);
   }

@@ -12,7 +12,7 @@ namespace plumbline {
 
 // The kinds of motion whose accelerations have strengths of their own: what carries the rig
 // stands on a floor and turns on it, and hardly ever rises or tilts alike. Tilts are rotations
-// about the body's x and y axes, yaw is about its z axis.
+// about the world's x and y axes, yaw is about its z axis: a body that leans turns upright.
 enum MotionKind : size_t { kHorizontal, kVertical, kTilt, kYaw, kNumMotionKinds };
 using ByMotionKind = std::array<double, kNumMotionKinds>;
 
@@ -20,13 +20,13 @@ using ByMotionKind = std::array<double, kNumMotionKinds>;
 // differences over the square of the knot interval.
 struct KnotAcceleration {
   Eigen::Vector3d linear_world = Eigen::Vector3d::Zero();  // m/s^2
-  Eigen::Vector3d angular_body = Eigen::Vector3d::Zero();  // rad/s^2
+  Eigen::Vector3d angular_world = Eigen::Vector3d::Zero();  // rad/s^2
 
   static KnotAcceleration At(const Trajectory& trajectory, int first);
 };
 
-// Sums of squares by kind of motion, of axes along the world and about the body, and the
-// number of axes of each kind.
+// Sums of squares by kind of motion, of accelerations along and about the world's axes, and
+// the number of axes of each kind.
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular);
 inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
 
@@ -52,8 +52,8 @@ struct MotionNoise {
   static MotionNoise Of(const TrajectoryOptions& options);
 
   double Persistence(double knot_interval_s) const;  // rho
-  // Standard deviations at knots of this interval, along the world's axes (m/s^2) and about the
-  // body's (rad/s^2): of accelerations, and of what does not follow from the one before.
+  // Standard deviations at knots of this interval, along the world's axes (m/s^2) and about
+  // them (rad/s^2): of accelerations, and of what does not follow from the one before.
   Eigen::Vector3d LinearStddev(double knot_interval_s) const;
   Eigen::Vector3d AngularStddev(double knot_interval_s) const;
   Eigen::Vector3d LinearInnovationStddev(double knot_interval_s) const;

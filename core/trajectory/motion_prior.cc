@@ -37,7 +37,7 @@ void MotionPrior::Learn(const Trajectory& trajectory,
   const KnotAcceleration e =
       InnovationAt(trajectory, first, usual_.Persistence(interval_s));
   const ByMotionKind squares =
-      SumByKind(e.linear_world.cwiseAbs2(), e.angular_body.cwiseAbs2());
+      SumByKind(e.linear_world.cwiseAbs2(), e.angular_world.cwiseAbs2());
   const ByMotionKind variances = SumByKind(linear_variance, angular_variance);
   const double kept = std::exp(-interval_s / kMemory);
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {

@@ -12,11 +12,11 @@ namespace {
 template <typename T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 
-// Rotation vector from q0 to q1, in the body frame of q0.
+// Rotation vector from q0 to q1, in the world.
 template <typename T>
 Vector3<T> RotationDifference(const T* q0, const T* q1) {
   using ConstQuaternion = Eigen::Map<const Eigen::Quaternion<T>>;
-  return Log(ConstQuaternion(q0).conjugate() * ConstQuaternion(q1));
+  return Log(ConstQuaternion(q1) * ConstQuaternion(q0).conjugate());
 }
 
 struct PositionAccelerationFunctor {

@@ -19,8 +19,8 @@ namespace plumbline {
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s);
 
-// Angular acceleration:  r = (Log(q1^-1 q2) - Log(q0^-1 q1)) / (stddev h^2),  stddev in
-// rad/s^2, by axis of the body. Blocks: [ q0 | q1 | q2 ]
+// Angular acceleration:  r = (Log(q2 q1^-1) - Log(q1 q0^-1)) / (stddev h^2),  stddev in
+// rad/s^2, by world axis: a rig that leans turns about the vertical. Blocks: [ q0 | q1 | q2 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s);
 
@@ -30,7 +30,7 @@ std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
 std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s);
 
-// The same of angular accelerations, stddev in rad/s^2, by axis of the body.
+// The same of angular accelerations, stddev in rad/s^2, by world axis.
 // Blocks: [ q0 | q1 | q2 | q3 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s);
@@ -40,7 +40,7 @@ std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
 std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,
                                                                   double knot_interval_s);
 
-// Angular velocity:  r = Log(q0^-1 q1) / (stddev h),   stddev in rad/s.
+// Angular velocity:  r = Log(q1 q0^-1) / (stddev h),   stddev in rad/s.
 // Blocks: [ q0 | q1 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationVelocityFactor(double stddev,
                                                                   double knot_interval_s);

@@ -2,10 +2,10 @@
 """Maps simulated recordings with rig files that are wrong, and holds map and calibration against
 the truth and against the bound of what any mapper could find (plumbline_bound).
 
-Every scanner but the first is turned and shifted in a random direction and stamped early or late,
+Every scanner but the body's is turned and shifted in a random direction and stamped early or late,
 and every scanner's ranges are too long or short, each by the size that is asked for; the rig file
-does not say how well it knows itself, or says it by --stated. The first scanner's pose and clock
-are the body's.
+does not say how well it knows itself, or says it by --stated. The body's is the first of the
+steepest scanners (docs/calibration.md).
 
 One line a run: the map's errors after rigid alignment, verdict, and how far the calibrated rig is
 from the true one (rotation, translation, clock, range bias: root mean square over scanners and
@@ -43,6 +43,7 @@ MAP_ERRORS = {"positions": ("trajectory", "aligned", "position_m"),
               "rotations": ("trajectory", "aligned", "rotation_deg"),
               "surfaces' angles": ("planes_aligned", "angle_deg"),
               "surfaces' distances": ("planes_aligned", "distance_m")}
+LEVEL = math.radians(2.0)  # less tilted scanners see no heights
 NORMAL_95 = 1.96  # half width of the 95 % interval of a normal variable
 
 
@@ -87,18 +88,29 @@ def uncertainty_of(stated):
     return dict(zip(("rotation_deg", "translation_m", "time_s", "range_m"), map(float, stated)))
 
 
+def body_scanner(rig):
+    """The position of the scanner whose pose and clock are the body's in a rig (a dictionary) of
+    which none is known exactly: core/sensor/rig.cc."""
+    tilts = [math.acos(min(1.0, abs(rotation_of(
+        scanner["body_from_scanner"]["rotation_rpy_deg"])[2, 2]))) for scanner in rig["scanners"]]
+    if rig.get("motion") == "planar" or max(tilts) < LEVEL:
+        return 0
+    return next(i for i, tilt in enumerate(tilts) if 2.0 * tilt >= max(tilts))
+
+
 def wrong_rig(rig, off, stated, seed):
     """The text of a rig file (a dictionary) that is off; and by how much, {scanner: {parameter:
     value}}, of what has to be found."""
     random = np.random.default_rng(seed)
     truth = {}
     scanners = []
+    body = body_scanner(rig)
     for number, scanner in enumerate(rig["scanners"]):
         direction, way = random.normal(size=(2, 3))
         turn = math.radians(off[0]) * direction / np.linalg.norm(direction)
         shift = off[1] * way / np.linalg.norm(way)
         late, too_long = random.choice([-1.0, 1.0], size=2) * off[2:]
-        if number == 0:
+        if number == body:
             turn, shift, late = np.zeros(3), np.zeros(3), 0.0
         pose = scanner["body_from_scanner"]
         wrong = {

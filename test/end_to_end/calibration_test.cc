@@ -15,7 +15,7 @@ namespace {
 class CalibrationTest : public MappingTest {
  protected:
   // A walk once around a pillar, with a rig file that is wrong by 1 deg, 1 cm and 2 ms, of all
-  // scanners but the first, and by 1 cm in one one's ranges.
+  // scanners but the body's, the first tilted one, and by 1 cm in one one's ranges.
   void SimulateWithWrongRig(uint64_t seed) {
     Scenario scenario;
     scenario.building = PillarRoom();
@@ -32,7 +32,7 @@ class CalibrationTest : public MappingTest {
     const Eigen::Vector3d turns_deg[] = {{0.6, 0.0, 0.8}, {0.0, -0.8, -0.6}};
     const Eigen::Vector3d shifts_m[] = {{0.0, 0.01, 0.0}, {0.006, 0.0, -0.008}};
     for (size_t i = 0; i < 2; ++i) {
-      Scanner& scanner = wrong_.scanners[i + 1];
+      Scanner& scanner = wrong_.scanners[2 * i];
       Rigid3d& pose = scanner.body_from_scanner;
       const Eigen::Vector3d turn = kRadiansPerDegree * turns_deg[i];
       pose.rotation = Exp(turn) * pose.rotation;

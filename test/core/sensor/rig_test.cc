@@ -51,6 +51,28 @@ TEST(Rig, ReadsDefaults) {
   EXPECT_EQ(ReadText("motion: planar\nscanners:\n" + kScanner).motion, MotionModel::kPlanar);
 }
 
+TEST(Rig, BodysScannerIsTheFirstSteepOne) {
+  Rig rig;
+  rig.scanners.resize(3);
+  for (Scanner& scanner : rig.scanners) scanner.uncertainty.rotation_rad = 0.01;
+  const auto turn = [&](size_t scanner, double roll_deg) {
+    rig.scanners[scanner].body_from_scanner.rotation =
+        RotationFromRollPitchYaw(roll_deg * M_PI / 180.0, 0.0, 0.0);
+  };
+  EXPECT_EQ(BodyScanner(rig), 0u) << "all level";
+  turn(0, 4.0);
+  turn(1, 45.0);
+  turn(2, 50.0);
+  EXPECT_EQ(BodyScanner(rig), 1u);
+  rig.motion = MotionModel::kPlanar;
+  EXPECT_EQ(BodyScanner(rig), 0u);
+  rig.motion = MotionModel::kAutomatic;
+  turn(0, 30.0);
+  EXPECT_EQ(BodyScanner(rig), 0u);
+  rig.scanners[2].uncertainty = {};
+  EXPECT_EQ(BodyScanner(rig), 2u) << "known exactly";
+}
+
 TEST(Rig, NoiseCanBeLeftToTheRecording) {
   std::string text = "scanners:\n" + kScanner;
   text.replace(text.find("noise_m: 0.03"), 13, "noise_m: estimate");

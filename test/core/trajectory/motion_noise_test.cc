@@ -40,10 +40,10 @@ TEST(MotionNoise, AccelerationsByHand) {
   const Trajectory trajectory = WithOne(2, moved, 8);
   const KnotAcceleration after = KnotAcceleration::At(trajectory, 2);
   EXPECT_LT((after.linear_world - Eigen::Vector3d(4.0, 0.0, -8.0)).norm(), 1e-9);
-  EXPECT_LT((after.angular_body - Eigen::Vector3d(0.0, 12.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((after.angular_world - Eigen::Vector3d(0.0, 12.0, 0.0)).norm(), 1e-9);
   const KnotAcceleration at = KnotAcceleration::At(trajectory, 1);
   EXPECT_LT((at.linear_world - Eigen::Vector3d(-8.0, 0.0, 16.0)).norm(), 1e-9);
-  EXPECT_LT((at.angular_body - Eigen::Vector3d(0.0, -24.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((at.angular_world - Eigen::Vector3d(0.0, -24.0, 0.0)).norm(), 1e-9);
   EXPECT_EQ(KnotAcceleration::At(trajectory, 3).linear_world, Eigen::Vector3d::Zero());
 }
 

@@ -62,6 +62,18 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
   rotations.ExpectGradientsCorrect(*rotation_factor);
 }
 
+// What turns about the vertical does not tilt, however the body leans.
+TEST(MotionFactor, ATurnOfABodyThatLeansIsOneAboutTheVertical) {
+  TestBlocks blocks;
+  const double angle = 2.0 * kInterval * kInterval;  // 4 rad/s^2 about z
+  for (const double yaw : {angle, 0.0, angle}) {
+    blocks.AddRotation(Exp(Eigen::Vector3d(0.0, 0.0, yaw)) *
+                       Exp(Eigen::Vector3d(0.3, -0.2, 0.0)));
+  }
+  const auto factor = CreateRotationAccelerationFactor({1.0, 1.0, 2.0}, kInterval);
+  EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 1e-12);
+}
+
 TEST(MotionFactor, InnovationsByHand) {
   // Accelerations of 4, then 1 m/s^2 and 4, then 1 rad/s^2: three of them go on.
   constexpr double kPersistence = 0.75;
@@ -106,10 +118,10 @@ TEST(MotionFactor, VelocitiesByHand) {
             1e-12);
   positions.ExpectGradientsCorrect(*position_factor);
 
-  // The rotation vector is seen in the body frame of the first control point.
+  // The rotation vector is seen in the world.
   const Eigen::Quaterniond first = Exp(Eigen::Vector3d(0.0, 0.0, 1.0));
   rotations.AddRotation(first);
-  rotations.AddRotation(first * Exp(Eigen::Vector3d(0.5, 0.0, 0.0)));
+  rotations.AddRotation(Exp(Eigen::Vector3d(0.5, 0.0, 0.0)) * first);
   const auto rotation_factor = CreateRotationVelocityFactor(2.0, kInterval);
   EXPECT_LT((rotations.Residuals(*rotation_factor) - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(),
             1e-12);
