@@ -1,6 +1,7 @@
 #include "core/check/check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/check/findings.h"
@@ -20,6 +21,28 @@ bool IsMended(const std::vector<MountingCorrection>& corrections) {
   });
 }
 
+// The scanner that is held while the others are moved to where they agree: one that is known
+// exactly, else the first one. (A level one: corrections of steep ones follow from what it
+// sees, not the other way round.)
+size_t HeldScanner(const Rig& stated) {
+  const size_t body = BodyScanner(stated);
+  const ScannerUncertainty& uncertainty = stated.scanners[body].uncertainty;
+  const bool is_exact = uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
+                        uncertainty.time_s == 0.0;
+  return is_exact ? body : 0;
+}
+
+// The same rig with the body's scanner where it is stated, and at its clock.
+MountedRig WithBodyAsStated(MountedRig rig, const MountedRig& stated, size_t body) {
+  const Rigid3d move = stated[body].body_from_scanner * rig[body].body_from_scanner.Inverse();
+  const double later_s = stated[body].time_offset_s - rig[body].time_offset_s;
+  for (MountedScanner& scanner : rig) {
+    scanner.body_from_scanner = move * scanner.body_from_scanner;
+    scanner.time_offset_s += later_s;
+  }
+  return rig;
+}
+
 // Whether another mounting, or the correction of one scanner, explains what an other header
 // would, and more.
 bool IsExplainedByMounting(const OtherHeader& header,
@@ -27,16 +50,25 @@ bool IsExplainedByMounting(const OtherHeader& header,
                            const Rig& stated,
                            const MountedRig& rig,
                            const std::vector<std::string>& names) {
-  constexpr double kMore = 0.025;  // of the places
+  constexpr double kMore = 0.025;       // of the places
+  constexpr double kSignificant = 3.0;  // standard deviations
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   if (EstimatesScanners(stated)) {
-    // All of them moved fit a little better to anything: they have to explain half of the
-    // rest, those of a planar rig with their tilts or without.
+    // Scanners that are not known exactly are off, headers hardly ever, and then those of all
+    // scanners of a kind. So the header of one scanner has to explain more than scanners that
+    // move, as far as the number of places tells; of all, not less.
+    const bool is_of_all = header.scanners.size() == rig.size();
     const auto explain = [&](bool planar) {
-      const MountedRig fitted = FitInTurns(sample, rig, BodyScanner(stated), planar);
-      return 2.0 * (1.0 - NearShareOfAll(sample, fitted)) < 1.0 - header.share_so;
+      const MountedRig fitted = FitInTurns(sample, rig, HeldScanner(stated), planar);
+      const double share = NearShareOfAll(sample, fitted);
+      const double variance =
+          share * (1.0 - share) + header.share_so * (1.0 - header.share_so);
+      const double significant =
+          kSignificant * std::sqrt(variance / static_cast<double>(NumPlaces(sample, rig)));
+      return share - header.share_so > (is_of_all ? significant : -significant);
     };
+    // Those of a planar rig with their tilts or without.
     if (explain(false) || (IsPlanar(stated) && explain(true))) return true;
   }
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);
@@ -64,12 +96,12 @@ std::optional<MountedRig> BringNear(const std::vector<std::vector<SampledLine>>&
                                     const std::optional<OtherMounting>& turned,
                                     const Rig& stated) {
   const MountedRig fitted =
-      FitInTurns(sample, turned ? turned->rig : rig, BodyScanner(stated), IsPlanar(stated));
+      FitInTurns(sample, turned ? turned->rig : rig, HeldScanner(stated), IsPlanar(stated));
   if (AreApart(AgreementsOf(sample, fitted))) return std::nullopt;
   if (other && NearShareOfAll(sample, other->rig) > NearShareOfAll(sample, fitted)) {
     return std::nullopt;
   }
-  return fitted;
+  return WithBodyAsStated(fitted, rig, BodyScanner(stated));
 }
 
 // Compares the scanners that have lines, with the rig file and with each other.

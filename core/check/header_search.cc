@@ -131,6 +131,10 @@ Rig WithHeaders(Rig rig, const OtherHeader& headers) {
   return rig;
 }
 
+size_t NumPlaces(const Sample& sample, const MountedRig& rig) {
+  return CompareAll(sample, rig).num;
+}
+
 double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
   return CompareAll(sample, rig).near_share;
 }

@@ -34,7 +34,9 @@ std::optional<OtherHeader> FindOtherHeader(const std::vector<std::vector<Sampled
 // The rig file that states these headers instead of the recording's.
 Rig WithHeaders(Rig rig, const OtherHeader& headers);
 
-// The share of the places that any two scanners see within 1.5 cm of each other.
+// The number of places that any two scanners see, and the share that they see within 1.5 cm of
+// each other.
+size_t NumPlaces(const std::vector<std::vector<SampledLine>>& sample, const MountedRig& rig);
 double NearShareOfAll(const std::vector<std::vector<SampledLine>>& sample,
                       const MountedRig& rig);
 

@@ -16,7 +16,8 @@ class CalibrationTest : public MappingTest {
  protected:
   // A walk once around a pillar, with a rig file that is wrong by 1 deg, 1 cm and 2 ms, of all
   // scanners but the body's, the first tilted one, and by 1 cm in one one's ranges.
-  void SimulateWithWrongRig(uint64_t seed) {
+  // times: so many times as wrong.
+  void SimulateWithWrongRig(uint64_t seed, double times = 1.0) {
     Scenario scenario;
     scenario.building = PillarRoom();
     scenario.scanners = TiltedRig();
@@ -34,10 +35,10 @@ class CalibrationTest : public MappingTest {
     for (size_t i = 0; i < 2; ++i) {
       Scanner& scanner = wrong_.scanners[2 * i];
       Rigid3d& pose = scanner.body_from_scanner;
-      const Eigen::Vector3d turn = kRadiansPerDegree * turns_deg[i];
+      const Eigen::Vector3d turn = times * kRadiansPerDegree * turns_deg[i];
       pose.rotation = Exp(turn) * pose.rotation;
-      pose.translation += shifts_m[i];
-      scanner.time_offset_s += i == 0 ? 0.002 : -0.002;
+      pose.translation += times * shifts_m[i];
+      scanner.time_offset_s += times * (i == 0 ? 0.002 : -0.002);
     }
     wrong_.scanners[2].range_bias_m = 0.01;
     for (Scanner& scanner : wrong_.scanners) {
@@ -74,6 +75,30 @@ TEST_F(CalibrationTest, MapOfAWrongRigFileIsRightAndSaysWhatTheRigIs) {
     EXPECT_LE(std::abs(scanner.range_bias_m), 4.0 * sigma.range_m) << i;
     EXPECT_LT(sigma.rotation_rad, 0.5 * kRadiansPerDegree);
     EXPECT_LT(sigma.time_s, 0.0005);
+  }
+}
+
+// Scanners that see other places than the rig file says start where they agree, and the body's
+// stays where it is stated.
+TEST_F(CalibrationTest, ARigFileThatIsFarOffGivesTheSameMap) {
+  SimulateWithWrongRig(7, 6.0);
+  Map();
+  const Evaluation evaluation = EvaluateResult(recording_);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
+  const Rig found = ReadRig(Path("result/rig_calibrated.yaml"));
+  const size_t body = BodyScanner(wrong_);
+  EXPECT_EQ(body, 1u);
+  EXPECT_LT((found.scanners[body].body_from_scanner.translation -
+             wrong_.scanners[body].body_from_scanner.translation)
+                .norm(),
+            1e-9);
+  for (size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d turn =
+        Log(found.scanners[i].body_from_scanner.rotation *
+            recording_.rig.scanners[i].body_from_scanner.rotation.conjugate());
+    EXPECT_LT(turn.norm(), 0.5 * kRadiansPerDegree) << i;
   }
 }
 
