@@ -1,7 +1,6 @@
 #include "core/check/check.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/check/findings.h"
@@ -50,8 +49,7 @@ bool IsExplainedByMounting(const OtherHeader& header,
                            const Rig& stated,
                            const MountedRig& rig,
                            const std::vector<std::string>& names) {
-  constexpr double kMore = 0.025;       // of the places
-  constexpr double kSignificant = 3.0;  // standard deviations
+  constexpr double kMore = 0.025;  // of the places
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
   if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
   if (EstimatesScanners(stated)) {
@@ -62,10 +60,8 @@ bool IsExplainedByMounting(const OtherHeader& header,
     const auto explain = [&](bool planar) {
       const MountedRig fitted = FitInTurns(sample, rig, HeldScanner(stated), planar);
       const double share = NearShareOfAll(sample, fitted);
-      const double variance =
-          share * (1.0 - share) + header.share_so * (1.0 - header.share_so);
       const double significant =
-          kSignificant * std::sqrt(variance / static_cast<double>(NumPlaces(sample, rig)));
+          SignificantDifference(share, header.share_so, NumPlaces(sample, rig));
       return share - header.share_so > (is_of_all ? significant : -significant);
     };
     // Those of a planar rig with their tilts or without.

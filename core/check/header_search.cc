@@ -139,6 +139,11 @@ double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
   return CompareAll(sample, rig).near_share;
 }
 
+double SignificantDifference(double share_a, double share_b, size_t num_places) {
+  const double variance = share_a * (1.0 - share_a) + share_b * (1.0 - share_b);
+  return kMinSigmas * std::sqrt(variance / static_cast<double>(num_places));
+}
+
 std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
                                            const std::vector<TopicSurvey>& topics,
                                            const MountedRig& rig,

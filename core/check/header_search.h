@@ -40,4 +40,7 @@ size_t NumPlaces(const std::vector<std::vector<SampledLine>>& sample, const Moun
 double NearShareOfAll(const std::vector<std::vector<SampledLine>>& sample,
                       const MountedRig& rig);
 
+// By how much two shares of so many places have to differ to tell which one is larger.
+double SignificantDifference(double share_a, double share_b, size_t num_places);
+
 }  // namespace plumbline
