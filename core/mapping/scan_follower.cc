@@ -284,7 +284,7 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   const double window_s = options_.window.num_scans * scan_period_s_;
   PoseGaussian newest = window_->Solve(now_ns, window_s);
   state_->calibration.ApplyTo(&rig_);
-  tracker_->Reset(std::move(newest));
+  tracker_->Reset(now_ns, std::move(newest));
   // What has left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
   num_calibrated_ = window_->start();
@@ -425,7 +425,8 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
     motion_prior_.Forget();
   }
   CheckNotLost(scan.end_ns);
-  if (options_.window.resegment) {
+  // The poses of an unsteady rig, and so the places where planes intersect, are hardly known.
+  if (options_.window.resegment && tracker_->IsSteady(scan.end_ns)) {
     ResegmentScan(rig_,
                   options_,
                   scan,
@@ -436,7 +437,8 @@ void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   TakeObservations(first, last);
   if (may_found) StartPlanes(options_.planes.min_scans);
   tentative_planes_.DropStale(scan.end_ns);
-  const bool in_half_steps = options_.rules.half_window_steps && !tracker_->FollowsWell();
+  const bool in_half_steps =
+      options_.rules.half_window_steps && !tracker_->FollowsWell(scan.end_ns);
   const double share = in_half_steps ? 0.5 : 1.0;
   const int step = static_cast<int>(
       share * std::max(2.0, options_.window.step_s / state_->trajectory.knot_interval_s()));

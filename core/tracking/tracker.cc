@@ -24,6 +24,11 @@ constexpr int kPoseSize = 6;  // rows of a control point
 constexpr int kMaxRounds = 4;
 // A step that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {4, 1e-4, 0.0};
+// Knot intervals after an unsteady scan in which the window's estimate of the newest control
+// points is not trusted: until the spline is no longer held by the scans before.
+constexpr int kLooseIntervals = 2;
+// A share of associated segments (by length) that drops below this part of the usual one.
+constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
 // Points hold the pose where more than this share of them is on no plane.
 constexpr double kMaxShareOnNoPlane = 0.25;
@@ -69,6 +74,7 @@ Tracker::Tracker(const Tracker& other,
       prior_(other.prior_),
       recent_(other.recent_),
       pose_uncertainty_(other.pose_uncertainty_),
+      loose_until_ns_(other.loose_until_ns_),
       scan_s_(other.scan_s_),
       last_scan_ns_(other.last_scan_ns_),
       bridges_by_motion_(other.bridges_by_motion_),
@@ -153,21 +159,27 @@ PoseGaussian Tracker::Estimate(int first_observation,
   return PosesFrom(equations, equations.hessian, state_->trajectory, first());
 }
 
-void Tracker::Reset(PoseGaussian gaussian) {
+void Tracker::Reset(int64_t now_ns, PoseGaussian gaussian) {
   gaussian_ = std::move(gaussian);
   recent_.clear();
+  if (now_ns < loose_until_ns_) Loosen();
   prior_ = PosePrior(gaussian_, planar_);
   pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
 }
 
-bool Tracker::FollowsWell() const { return usual_share_ > kGoodShare; }
+bool Tracker::FollowsWell(int64_t now_ns) const {
+  return usual_share_ > kGoodShare && IsSteady(now_ns);
+}
 
-Matrix6d Tracker::UnsteadyCovariance() const {
+double Tracker::UnsteadyScale() const {
   // What is given for any rig allows for its turns already.
-  const double scale = options_.trajectory.estimate_densities ? 10.0 : 1.0;
+  return options_.trajectory.estimate_densities ? 10.0 : 1.0;
+}
+
+Matrix6d Tracker::UnsteadyCovariance(double scale, double duration_s) const {
   // White acceleration of density q, integrated twice: q^2 T^3 / 3. The body is taken to be
   // upright.
-  const double times = scale * std::sqrt(scan_s_ * scan_s_ * scan_s_ / 3.0);
+  const double times = scale * std::sqrt(duration_s * duration_s * duration_s / 3.0);
   const ByMotionKind& density = motion_prior_->usual().density;
   constexpr MotionKind kKinds[] = {kTilt, kTilt, kYaw, kHorizontal, kHorizontal, kVertical};
   Matrix6d covariance = Matrix6d::Zero();
@@ -187,6 +199,16 @@ Matrix6d Tracker::PointsCovariance() const {
     covariance(row, row) = sigma * sigma;
   }
   return covariance;
+}
+
+void Tracker::Loosen() {
+  const Matrix6d of_control_point = UnsteadyCovariance(
+      UnsteadyScale(), std::max(state_->trajectory.knot_interval_s(), scan_s_));
+  Eigen::MatrixXd covariance = Covariance(gaussian_.information);
+  for (Eigen::Index row = 0; row < covariance.rows(); row += kPoseSize) {
+    covariance.block<6, 6>(row, row) += of_control_point;
+  }
+  gaussian_.information = Covariance(covariance);
 }
 
 bool Tracker::IsUndecided(int64_t now_ns) const {
@@ -215,7 +237,8 @@ bool Tracker::AgreesWithPoints(const ScanMatcher& scan_matcher,
 bool Tracker::AssociatePredicted(int first_observation,
                                  int last_observation,
                                  const LandmarksWithinGap& landmarks,
-                                 bool by_points) {
+                                 bool by_points,
+                                 bool* unsteady) {
   const Association association =
       AssociateJointly(first_observation, last_observation, landmarks, by_points);
   for (const auto& [index, id] : association.chosen) {
@@ -226,6 +249,7 @@ bool Tracker::AssociatePredicted(int first_observation,
     length_m += state_->observations[static_cast<size_t>(index)].length_m();
   }
   const double share = association.length_m / std::max(length_m, 1e-9);
+  *unsteady = association.unsteady || (!by_points && share < kSuddenDrop * usual_share_);
   usual_share_ += kShareGain * (share - usual_share_);
   return !association.chosen.empty();
 }
@@ -234,16 +258,18 @@ PoseGaussian Tracker::EstimateInRounds(int first_observation,
                                        int last_observation,
                                        const LandmarksWithinGap& landmarks,
                                        const ScanMatcher* scan_matcher,
-                                       std::vector<PoseConstraint>* constraints) {
+                                       std::vector<PoseConstraint>* constraints,
+                                       bool* unsteady) {
   PoseGaussian estimate;
   for (int round = 0; round < kMaxRounds; ++round) {
-    // By the prediction first, all segments together; once the poses are known, one by one.
+    // By the prediction first, all segments together; once the poses are known, one by one,
+    // unless they are known not to describe the motion.
     bool changed = false;
     if (round == 0) {
       changed = AssociatePredicted(
-          first_observation, last_observation, landmarks, scan_matcher != nullptr);
+          first_observation, last_observation, landmarks, scan_matcher != nullptr, unsteady);
     } else {
-      changed = Associate(first_observation, last_observation, landmarks);
+      changed = !*unsteady && Associate(first_observation, last_observation, landmarks);
     }
     if (!changed && round > 0) break;
     if (scan_matcher != nullptr) {
@@ -318,12 +344,14 @@ void Tracker::Track(int first_observation,
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   scan_s_ = last_scan_ns_ == 0 ? 0.0 : SecondsBetween(last_scan_ns_, scan_end_ns);
   last_scan_ns_ = scan_end_ns;
+  bool unsteady = false;
   std::vector<PoseConstraint> constraints;
   PoseGaussian estimate = EstimateInRounds(first_observation,
                                            last_observation,
                                            landmarks,
                                            by_points ? scan_matcher : nullptr,
-                                           &constraints);
+                                           &constraints,
+                                           &unsteady);
   double share_on_no_plane =
       scan_matcher == nullptr
           ? 0.0
@@ -363,6 +391,10 @@ void Tracker::Track(int first_observation,
   // The scan becomes part of the prior, so that the next scan's system is as small.
   gaussian_ = std::move(estimate);
   recent_.clear();
+  if (unsteady) {
+    loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
+    Loosen();
+  }
   prior_ = PosePrior(gaussian_, planar_);
 }
 

@@ -53,11 +53,13 @@ class Tracker {
   void Add(int observation_index) { recent_.push_back(observation_index); }
 
   // Starts anew from what the window knows of the newest control points.
-  void Reset(PoseGaussian gaussian);
+  void Reset(int64_t now_ns, PoseGaussian gaussian);
 
   // Whether it may go on without the window for a while: the rig moves steadily, and most of
   // what the scans show are known planes.
-  bool FollowsWell() const;
+  bool FollowsWell(int64_t now_ns) const;
+  // Whether the rig moves as its spline can follow.
+  bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
   // Whether the walls in the newest scan leave its position open in some horizontal direction,
   // and have not for long: what is left to hold it may be somebody who walks along.
   bool IsUndecided(int64_t now_ns) const;
@@ -72,9 +74,12 @@ class Tracker {
   const PoseUncertainty& pose_uncertainty() const { return pose_uncertainty_; }
 
  private:
-  // Association holds a scan's segments and their planes, chosen together.
+  // Association holds a scan's segments and their planes, chosen together. How the rig's poses
+  // differ from their prediction is an error of the control points and, where the motion is
+  // `unsteady`, what no spline of these knots can follow.
   struct Association {
     std::vector<std::pair<int, int>> chosen;  // observation index, landmark id
+    bool unsteady = false;
     double cost = 0.0;      // -2 ln of its likelihood
     double length_m = 0.0;  // of the segments that have a plane
   };
@@ -102,12 +107,13 @@ class Tracker {
                         const std::vector<PoseConstraint>& constraints);
   // Associates the scan's observations and estimates its poses in turn, until the associations
   // stand. scan_matcher: nullptr where the points do not hold the pose. Gives what they say of
-  // the pose.
+  // the pose, and whether the motion is unsteady.
   PoseGaussian EstimateInRounds(int first_observation,
                                 int last_observation,
                                 const LandmarksWithinGap& landmarks,
                                 const ScanMatcher* scan_matcher,
-                                std::vector<PoseConstraint>* constraints);
+                                std::vector<PoseConstraint>* constraints,
+                                bool* unsteady);
   // Whether all points of every scan hold the pose, those on planes as well. A level rig
   // without wheels has nothing but a slice of the room: where planes alone held it, one scan
   // that met furniture took the next ones along; and where only the points beside the planes
@@ -124,11 +130,15 @@ class Tracker {
                                int first_observation,
                                int last_observation,
                                const std::vector<PoseConstraint>& constraints);
-  // The covariance of the body's rotation and position after a scan of accelerations far
-  // stronger than usual.
-  Matrix6d UnsteadyCovariance() const;
+  // The covariance of the body's rotation and position after a time of accelerations so many
+  // times as strong as usual.
+  Matrix6d UnsteadyCovariance(double scale, double duration_s) const;
+  // How many times as strongly as usual an unsteady rig accelerates.
+  double UnsteadyScale() const;
   // How far the local map may be off as a whole.
   Matrix6d PointsCovariance() const;
+  // Gives the control points the freedom of an unsteady motion.
+  void Loosen();
   // Returns the views of the landmarks within reach of the newest scan.
   std::vector<LandmarkView> OfScan(int first_observation,
                                    const Matrix6d& pose_covariance,
@@ -143,11 +153,12 @@ class Tracker {
                                const LandmarksWithinGap& landmarks,
                                bool by_points) const;
   // Gives the scan's observations the landmarks of AssociateJointly; false when there are
-  // none.
+  // none. Says whether the motion is unsteady, by how many they are.
   bool AssociatePredicted(int first_observation,
                           int last_observation,
                           const LandmarksWithinGap& landmarks,
-                          bool by_points);
+                          bool by_points,
+                          bool* unsteady);
   // Finds the observations' landmarks one by one; true when any is another one than before.
   bool Associate(int first_observation,
                  int last_observation,
@@ -163,6 +174,7 @@ class Tracker {
   Prior prior_;              // gaussian_ as a prior on its blocks
   std::vector<int> recent_;  // observations that gaussian_ does not know of
   PoseUncertainty pose_uncertainty_;
+  int64_t loose_until_ns_ = 0;  // till when the motion counts as unsteady
   double scan_s_ = 0.0;         // from the last scan to the end of the newest one
   int64_t last_scan_ns_ = 0;    // the end of the last scan; 0: none
   bool bridges_by_motion_ = false;

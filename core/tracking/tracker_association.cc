@@ -21,10 +21,21 @@ bool TellsDirection(const Observation& observation) {
   return observation.sigma_direction_rad < kMaxDirectionSigma;
 }
 
-// How often a rig is expected to accelerate far more strongly between two scans than usual;
-// asked where steady motion explains less than this share of the scan's segments (by length).
-constexpr double kUnsteadyShare = 1e-3;
-constexpr double kExplained = 0.8;
+// How strongly the rig may have accelerated since the last scan, in multiples of
+// Tracker::UnsteadyScale, and how often to expect it. Tried in turn as long as what has been
+// found explains less than max_length_share of the scan's segments (by length), and believed
+// from min_length_share on.
+struct MotionRegime {
+  double scale;
+  double share;
+  double max_length_share;
+  double min_length_share;
+};
+constexpr MotionRegime kMotionRegimes[] = {
+    {0.0, 1.0, 1.0, 0.0},    // steady
+    {1.0, 1e-3, 0.8, 0.0},   // a turn sets in
+    {10.0, 1e-5, 0.5, 0.5},  // a jolt
+};
 
 }  // namespace
 
@@ -44,13 +55,27 @@ Tracker::Association Tracker::AssociateJointly(int first_observation,
   });
   double total_length = 0.0;
   for (const int index : order) total_length += at(index).length_m();
-  // The points have shown how the rig moved.
-  if (by_points) return ChooseUnder(PointsCovariance(), order, landmarks);
-  Association steady = ChooseUnder(Matrix6d::Zero(), order, landmarks);
-  if (steady.length_m >= kExplained * total_length) return steady;
-  Association unsteady = ChooseUnder(UnsteadyCovariance(), order, landmarks);
-  return unsteady.cost - 2.0 * std::log(kUnsteadyShare) < steady.cost ? std::move(unsteady)
-                                                                      : std::move(steady);
+  Association best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const MotionRegime& regime : kMotionRegimes) {
+    // The likelier explanation of the scan wins; once one leaves little over, there is no need
+    // for the wilder ones.
+    if (best.length_m >= regime.max_length_share * total_length) break;
+    // The points have shown how the rig moved.
+    if (by_points && regime.scale > 0.0) break;
+    Association association =
+        ChooseUnder(by_points ? PointsCovariance()
+                              : UnsteadyCovariance(regime.scale * UnsteadyScale(), scan_s_),
+                    order,
+                    landmarks);
+    if (association.length_m < regime.min_length_share * total_length) continue;
+    const double cost = association.cost - 2.0 * std::log(regime.share);
+    if (cost >= best_cost) continue;
+    best_cost = cost;
+    best = std::move(association);
+    best.unsteady = regime.scale > 0.0;
+  }
+  return best;
 }
 
 std::vector<LandmarkView> Tracker::OfScan(int first_observation,

@@ -11,7 +11,7 @@ namespace {
 
 class TrackerTest : public testing::Test {
  protected:
-  TrackerTest() { tracker_.Reset(room_.Start()); }
+  TrackerTest() { tracker_.Reset(RoomWalk::kStartNs, room_.Start()); }
 
   void Track(int num_scans) {
     for (int i = 0; i < num_scans; ++i) {
@@ -55,6 +55,7 @@ TEST_F(TrackerTest, FollowsAsPreciselyAsItSays) {
     EXPECT_LT(std::abs(error[axis]), RoomWalk::kMaxSigmas * sigma) << axis;
     EXPECT_LT(sigma, RoomWalk::kRangeNoise) << "many beams, one noise each";
   }
+  EXPECT_TRUE(tracker_.IsSteady(now_ns));
 }
 
 // Planes are constant in the tracker's problem.

@@ -14,7 +14,7 @@ constexpr double kWindowS = 0.25;
 
 class WindowTest : public testing::Test {
  protected:
-  WindowTest() { tracker_.Reset(room_.Start()); }
+  WindowTest() { tracker_.Reset(RoomWalk::kStartNs, room_.Start()); }
 
   // Tracks scans, and solves the window after every fifth, the default knot interval.
   void Follow(int num_scans) {
@@ -28,7 +28,7 @@ class WindowTest : public testing::Test {
         }
       }
       if (room_.scan_index() % 5 != 4) continue;
-      tracker_.Reset(window_.Solve(room_.end_ns(), kWindowS));
+      tracker_.Reset(room_.end_ns(), window_.Solve(room_.end_ns(), kWindowS));
     }
   }
   double SigmaOfDistance(size_t landmark) {
