@@ -18,7 +18,7 @@ constexpr int kLinesToCompare = 1500;  // of each pair
 // A header is believed where it brings so many more of the places together: this share of
 // them, and so many standard deviations of it, neighbouring lines sharing their errors.
 constexpr double kMinGain = 0.025;
-constexpr double kMinSigmas = 4.0;
+constexpr double kMinSigmas = 3.0;
 // time_increment is another where it differs by this much from that of a scanner which turns
 // once per scan line.
 constexpr double kOtherTime = 0.2;

@@ -32,10 +32,10 @@ class Calibrate(unittest.TestCase):
             assert done.returncode == 0, done.stderr
         # 3 ms off in its clock, of a rig measured by hand.
         rig = (cls.folder / "1/rig.yaml").read_text(encoding="utf-8")
-        before, left = rig.replace(EXACT, "").split('name: "left"')
-        left = left.replace("time_offset_s: 0\n", "time_offset_s: 0.003\n", 1)
+        before, rest = rig.replace(EXACT, "").split('name: "right"')
+        rest = rest.replace("time_offset_s: 0\n", "time_offset_s: 0.003\n", 1)
         cls.rig = cls.folder / "rig.yaml"
-        cls.rig.write_text(before + 'name: "left"' + left, encoding="utf-8")
+        cls.rig.write_text(before + 'name: "right"' + rest, encoding="utf-8")
 
     @classmethod
     def tearDownClass(cls):
@@ -45,18 +45,18 @@ class Calibrate(unittest.TestCase):
         return run("plumbline_calibrate", *recordings, f"--rig={self.rig}",
                    f"--output={self.folder / output}", "--threads=2")
 
-    def clock_of_left(self, output):
+    def clock_of_right(self, output):
         found = json.loads((self.folder / output / "calibration.json").read_text(encoding="utf-8"))
-        left = next(s for s in found["scanners"] if s["name"] == "left")
-        return next(p for p in left["parameters"] if p["name"] == "time_s")
+        right = next(s for s in found["scanners"] if s["name"] == "right")
+        return next(p for p in right["parameters"] if p["name"] == "time_s")
 
     def test_two_walks_say_more_than_one(self):
         walks = [self.folder / walk / "recording.bag" for walk in ("1", "2")]
         done = self.calibrate("both", *walks)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("Scanners off the rig file", done.stdout)
-        one = self.clock_of_left("both/map_1")
-        both = self.clock_of_left("both")
+        one = self.clock_of_right("both/map_1")
+        both = self.clock_of_right("both")
         self.assertLess(both["sigma"], 0.8 * one["sigma"])
         self.assertLess(abs(both["value"] + 0.003), 5.0 * both["sigma"])
         self.assertTrue((self.folder / "both/rig_calibrated.yaml").is_file())
@@ -80,8 +80,8 @@ class Calibrate(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         done = self.calibrate("side_by_side", maps / "1", maps / "2")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertLess(self.clock_of_left("side_by_side")["sigma"],
-                        0.8 * self.clock_of_left("maps/1")["sigma"])
+        self.assertLess(self.clock_of_right("side_by_side")["sigma"],
+                        0.8 * self.clock_of_right("maps/1")["sigma"])
         # A map that contradicts its scans is no witness.
         summary = json.loads((maps / "2/summary.json").read_text(encoding="utf-8"))
         summary["consistency"]["verdict"] = "contradictory"

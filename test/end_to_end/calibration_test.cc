@@ -81,7 +81,7 @@ TEST_F(CalibrationTest, MapOfAWrongRigFileIsRightAndSaysWhatTheRigIs) {
 // Scanners that see other places than the rig file says start where they agree, and the body's
 // stays where it is stated.
 TEST_F(CalibrationTest, ARigFileThatIsFarOffGivesTheSameMap) {
-  SimulateWithWrongRig(7, 6.0);
+  SimulateWithWrongRig(7, 5.0);
   Map();
   const Evaluation evaluation = EvaluateResult(recording_);
   EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
