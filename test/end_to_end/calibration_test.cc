@@ -47,6 +47,13 @@ class CalibrationTest : public MappingTest {
     WriteRig(wrong_, Path("rig.yaml"));
   }
 
+  void ExpectRightMap() {
+    const Evaluation evaluation = EvaluateResult(recording_);
+    EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+    EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
+    EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
+  }
+
   SimulatedRecording recording_;
   Rig wrong_;
 };
@@ -54,10 +61,7 @@ class CalibrationTest : public MappingTest {
 TEST_F(CalibrationTest, MapOfAWrongRigFileIsRightAndSaysWhatTheRigIs) {
   SimulateWithWrongRig(7);
   Map();
-  const Evaluation evaluation = EvaluateResult(recording_);
-  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
-  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
-  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
+  ExpectRightMap();
   const Rig found = ReadRig(Path("result/rig_calibrated.yaml"));
   for (size_t i = 0; i < 3; ++i) {
     const Scanner& scanner = found.scanners[i];
@@ -83,10 +87,7 @@ TEST_F(CalibrationTest, MapOfAWrongRigFileIsRightAndSaysWhatTheRigIs) {
 TEST_F(CalibrationTest, ARigFileThatIsFarOffGivesTheSameMap) {
   SimulateWithWrongRig(7, 5.0);
   Map();
-  const Evaluation evaluation = EvaluateResult(recording_);
-  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
-  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
-  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
+  ExpectRightMap();
   const Rig found = ReadRig(Path("result/rig_calibrated.yaml"));
   const size_t body = BodyScanner(wrong_);
   EXPECT_EQ(body, 1u);
