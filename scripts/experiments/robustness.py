@@ -40,7 +40,10 @@ def parse_arguments():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", metavar="CASE",
-                        help="names in configs/experiments/robustness (default: all)")
+                        help="names of experiments (default: all of the folder)")
+    parser.add_argument("--experiments", type=job_runner.resolved, default=FOLDER, metavar="DIR",
+                        help="folder of the experiments, such as that of "
+                        "scripts/buildings/random_building.py (configs/experiments/robustness)")
     job_runner.add_seed_arguments(parser, "case", 2)
     parser.add_argument("--config", type=job_runner.resolved, metavar="FILE",
                         help="mapper settings (default: the experiments' own)")
@@ -49,15 +52,13 @@ def parse_arguments():
     return parser.parse_args()
 
 
-def known_cases():
-    return {path.stem: path for path in sorted(FOLDER.glob("*.yaml"))}
-
-
-def chosen_cases(names):
-    cases = known_cases()
+def chosen_cases(folder, names):
+    cases = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    if not cases:
+        raise job_runner.InputError(f"no experiments in {folder}")
     for name in names:
         if name not in cases:
-            raise job_runner.InputError(f"no case {name} in {FOLDER}; there are "
+            raise job_runner.InputError(f"no case {name} in {folder}; there are "
                                         f"{', '.join(cases)}")
     return {name: cases[name] for name in names or cases}
 
@@ -190,7 +191,7 @@ def table_of(rows):
 
 def main():
     arguments = parse_arguments()
-    cases = chosen_cases(arguments.cases)
+    cases = chosen_cases(arguments.experiments, arguments.cases)
     setup = {
         "program": "robustness.py",
         "config": arguments.config and job_runner.read_text(arguments.config),

@@ -31,6 +31,10 @@ ExactPolygon ToExact(const Polygon2& polygon) {
   return exact;
 }
 
+// False when rounding has left nothing but a line, which CGAL's Boolean operations do not
+// take.
+bool HasArea(const ExactPolygon& polygon) { return polygon.orientation() != CGAL::COLLINEAR; }
+
 // True when the boundary runs straight on at the corner, or back on itself.
 bool IsRedundant(const Eigen::Vector2d& before,
                  const Eigen::Vector2d& corner,
@@ -153,11 +157,17 @@ PlanarRegion& PlanarRegion::operator=(const PlanarRegion& other) {
 }
 PlanarRegion::~PlanarRegion() = default;
 
-void PlanarRegion::Join(const Polygon2& polygon) { impl_->region.join(ToExact(polygon)); }
+void PlanarRegion::Join(const Polygon2& polygon) {
+  const ExactPolygon exact = ToExact(polygon);
+  if (HasArea(exact)) impl_->region.join(exact);
+}
 
 void PlanarRegion::Join(const std::vector<Polygon2>& polygons) {
   std::vector<ExactPolygon> exact;
-  for (const Polygon2& polygon : polygons) exact.push_back(ToExact(polygon));
+  for (const Polygon2& polygon : polygons) {
+    exact.push_back(ToExact(polygon));
+    if (!HasArea(exact.back())) exact.pop_back();
+  }
   impl_->region.join(exact.begin(), exact.end());
 }
 

@@ -30,7 +30,8 @@ class PlanarRegion {
   PlanarRegion& operator=(const PlanarRegion& other);
   ~PlanarRegion();
 
-  // The polygon has to be simple; its direction does not matter.
+  // The polygon has to be simple; its direction does not matter. One that is only a line adds
+  // nothing.
   void Join(const Polygon2& polygon);
   void Join(const std::vector<Polygon2>& polygons);
   void Subtract(const Polygon2& polygon);
