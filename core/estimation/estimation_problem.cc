@@ -178,24 +178,25 @@ FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
 
 void EstimationProblem::AddMotionPrior(int first, const MotionNoise& noise) {
   const double interval_s = trajectory_->knot_interval_s();
-  const double persistence = noise.Persistence(interval_s);
+  const MotionPersistence linear = noise.LinearPersistence(interval_s);
   if (first == 0 || first - 1 < unknowns_.first_free()) {
     const std::vector<double*> blocks = ControlPointBlocks(first, 3);
     Add(CreateRotationAccelerationFactor(noise.AngularStddev(interval_s), interval_s),
         {blocks[0], blocks[1], blocks[2]},
         FactorTerm::Kind::kRotationAcceleration);
-    Add(CreatePositionAccelerationFactor(noise.LinearStddev(interval_s), interval_s),
+    Add(CreatePositionAccelerationFactor(noise.LinearStddev(interval_s), linear, interval_s),
         {blocks[3], blocks[4], blocks[5]},
         FactorTerm::Kind::kPositionAcceleration);
     return;
   }
   const std::vector<double*> blocks = ControlPointBlocks(first - 1, 4);
-  Add(CreateRotationInnovationFactor(
-          noise.AngularInnovationStddev(interval_s), persistence, interval_s),
+  Add(CreateRotationInnovationFactor(noise.AngularInnovationStddev(interval_s),
+                                     noise.Persistence(interval_s),
+                                     interval_s),
       {blocks[0], blocks[1], blocks[2], blocks[3]},
       FactorTerm::Kind::kRotationAcceleration);
   Add(CreatePositionInnovationFactor(
-          noise.LinearInnovationStddev(interval_s), persistence, interval_s),
+          noise.LinearInnovationStddev(interval_s), linear, interval_s),
       {blocks[4], blocks[5], blocks[6], blocks[7]},
       FactorTerm::Kind::kPositionAcceleration);
 }

@@ -43,6 +43,10 @@ void VisitTrajectory(Options& o, Visitor& v) {
              1e-3,
              1e5);
     s.Number("acceleration_correlation_s", o.trajectory.acceleration_correlation_s, 0.0, 10.0);
+    s.Number("vertical_velocity_correlation_s",
+             o.trajectory.vertical_velocity_correlation_s,
+             1e-2,
+             1e3);
     s.Flag("estimate_densities", o.trajectory.estimate_densities);
     s.Number("bridging_acceleration_density_m_s2",
              o.trajectory.bridging_acceleration_density_m_s2,

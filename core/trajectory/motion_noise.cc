@@ -50,7 +50,9 @@ Eigen::Vector3d Angular(const ByMotionKind& density) {
 
 }  // namespace
 
-KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory, int first) {
+KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory,
+                                      int first,
+                                      const MotionPersistence& persistence) {
   std::array<Eigen::Vector3d, 3> p;
   std::array<Eigen::Quaterniond, 3> q;
   for (int i = 0; i < 3; ++i) {
@@ -60,14 +62,9 @@ KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory, int first) {
   }
   const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
   const Eigen::Vector3d turn = Log(q[2] * q[1].conjugate()) - Log(q[1] * q[0].conjugate());
-  return {per_s2 * (p[0] - 2.0 * p[1] + p[2]), per_s2 * turn};
-}
-
-KnotAcceleration InnovationAt(const Trajectory& trajectory, int first, double persistence) {
-  const KnotAcceleration before = KnotAcceleration::At(trajectory, first);
-  const KnotAcceleration after = KnotAcceleration::At(trajectory, first + 1);
-  return {after.linear_world - persistence * before.linear_world,
-          after.angular_world - persistence * before.angular_world};
+  const Eigen::Vector3d driven =
+      (p[2] - p[1]) - persistence.velocity.cwiseProduct(p[1] - p[0]);
+  return {per_s2 * driven, per_s2 * turn};
 }
 
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
@@ -81,6 +78,7 @@ MotionNoise MotionNoise::Of(const TrajectoryOptions& options) {
   noise.density[kTilt] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
   noise.density[kYaw] = kRadiansPerDegree * options.angular_acceleration_density_deg_s2;
   noise.correlation_s = options.acceleration_correlation_s;
+  noise.vertical_velocity_correlation_s = options.vertical_velocity_correlation_s;
   return noise;
 }
 
@@ -88,9 +86,15 @@ double MotionNoise::Persistence(double knot_interval_s) const {
   return correlation_s > 0.0 ? std::exp(-knot_interval_s / correlation_s) : 0.0;
 }
 
-Eigen::Vector3d MotionNoise::LinearStddev(double knot_interval_s) const {
+MotionPersistence MotionNoise::LinearPersistence(double knot_interval_s) const {
   const double rho = Persistence(knot_interval_s);
-  return std::sqrt((1.0 - rho) / (1.0 + rho) / knot_interval_s) * Linear(density);
+  return {{1.0, 1.0, std::exp(-knot_interval_s / vertical_velocity_correlation_s)},
+          {rho, rho, 0.0}};
+}
+
+Eigen::Vector3d MotionNoise::LinearStddev(double knot_interval_s) const {
+  const Eigen::Array3d rho = LinearPersistence(knot_interval_s).acceleration;
+  return ((1.0 - rho) / (1.0 + rho) / knot_interval_s).sqrt() * Linear(density).array();
 }
 
 Eigen::Vector3d MotionNoise::AngularStddev(double knot_interval_s) const {
@@ -99,16 +103,29 @@ Eigen::Vector3d MotionNoise::AngularStddev(double knot_interval_s) const {
 }
 
 Eigen::Vector3d MotionNoise::LinearInnovationStddev(double knot_interval_s) const {
-  return (1.0 - Persistence(knot_interval_s)) / std::sqrt(knot_interval_s) * Linear(density);
+  const Eigen::Array3d rho = LinearPersistence(knot_interval_s).acceleration;
+  return (1.0 - rho) / std::sqrt(knot_interval_s) * Linear(density).array();
 }
 
 Eigen::Vector3d MotionNoise::AngularInnovationStddev(double knot_interval_s) const {
   return (1.0 - Persistence(knot_interval_s)) / std::sqrt(knot_interval_s) * Angular(density);
 }
 
-double MotionNoise::DensityPerInnovation2(double knot_interval_s) const {
+ByMotionKind MotionNoise::DensityPerInnovation2(double knot_interval_s) const {
   const double innovation = 1.0 - Persistence(knot_interval_s);
-  return knot_interval_s / (innovation * innovation);
+  ByMotionKind factors;
+  factors.fill(knot_interval_s / (innovation * innovation));
+  factors[kVertical] = knot_interval_s;  // of white noise
+  return factors;
+}
+
+KnotAcceleration MotionNoise::InnovationAt(const Trajectory& trajectory, int first) const {
+  const double rho = Persistence(trajectory.knot_interval_s());
+  const MotionPersistence linear = LinearPersistence(trajectory.knot_interval_s());
+  const KnotAcceleration before = KnotAcceleration::At(trajectory, first, linear);
+  const KnotAcceleration after = KnotAcceleration::At(trajectory, first + 1, linear);
+  return {after.linear_world - linear.acceleration.cwiseProduct(before.linear_world),
+          after.angular_world - rho * before.angular_world};
 }
 
 MotionProfile MotionProfile::Uniform(const MotionNoise& noise, const Trajectory& trajectory) {
@@ -147,14 +164,15 @@ MotionProfile MotionProfile::From(const std::vector<MotionEvidence>& evidence,
 
 MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& initial) {
   std::vector<MotionEvidence> evidence;
-  const double rho = initial.Persistence(known.knot_interval_s());
-  const double to_density = initial.DensityPerInnovation2(known.knot_interval_s());
+  const ByMotionKind to_density = initial.DensityPerInnovation2(known.knot_interval_s());
   evidence.emplace_back();  // the first acceleration has none before it
   for (int i = 0; i + 3 < known.num_control_points(); ++i) {
-    const KnotAcceleration e = InnovationAt(known, i, rho);
+    const KnotAcceleration e = initial.InnovationAt(known, i);
     MotionEvidence of_knot;
-    of_knot.squares = SumByKind(to_density * e.linear_world.cwiseAbs2(),
-                                to_density * e.angular_world.cwiseAbs2());
+    of_knot.squares = SumByKind(e.linear_world.cwiseAbs2(), e.angular_world.cwiseAbs2());
+    for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
+      of_knot.squares[kind] *= to_density[kind];
+    }
     of_knot.weight = kNumAxes;
     evidence.push_back(of_knot);
   }

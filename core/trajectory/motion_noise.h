@@ -7,6 +7,7 @@
 
 #include "core/options/mapper_options.h"
 #include "core/trajectory/trajectory.h"
+#include "factors/cost/motion_factor.h"
 
 namespace plumbline {
 
@@ -16,13 +17,16 @@ namespace plumbline {
 enum MotionKind : size_t { kHorizontal, kVertical, kTilt, kYaw, kNumMotionKinds };
 using ByMotionKind = std::array<double, kNumMotionKinds>;
 
-// The accelerations at the knot between control points first .. first + 2: their second
-// differences over the square of the knot interval.
+// What drives the motion at the knot between control points first .. first + 2: accelerations,
+// their second differences over the square of the knot interval, and of velocities that do not
+// go on what is lacking of those (factors/cost/motion_factor.h).
 struct KnotAcceleration {
   Eigen::Vector3d linear_world = Eigen::Vector3d::Zero();  // m/s^2
   Eigen::Vector3d angular_world = Eigen::Vector3d::Zero();  // rad/s^2
 
-  static KnotAcceleration At(const Trajectory& trajectory, int first);
+  static KnotAcceleration At(const Trajectory& trajectory,
+                             int first,
+                             const MotionPersistence& persistence = {});
 };
 
 // Sums of squares by kind of motion, of accelerations along and about the world's axes, and
@@ -30,28 +34,31 @@ struct KnotAcceleration {
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular);
 inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
 
-// What of the acceleration at the second of two neighbouring knots does not follow from that at
-// the first, the control points first .. first + 2.
-KnotAcceleration InnovationAt(const Trajectory& trajectory, int first, double persistence);
-
 // MotionNoise is what the motion prior expects of accelerations: that they are correlated
 // exponentially over time (Singer 1970, "Estimating optimal tracking filter performance for
-// manned maneuvering targets"). Its densities are amplitude spectral ones at low frequencies, in
-// m/s^2/sqrt(Hz) and rad/s^2/sqrt(Hz), as data sheets of accelerometers give theirs. Neither
-// they nor the correlation time change their meaning with the spline's knots. With the
+// manned maneuvering targets"). Its densities are amplitude spectral ones at low frequencies,
+// in m/s^2/sqrt(Hz) and rad/s^2/sqrt(Hz), as data sheets of accelerometers give theirs.
+// Neither they nor the correlation time change their meaning with the spline's knots. With the
 // persistence rho = exp(-h / correlation time) from knot to knot of interval h, and
 // sigma = density / sqrt(h),
 //   a_k+1 = rho a_k + e_k,  stddev(e) = sigma (1 - rho),
 //   stddev(a) = sigma sqrt((1 - rho) / (1 + rho)).
 // A correlation time of 0 is white noise.
+//
+// Vertically, velocities are correlated so, and white noise drives them: v_k+1 = rho_v v_k + h
+// e_k. What carries the rig stands on a floor. It goes up and down with each step, and where
+// nothing shows the height an acceleration or a velocity that went on would carry it away: of
+// the height of a walk that bobs by 2 cm, half a second ahead is known to 4 cm instead of 21.
 struct MotionNoise {
   ByMotionKind density = {};
   double correlation_s = 0.0;
+  double vertical_velocity_correlation_s = 1e3;
 
   // The noise that the options expect of any rig.
   static MotionNoise Of(const TrajectoryOptions& options);
 
-  double Persistence(double knot_interval_s) const;  // rho
+  double Persistence(double knot_interval_s) const;  // rho, of angular accelerations
+  MotionPersistence LinearPersistence(double knot_interval_s) const;
   // Standard deviations at knots of this interval, along the world's axes (m/s^2) and about
   // them (rad/s^2): of accelerations, and of what does not follow from the one before.
   Eigen::Vector3d LinearStddev(double knot_interval_s) const;
@@ -59,7 +66,10 @@ struct MotionNoise {
   Eigen::Vector3d LinearInnovationStddev(double knot_interval_s) const;
   Eigen::Vector3d AngularInnovationStddev(double knot_interval_s) const;
   // What the square of an innovation is multiplied by to become that of a density.
-  double DensityPerInnovation2(double knot_interval_s) const;
+  ByMotionKind DensityPerInnovation2(double knot_interval_s) const;
+  // What at the second of two neighbouring knots does not follow from the first, the control
+  // points first .. first + 2.
+  KnotAcceleration InnovationAt(const Trajectory& trajectory, int first) const;
 };
 
 // What an estimate tells of the noise at one knot, by kind of motion and summed over its axes:

@@ -33,9 +33,8 @@ void MotionPrior::Learn(const Trajectory& trajectory,
                         const Eigen::Vector3d& angular_variance) {
   if (!learns_ || bridged_.count(first + 1) > 0) return;
   const double interval_s = trajectory.knot_interval_s();
-  const double to_density = usual_.DensityPerInnovation2(interval_s);
-  const KnotAcceleration e =
-      InnovationAt(trajectory, first, usual_.Persistence(interval_s));
+  const ByMotionKind to_density = usual_.DensityPerInnovation2(interval_s);
+  const KnotAcceleration e = usual_.InnovationAt(trajectory, first);
   const ByMotionKind squares =
       SumByKind(e.linear_world.cwiseAbs2(), e.angular_world.cwiseAbs2());
   const ByMotionKind variances = SumByKind(linear_variance, angular_variance);
@@ -43,9 +42,10 @@ void MotionPrior::Learn(const Trajectory& trajectory,
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
     const double usual2 = usual_.density[kind] * usual_.density[kind];
     const double initial2 = initial_.density[kind] * initial_.density[kind];
-    squares_[kind] = kept * squares_[kind] + squares[kind] * to_density / initial2;
-    determined_[kind] = kept * determined_[kind] +
-                        std::max(0.0, kNumAxes[kind] - variances[kind] * to_density / usual2);
+    squares_[kind] = kept * squares_[kind] + squares[kind] * to_density[kind] / initial2;
+    determined_[kind] =
+        kept * determined_[kind] +
+        std::max(0.0, kNumAxes[kind] - variances[kind] * to_density[kind] / usual2);
     const double n0 = kInitialTime / interval_s * kNumAxes[kind];
     usual_.density[kind] =
         std::sqrt(initial2 * (n0 + squares_[kind]) / (n0 + determined_[kind]));

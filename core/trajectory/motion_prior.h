@@ -35,7 +35,7 @@ class MotionPrior {
   const MotionNoise& usual() const { return usual_; }
 
   // Takes in what the scans have shown of the innovation of the control points first ..
-  // first + 3. variance: its posterior one, along the world's axes and about the body's.
+  // first + 3. variance: its posterior one, along and about the world's axes.
   void Learn(const Trajectory& trajectory,
              int first,
              const Eigen::Vector3d& linear_variance,

@@ -310,35 +310,41 @@ void Window::LearnMotion(const NormalEquations& equations,
                          int new_start) {
   const Trajectory& trajectory = state_->trajectory;
   const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
-  const double rho = motion_prior_->usual().Persistence(trajectory.knot_interval_s());
-  // Of an innovation, in the four control points.
-  const Eigen::Vector4d weights =
-      per_s2 * Eigen::Vector4d(-rho, 1.0 + 2.0 * rho, -2.0 - rho, 1.0);
+  const MotionNoise& noise = motion_prior_->usual();
+  const MotionPersistence linear = noise.LinearPersistence(trajectory.knot_interval_s());
+  const MotionPersistence angular = {
+      Eigen::Vector3d::Ones(),
+      Eigen::Vector3d::Constant(noise.Persistence(trajectory.knot_interval_s()))};
   const auto variance_of = [&](BlockId::Kind kind, int first) {
+    const MotionPersistence& persistence = kind == BlockId::Kind::kRotation ? angular : linear;
+    // Of an innovation, in the four control points, by axis.
+    const Eigen::Array3d v = persistence.velocity;
+    const Eigen::Array3d a = persistence.acceleration;
+    Eigen::Array<double, 3, 4> weights;
+    weights << -a * v, v + a * (1.0 + v), -(1.0 + v) - a, Eigen::Array3d::Ones();
+    weights *= per_s2;
     const std::vector<int> rows = RowsOf(equations, [&](const BlockId& block) {
       return block.kind == kind && block.index >= first && block.index < first + 4;
     });
     // Of a rig that moves in the plane, rotations have one row, yaw.
     const auto size = static_cast<Eigen::Index>(rows.size()) / 4;
-    Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
-    const Eigen::MatrixXd joint = covariance(rows, rows);
-    for (int a = 0; a < 4; ++a) {
-      for (int b = 0; b < 4; ++b) {
-        variance.bottomRightCorner(size, size) +=
-            weights[a] * weights[b] * joint.block(a * size, b * size, size, size);
-      }
+    Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+    for (Eigen::Index axis = 0; axis < size; ++axis) {
+      const std::vector<int> of_axis = {rows[static_cast<size_t>(axis)],
+                                        rows[static_cast<size_t>(size + axis)],
+                                        rows[static_cast<size_t>(2 * size + axis)],
+                                        rows[static_cast<size_t>(3 * size + axis)]};
+      const Eigen::Index row = 3 - size + axis;
+      const Eigen::Vector4d weight = weights.row(row).matrix();
+      variance[row] = weight.dot(covariance(of_axis, of_axis) * weight);
     }
     return variance;
   };
   for (int i = start_; i < new_start; ++i) {
-    const Eigen::Quaterniond world_from_body(trajectory.control_point(i + 2).rotation.data());
-    const Eigen::Matrix3d angular = world_from_body.conjugate() *
-                                    variance_of(BlockId::Kind::kRotation, i) *
-                                    world_from_body.toRotationMatrix();
     motion_prior_->Learn(trajectory,
                          i,
-                         variance_of(BlockId::Kind::kPosition, i).diagonal(),
-                         angular.diagonal());
+                         variance_of(BlockId::Kind::kPosition, i),
+                         variance_of(BlockId::Kind::kRotation, i));
   }
 }
 

@@ -21,11 +21,13 @@ Vector3<T> RotationDifference(const T* q0, const T* q1) {
 
 struct PositionAccelerationFunctor {
   Eigen::Vector3d whitening;
+  Eigen::Vector3d velocity_persistence;
 
   template <typename T>
   bool operator()(const T* p0, const T* p1, const T* p2, T* residuals) const {
     for (int axis = 0; axis < 3; ++axis) {
-      residuals[axis] = whitening[axis] * (p0[axis] - 2.0 * p1[axis] + p2[axis]);
+      residuals[axis] = whitening[axis] * ((p2[axis] - p1[axis]) -
+                                           velocity_persistence[axis] * (p1[axis] - p0[axis]));
     }
     return true;
   }
@@ -47,14 +49,14 @@ struct RotationAccelerationFunctor {
 template <typename AccelerationFunctor>
 struct InnovationFunctor {
   AccelerationFunctor acceleration;
-  double persistence;
+  Eigen::Vector3d persistence;
 
   template <typename T>
   bool operator()(const T* x0, const T* x1, const T* x2, const T* x3, T* residuals) const {
     Vector3<T> before;
     acceleration(x0, x1, x2, before.data());
     acceleration(x1, x2, x3, residuals);
-    Eigen::Map<Vector3<T>>{residuals} -= T(persistence) * before;
+    Eigen::Map<Vector3<T>>{residuals} -= persistence.cast<T>().cwiseProduct(before);
     return true;
   }
 };
@@ -93,8 +95,11 @@ Eigen::Vector3d Whitening(const Eigen::Vector3d& stddev, double knot_interval_s)
 }  // namespace
 
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
-    const Eigen::Vector3d& stddev, double knot_interval_s) {
-  return MakeFactor<3, 3, 3>(PositionAccelerationFunctor{Whitening(stddev, knot_interval_s)});
+    const Eigen::Vector3d& stddev,
+    const MotionPersistence& persistence,
+    double knot_interval_s) {
+  return MakeFactor<3, 3, 3>(
+      PositionAccelerationFunctor{Whitening(stddev, knot_interval_s), persistence.velocity});
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
@@ -103,17 +108,17 @@ std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
 }
 
 std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
-    const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
-  return MakeFactor<3, 3, 3, 3>(
-      InnovationFunctor<PositionAccelerationFunctor>{{Whitening(stddev, knot_interval_s)},
-                                                     persistence});
+    const Eigen::Vector3d& stddev,
+    const MotionPersistence& persistence,
+    double knot_interval_s) {
+  return MakeFactor<3, 3, 3, 3>(InnovationFunctor<PositionAccelerationFunctor>{
+      {Whitening(stddev, knot_interval_s), persistence.velocity}, persistence.acceleration});
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s) {
-  return MakeFactor<4, 4, 4, 4>(
-      InnovationFunctor<RotationAccelerationFunctor>{{Whitening(stddev, knot_interval_s)},
-                                                     persistence});
+  return MakeFactor<4, 4, 4, 4>(InnovationFunctor<RotationAccelerationFunctor>{
+      {Whitening(stddev, knot_interval_s)}, Eigen::Vector3d::Constant(persistence)});
 }
 
 std::unique_ptr<ceres::CostFunction> CreatePositionVelocityFactor(double stddev,

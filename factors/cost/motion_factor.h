@@ -14,24 +14,37 @@ namespace plumbline {
 // control points over h^2 is the acceleration at the knot, the first difference over h about
 // the velocity. Three residuals each.
 
-// Acceleration of the position:  r = (p0 - 2 p1 + p2) / (stddev h^2),   stddev in m/s^2, by
-// world axis. Blocks: [ p0 | p1 | p2 ]
+// What goes on from one knot to the next, by world axis: of a velocity, 1 where it goes on but
+// for accelerations, and of what drives it.
+struct MotionPersistence {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Ones();
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+};
+
+// What drives the position, an acceleration where velocities go on, for k =
+// persistence.velocity:
+//   r = ((p2 - p1) - k (p1 - p0)) / (stddev h^2),   stddev in m/s^2, by world axis.
+// Blocks: [ p0 | p1 | p2 ]
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
-    const Eigen::Vector3d& stddev, double knot_interval_s);
+    const Eigen::Vector3d& stddev,
+    const MotionPersistence& persistence,
+    double knot_interval_s);
 
 // Angular acceleration:  r = (Log(q2 q1^-1) - Log(q1 q0^-1)) / (stddev h^2),  stddev in
 // rad/s^2, by world axis: a rig that leans turns about the vertical. Blocks: [ q0 | q1 | q2 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s);
 
-// What of an acceleration a2, at the knot between p1 and p3, does not follow from the one before,
-// a1:  r = (a2 - persistence a1) / stddev,   stddev in m/s^2, by world axis.
-// Blocks: [ p0 | p1 | p2 | p3 ]
+// What of a2, which drives the position at the knot between p1 and p3, does not follow from
+// the one before, a1:  r = (a2 - persistence.acceleration a1) / stddev,   stddev in m/s^2, by
+// world axis. Blocks: [ p0 | p1 | p2 | p3 ]
 std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
-    const Eigen::Vector3d& stddev, double persistence, double knot_interval_s);
+    const Eigen::Vector3d& stddev,
+    const MotionPersistence& persistence,
+    double knot_interval_s);
 
-// The same of angular accelerations, stddev in rad/s^2, by world axis.
-// Blocks: [ q0 | q1 | q2 | q3 ]
+// The same of angular accelerations:  r = (a2 - persistence a1) / stddev,   stddev in rad/s^2,
+// by world axis. Blocks: [ q0 | q1 | q2 | q3 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s);
 

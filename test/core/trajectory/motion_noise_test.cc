@@ -64,14 +64,14 @@ TEST(MotionNoise, CorrelatedAccelerationsFollowTheKnots) {
   for (const double h : {0.01, 0.05, 0.2, 1.0}) {
     const double rho = noise.Persistence(h);
     EXPECT_NEAR(rho, std::exp(-4.0 * h), 1e-12);
-    const double variance = std::pow(noise.LinearStddev(h).z(), 2);
+    const double variance = std::pow(noise.LinearStddev(h).x(), 2);
     EXPECT_NEAR(h * variance * (1.0 + rho) / (1.0 - rho), 1.0, 1e-12);
     // What goes on and what is new make up what there is.
-    EXPECT_NEAR(rho * rho * variance + std::pow(noise.LinearInnovationStddev(h).z(), 2),
+    EXPECT_NEAR(rho * rho * variance + std::pow(noise.LinearInnovationStddev(h).x(), 2),
                 variance,
                 1e-12 * variance);
-    EXPECT_EQ(noise.AngularStddev(h), noise.LinearStddev(h));
-    EXPECT_EQ(noise.AngularInnovationStddev(h), noise.LinearInnovationStddev(h));
+    EXPECT_EQ(noise.AngularStddev(h).z(), noise.LinearStddev(h).x());
+    EXPECT_EQ(noise.AngularInnovationStddev(h).z(), noise.LinearInnovationStddev(h).x());
   }
   // Between knots that are much finer the acceleration is that of a process of variance
   // density^2 / (2 correlation time).
@@ -83,9 +83,30 @@ TEST(MotionNoise, InnovationsByHand) {
   moved.position = {0.01, 0.0, 0.0};
   const Trajectory trajectory = WithOne(2, moved, 8);
   // Accelerations of 4, -8 and 4 m/s^2.
-  EXPECT_NEAR(InnovationAt(trajectory, 0, 0.5).linear_world.x(), -8.0 - 2.0, 1e-9);
-  EXPECT_NEAR(InnovationAt(trajectory, 1, 0.5).linear_world.x(), 4.0 + 4.0, 1e-9);
-  EXPECT_NEAR(InnovationAt(trajectory, 2, 0.5).linear_world.x(), -2.0, 1e-9);
+  MotionNoise noise = Ones();
+  noise.correlation_s = kIntervalS / std::log(2.0);  // half of an acceleration goes on
+  EXPECT_NEAR(noise.InnovationAt(trajectory, 0).linear_world.x(), -8.0 - 2.0, 1e-9);
+  EXPECT_NEAR(noise.InnovationAt(trajectory, 1).linear_world.x(), 4.0 + 4.0, 1e-9);
+  EXPECT_NEAR(noise.InnovationAt(trajectory, 2).linear_world.x(), -2.0, 1e-9);
+}
+
+// Of vertical velocities half goes on: what lacks has to be driven.
+TEST(MotionNoise, VerticalVelocitiesDoNotGoOn) {
+  Trajectory trajectory = WithOne(0, Standing(), 8);
+  const double h = kIntervalS;
+  double height = 0.0, velocity = 1.0;  // m, m/s
+  for (int i = 1; i < trajectory.num_control_points(); ++i) {
+    height += h * velocity;
+    velocity *= 0.5;
+    trajectory.control_point(i).position = {0.0, h * i, height};
+  }
+  MotionNoise noise = Ones();
+  noise.vertical_velocity_correlation_s = h / std::log(2.0);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LT(noise.InnovationAt(trajectory, i).linear_world.norm(), 1e-9);
+  }
+  noise.vertical_velocity_correlation_s = 1e12;
+  EXPECT_NEAR(noise.InnovationAt(trajectory, 0).linear_world.z(), (0.25 - 0.5) / h, 1e-9);
 }
 
 // A jolt among calm knots is one of its own stretch: what is half a second away does not

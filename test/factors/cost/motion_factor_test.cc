@@ -17,7 +17,7 @@ TEST(MotionFactor, PositionAccelerationByHand) {
   for (const double t : {-kInterval, 0.0, kInterval}) {
     blocks.AddEuclidean(Eigen::Vector3d(2.0 * t * t, 3.0 * t + 1.0, -t * t));
   }
-  const auto factor = CreatePositionAccelerationFactor({2.0, 4.0, 5.0}, kInterval);
+  const auto factor = CreatePositionAccelerationFactor({2.0, 4.0, 5.0}, {}, kInterval);
   EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector3d(2.0, 0.0, -0.4)).norm(), 1e-12);
   blocks.ExpectGradientsCorrect(*factor);
 }
@@ -56,7 +56,7 @@ TEST(MotionFactor, ConstantVelocityCostsNothing) {
   }
   const auto rotation_factor = CreateRotationAccelerationFactor({1.0, 2.0, 3.0}, kInterval);
   const auto position_factor =
-      CreatePositionAccelerationFactor(Eigen::Vector3d::Ones(), kInterval);
+      CreatePositionAccelerationFactor(Eigen::Vector3d::Ones(), {}, kInterval);
   EXPECT_LT(rotations.Residuals(*rotation_factor).norm(), 1e-12);
   EXPECT_LT(positions.Residuals(*position_factor).norm(), 1e-12);
   rotations.ExpectGradientsCorrect(*rotation_factor);
@@ -83,8 +83,10 @@ TEST(MotionFactor, InnovationsByHand) {
     positions.AddEuclidean(Eigen::Vector3d(0.0, x, 0.0));
     rotations.AddRotation(Exp(Eigen::Vector3d(x, 0.0, 0.0)));
   }
-  const auto position_factor =
-      CreatePositionInnovationFactor({1.0, 0.5, 1.0}, kPersistence, kInterval);
+  const auto position_factor = CreatePositionInnovationFactor(
+      {1.0, 0.5, 1.0},
+      {Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(kPersistence)},
+      kInterval);
   EXPECT_LT((positions.Residuals(*position_factor) - Eigen::Vector3d(0.0, -4.0, 0.0)).norm(),
             1e-12);
   positions.ExpectGradientsCorrect(*position_factor);
@@ -93,6 +95,25 @@ TEST(MotionFactor, InnovationsByHand) {
   EXPECT_LT((rotations.Residuals(*rotation_factor) - Eigen::Vector3d(-4.0, 0.0, 0.0)).norm(),
             1e-12);
   rotations.ExpectGradientsCorrect(*rotation_factor);
+}
+
+// Vertically half of a velocity goes on: a velocity of 4, then 2 and 1 m/s needs nothing, one
+// that stays what it lacks.
+TEST(MotionFactor, VelocitiesThatDoNotGoOnByHand) {
+  const MotionPersistence persistence = {{1.0, 1.0, 0.5}, {0.75, 0.75, 0.0}};
+  TestBlocks fading, staying;
+  for (const double z : {0.0, 4.0, 6.0, 7.0}) {
+    fading.AddEuclidean(Eigen::Vector3d(0.0, 0.0, z * kInterval));
+  }
+  for (const double z : {0.0, 4.0, 8.0, 12.0}) {
+    staying.AddEuclidean(Eigen::Vector3d(0.0, z * kInterval, z * kInterval));
+  }
+  const auto factor =
+      CreatePositionInnovationFactor(Eigen::Vector3d::Ones(), persistence, kInterval);
+  EXPECT_LT(fading.Residuals(*factor).norm(), 1e-12);
+  EXPECT_LT((staying.Residuals(*factor) - Eigen::Vector3d(0.0, 0.0, 2.0 / kInterval)).norm(),
+            1e-12);
+  staying.ExpectGradientsCorrect(*factor);
 }
 
 TEST(MotionFactor, RotationInnovationFarRotations) {
