@@ -26,8 +26,8 @@ bool IsRequired(const Help& help, const std::string& flag) {
          help.required_flags.end();
 }
 
-// The words of a text in lines of a width; all lines but the first begin so far from the left,
-// where the first one has begun already.
+// Returns the words of a text in lines of `width`; all lines but the first begin with `indent`
+// spaces, where the first one has begun already.
 std::string Wrapped(const std::string& text, size_t indent, size_t width) {
   std::istringstream words(text);
   std::string wrapped;

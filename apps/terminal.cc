@@ -14,7 +14,7 @@ constexpr char kClearLine[] = "\r\033[K";
 
 std::mutex mutex;  // guards what is written, and the status line
 
-// What stands in the terminal's last line. Never destroyed: messages may come up to the end.
+// Text of the terminal's last line. Never destroyed: messages may come up to the end.
 std::string& StatusLine() {
   static auto* const line = new std::string;
   return *line;

@@ -28,8 +28,8 @@ constexpr double kMaxMeanDeviation = 4.0;
 // plane that runs along a wall, as an upright one in a doorway, holds other surfaces'
 // segments: all of them would lie on the wall.
 constexpr double kMinCuttingSine = 0.1;
-// Of floors, ceilings and slopes: where two of them meet at a flat angle, a trace that grazes
-// both lies on either, and would tell the height to millimetres.
+// The least sine for floors, ceilings and slopes: where two of them meet at a flat angle, a
+// trace that grazes both lies on either, and would tell the height to millimetres.
 constexpr double kMinCuttingSineOfSlopes = 0.2;
 
 // The centroid on the straight line between the ends, where they were measured.
@@ -150,7 +150,7 @@ Reach ReachOfScan(const Rig& rig,
     farthest = std::max(
         farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
   }
-  // So far off its plane an observation may be for the pose alone.
+  // Distance from its plane that the pose error alone allows an observation, m.
   const double off = std::sqrt(kCoarseMargin * TwoDegreesQuantile(options.significance) * 2.0 *
                                MaxVariance(pose_covariance, farthest * farthest));
   return {body_world, farthest + off, options};

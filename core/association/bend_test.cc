@@ -10,17 +10,17 @@
 namespace plumbline {
 namespace {
 
-// The curvature of a cylinder is at least so many standard deviations.
+// Least curvature of a cylinder, in its standard deviations.
 constexpr double kMinSigmas = 6.0;
 // The least bow of what was seen: more than unevenness, or two walls that nearly meet in line,
 // have.
 constexpr double kMinBow = 0.02;        // m
 constexpr double kMinFlatnesses = 4.0;  // in multiples of the unevenness
-// Of a stair's riser, whose ends take up beams of the walls beside it, it was once the noise.
+// The ends of a stair's riser take up beams of the walls beside it, and bow by the noise.
 constexpr double kMinNoises = 1.5;    // in multiples of a range's noise
 constexpr double kMinRadius = 0.3;    // m
 constexpr double kMaxRadius = 200.0;  // m
-// What is narrower stays a plane, or points.
+// Least width of a cylinder. Narrower walls stay planes, or points.
 constexpr double kMinWidth = 1.0;  // m
 // Chi-square of a fit, over its degrees of freedom: of a corner that was taken for one line it
 // is larger.

@@ -224,7 +224,7 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
     return has_clear_type && variance < max_sigma * max_sigma;
   }
   if (plane.scanners.size() < 2 && !(plane.Motion() > kRevealingMotion)) return false;
-  // Of a gentle ramp single traces look level; what is small may as well be.
+  // Single traces of a gentle ramp look level; small surfaces may be level.
   const Eigen::Vector2d size =
       plane.landmark.extent.max_corner() - plane.landmark.extent.min_corner();
   if (min_scans <= 1 || size.maxCoeff() < kLargeFloor) return true;

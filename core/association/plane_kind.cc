@@ -12,8 +12,8 @@ namespace {
 constexpr double kMaxWallSigma = 3.0 * kRadiansPerDegree;
 // While a floor's normal is not known to this, it looks more level than a ramp of 1.4 degrees.
 constexpr double kMaxLevelSigma = 0.3 * kRadiansPerDegree;
-// A normal is that of a wall or a floor while it differs from theirs by no more than so many
-// standard deviations and this much: as walls are built, and scanners mounted.
+// A plane is vertical or level if its normal differs from that by at most this number of
+// standard deviations plus an angle: the accuracy of walls and of mountings.
 constexpr double kSigmas = 3.5;
 constexpr double kUprightTo = 1.0 * kRadiansPerDegree;
 constexpr double kLevelTo = 0.3 * kRadiansPerDegree;

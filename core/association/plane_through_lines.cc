@@ -26,7 +26,7 @@ MeasuredLine MeasureLine(const Observation& observation,
   line.centroid_world = poses.motion.nodes()[1] * observation.centroid().homogeneous();
   line.direction_world =
       (poses.motion.nodes()[1].leftCols<2>() * observation.tangent()).normalized();
-  // Of the pose, the worst direction counts.
+  // The worst direction of the pose counts.
   const Eigen::Vector3d arm = line.centroid_world - poses.world_from_body.translation;
   const double turn = pose_covariance.topLeftCorner<3, 3>().trace();
   const double shift =

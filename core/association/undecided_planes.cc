@@ -21,17 +21,17 @@ constexpr double kMaxMeanChi2 = 2.0;
 // The motion after which one scanner has swept enough of a plane, and two have.
 constexpr double kSweep = 0.3;       // m
 constexpr double kSweepOfTwo = 0.1;  // m
-// What is not decided by then begins anew.
+// Time after which an undecided plane begins anew.
 constexpr double kMaxUndecided = 20.0;  // s
 // A general plane is at least so large in both directions: what is smaller stays points.
 constexpr double kMinSide = 0.4;  // m
 // Traces of one scan that show a plane which is no wall.
 constexpr int kMinLinesAtStart = 3;
-// Those of a floor or a ceiling.
+// Least number of traces of a floor or ceiling.
 constexpr int kMinLines = 12;
-// Those of a general plane, and the motion: a dozen traces on furniture or on the treads of a
-// stair lie on a slope by chance now and then, and it draws the rig off as a true one holds
-// it.
+// Least number of traces of a general plane, and the motion: a dozen traces on furniture or on
+// the treads of a stair lie on a slope by chance now and then, and it draws the rig off as a
+// true one holds it.
 constexpr int kMinLinesOfGeneral = 30;
 constexpr double kSweepOfGeneral = 0.3;  // m
 

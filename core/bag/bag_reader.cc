@@ -163,7 +163,7 @@ uint64_t BagReader::ReadChunkRecords(uint32_t chunk_index,
                                      uint64_t chunk_position,
                                      const std::vector<uint32_t>& message_offsets,
                                      ByteSource* chunk) {
-  // Where a message begins behind `offset`, if the index tells.
+  // Returns where a message begins behind `offset`, if the index has it.
   const auto next_message = [&](uint64_t offset) -> uint64_t {
     const auto next = std::upper_bound(message_offsets.begin(), message_offsets.end(), offset);
     return next == message_offsets.end() ? chunk->size()

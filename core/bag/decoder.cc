@@ -63,7 +63,7 @@ class ZstdDecoder : public Decoder {
  public:
   ZstdDecoder() : stream_(ZSTD_createDStream()) {
     CHECK(stream_ != nullptr);
-    // What a frame says of itself must not cost more memory than this.
+    // The header of a frame may ask for no more memory than this.
     CHECK(!ZSTD_isError(ZSTD_DCtx_setParameter(stream_, ZSTD_d_windowLogMax, kMaxWindowLog)));
   }
   ~ZstdDecoder() override { ZSTD_freeDStream(stream_); }

@@ -31,7 +31,7 @@ size_t HeldScanner(const Rig& stated) {
   return is_exact ? body : 0;
 }
 
-// The same rig with the body's scanner where it is stated, and at its clock.
+// Returns the same rig with the body's scanner at its stated pose and clock.
 MountedRig WithBodyAsStated(MountedRig rig, const MountedRig& stated, size_t body) {
   const Rigid3d move = stated[body].body_from_scanner * rig[body].body_from_scanner.Inverse();
   const double later_s = stated[body].time_offset_s - rig[body].time_offset_s;
@@ -64,7 +64,7 @@ bool IsExplainedByMounting(const OtherHeader& header,
           SignificantDifference(share, header.share_so, NumPlaces(sample, rig));
       return share - header.share_so > (is_of_all ? significant : -significant);
     };
-    // Those of a planar rig with their tilts or without.
+    // Scanners of a planar rig are moved with their tilts or without.
     if (explain(false) || (IsPlanar(stated) && explain(true))) return true;
   }
   const std::vector<MountingCorrection> corrections = FitMountings(sample, rig);

@@ -51,7 +51,7 @@ struct Box {
   }
 };
 
-// Within which nine tenths of the points lie, m.
+// Distance within which nine tenths of the points lie, m.
 double ExtentOf(const std::vector<Eigen::Vector2d>& points) {
   std::vector<double> distances;
   for (const Eigen::Vector2d& point : points) distances.push_back(point.norm());

@@ -25,7 +25,7 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-// The topic without its slash, unlike all names so far.
+// Returns the topic without its slash, made different from all `names`.
 std::string NameFor(const std::string& topic, std::set<std::string>* names) {
   std::string name = topic.substr(std::min(topic.find_first_not_of('/'), topic.size()));
   std::replace(name.begin(), name.end(), '/', '_');
@@ -78,7 +78,7 @@ std::string RotationComment(Attitude attitude, const std::optional<TravelDirecti
   return "";
 }
 
-// Where the recording's static transforms say that a topic's scanner sits.
+// Pose of a topic's scanner by the recording's static transforms.
 std::optional<Rigid3d> PoseOf(const CheckReport& report, size_t topic) {
   const std::vector<std::string>& frames = report.survey.topics[topic].frames;
   const auto& poses = report.survey.frames.body_from_frame;

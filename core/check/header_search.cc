@@ -15,8 +15,8 @@ namespace {
 using Sample = std::vector<std::vector<SampledLine>>;
 
 constexpr int kLinesToCompare = 1500;  // of each pair
-// A header is believed where it brings so many more of the places together: this share of
-// them, and so many standard deviations of it, neighbouring lines sharing their errors.
+// A header is accepted if the share of places that agree grows by kMinGain, and by kMinSigmas
+// of its standard deviations: neighbouring lines share their errors.
 constexpr double kMinGain = 0.025;
 constexpr double kMinSigmas = 3.0;
 // time_increment is another where it differs by this much from that of a scanner which turns

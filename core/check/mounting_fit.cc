@@ -24,9 +24,9 @@ constexpr double kPriorTurn = 0.2;    // rad
 constexpr double kPriorShift = 0.2;   // m
 constexpr double kPriorTime = 0.1;    // s
 constexpr double kPriorRange = 0.05;  // m
-// What is known less well than this is left open by the scans, and held at zero; so are turns
-// and shifts that are known so many times worse than those about or along the best axis, since
-// what little is seen of them comes from the noise of the surfaces' directions.
+// Turns (rad) and shifts (m) with a larger standard deviation are unobservable and held at
+// zero; so are those whose standard deviation is kOpenRatio times that of the best axis: they
+// are determined by the noise of the surfaces' directions.
 constexpr double kOpenTurn = 1.0 * kRadiansPerDegree;
 constexpr double kOpenShift = 0.05;  // m
 constexpr double kOpenTime = 0.01;   // s

@@ -16,7 +16,7 @@ namespace {
 constexpr int kLinesForAgreement = 400;  // of each pair
 constexpr double kAgreedShare = 0.75;    // of a pair that sits as the rig file says
 constexpr double kAgreed = 0.1;          // m
-// Another mounting has to bring so many more of the places together, and most of them.
+// Least gain of another mounting in the share of places that agree, and least share.
 constexpr double kMinGain = 0.25;
 constexpr double kMinShareSo = 0.55;
 // Turns of any angle are tried in such steps, and the best of them fitted.

@@ -16,7 +16,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kWindow = 2.0;  // s, of a window of the sample
-// The sample holds at most so many beams, which take a second or two to look at.
+// Largest number of beams in the sample: they take a second or two.
 constexpr int64_t kMaxBeams = 2'500'000;
 
 bool IsUsed(const TopicSurvey& topic, int64_t stamp_ns) {

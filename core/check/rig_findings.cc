@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-// A correction counts where it brings so many more of the places together.
+// Least gain of a correction in the share of places that agree, also in standard deviations.
 constexpr double kMinGain = 0.025;
 constexpr double kMinSigmas = 4.0;
 // Smaller errors are not worth a word, larger ones bend a map by centimetres and more.
@@ -159,7 +159,7 @@ class RigJudge {
     }
   }
 
-  // What the scanners' headers have to say for them to agree.
+  // States the headers under which the scanners agree.
   void JudgeHeaders() {
     if (!report_->other_header) return;
     const OtherHeader& other = *report_->other_header;

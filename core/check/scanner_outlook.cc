@@ -20,7 +20,7 @@ constexpr double kMinSeen = 3.0;   // m of traces
 constexpr double kStill = 1.0 * kRadiansPerDegree;   // of a trace that does not
 constexpr double kSpread = 1.5 * kRadiansPerDegree;  // of traces that turn together
 constexpr int kMinTurns = 3;
-// Of a level scanner hardly any trace stays, of a tilted one those of floor and ceiling do.
+// Hardly any trace of a level scanner stays; of a tilted one those of floor and ceiling do.
 constexpr double kTiltedShare = 0.15;
 constexpr double kLevelShare = 0.1;
 // In turns, of which any scanner's traces tell.

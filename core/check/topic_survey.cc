@@ -26,9 +26,10 @@ constexpr size_t kMinCompared = 10;    // beams
 constexpr float kUnlike = 3.0F;
 constexpr size_t kMaxFrames = 4;             // that are named
 constexpr double kMaxReceiptError = 3600.0;  // s, of a recorder whose clock was set
-// Neighbours so far apart hardly share the errors of scanners that smooth.
+// Angle between beams beyond which scanners that smooth their ranges leave errors nearly
+// independent.
 constexpr double kTripleSpacing = 0.7 * kRadiansPerDegree;
-// The histogram's bins: so many a decade, from 1 mm to 1000 km.
+// Bins of the histogram in a decade, from 1 mm to 1000 km.
 constexpr int kBinsPerDecade = 50;
 constexpr int kDecades = 9;
 constexpr double kFirstBin = 1e-3;

@@ -84,7 +84,7 @@ class View {
   const MountedScanner& scanner_;
 };
 
-// Where a trace of a scanner crosses the other's scan plane.
+// The point at which a trace of a scanner crosses the other's scan plane.
 struct Crossing {
   Eigen::Vector2d p_scanner;
   Eigen::Vector3d p_body;
@@ -179,7 +179,7 @@ class ViewComparer {
             SecondsBetween(from.Instant(line_from, p_from), onto.Instant(line, p_onto));
         const Eigen::Vector3d velocity =
             0.5 * (onto.Velocity(index, p_onto) + from.Velocity(index_from, p_from));
-        // Out of the plane nothing is compared.
+        // Nothing is compared out of the plane.
         Eigen::Vector3d there = from.ToBody(p_from);
         const Eigen::Vector3d here = onto.ToBody(p_onto);
         there += onto.plane_normal() * onto.plane_normal().dot(here - there);

@@ -14,8 +14,8 @@ constexpr double kMinTurnRate = 16.0 * kRadiansPerDegree;  // 1/s, that is compa
 constexpr size_t kMinTurns = 5;
 constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
 constexpr double kLagStep = 0.05;  // s
-// Wheels are believed to be late, or to turn the other way, where so little of the
-// disagreement is left then.
+// Wheels are late, or turn the other way, if the correction leaves at most this share of the
+// disagreement.
 constexpr double kLeft = 0.5;
 // Wheels do not turn as the scanners do where more than this share of the turns is left.
 constexpr double kUnexplained = 0.7;
@@ -84,7 +84,7 @@ class WheelJudge {
       for (StepTurn turn : report_->turns[topic]) {
         ++num_seen_;
         if (wheels_.Covers(turn.begin_ns, turn.end_ns)) ++num_covered_;
-        // What stands turns the other way in the scanner's frame.
+        // Standing surfaces turn the other way in the scanner's frame.
         turn.turn_rad *= up > 0.0 ? -1.0 : 1.0;
         if (std::abs(turn.turn_rad) <
                 kMinTurnRate * SecondsBetween(turn.begin_ns, turn.end_ns) ||
@@ -96,7 +96,7 @@ class WheelJudge {
     }
   }
 
-  // What the wheels leave of the turns, if theirs are so much later, rad.
+  // Difference between the turns of scanners and wheels if the wheels are late by lag_s, rad.
   double LeftOver(double lag_s, double sign) const {
     const int64_t lag_ns = NanosecondsFromSeconds(lag_s);
     double left = 0.0;

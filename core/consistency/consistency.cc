@@ -44,7 +44,7 @@ SharesOverTime SegmentsWithoutPlane(const MapState& state, int64_t start_ns) {
   return shares;
 }
 
-// What all tests say, by second.
+// Results of all tests, by second.
 struct Evidence {
   SharesOverTime passages;
   DoubledSurfaces doubled;
@@ -296,7 +296,8 @@ class Judge {
     AddIntervals(marked, kSlipped, text);
   }
 
-  // What the motion prior has bridged is stated honestly, and no map to rely on.
+  // A stretch that the motion prior has bridged has honest standard deviations, but is no map
+  // to rely on.
   void JudgeStatedDeviations() {
     std::vector<bool> marked;
     double largest = 0.0;

@@ -10,15 +10,15 @@ namespace {
 constexpr double kMinSeparation = 0.015;  // m, above what flat walls and noise make
 constexpr double kMaxSeparation = 1.0;    // m, farther apart no slip's planes would be missed
 const double kMinCosine = std::cos(8.0 * M_PI / 180.0);  // of the angle between the normals
-// A pair covers at least so many cells: half a square metre. A moved chair has fewer.
+// Least number of cells that a pair covers: half a square metre. A moved chair has fewer.
 constexpr int kMinCells = 8;
-// Each was seen in so many seconds, at least.
+// Least number of seconds in which each surface of a pair was seen.
 constexpr int kMinSeconds = 2;
 // Seconds in which both were seen, of those of the one seen less, of a slip's pair at most:
 // around the slip itself both may be.
 constexpr double kMaxTogether = 0.15;
 
-// What a pair has in common.
+// Common cells and seconds of a pair.
 struct Overlap {
   std::vector<std::pair<CellGrid::Cell, CellGrid::Cell>> cells;  // of a, of b
   double separation_m = 0.0;

@@ -6,8 +6,8 @@
 namespace plumbline {
 namespace {
 
-// Seconds so near to each other are one look at a place: a jolt that is over within a second
-// is no contradiction between times.
+// Least distance in time between two looks at a place: a jolt that is over within a second is
+// no contradiction between times.
 constexpr int kApart = 2;  // s
 
 }  // namespace

@@ -16,8 +16,8 @@ using Kinds = std::array<double, SecondOfMotion::kNumKinds>;
 // What is usual is what all but the hardest tenth of the seconds show, for each kind by
 // itself.
 constexpr double kUsualShare = 0.9;
-// A jump accelerates so many times as far, and at least so far: 10 cm within a knot interval
-// of an eighth of a second are 6 m/s^2, what a person carrying a rig reaches at a jolt.
+// An acceleration is a jump if it is kTimesUsual times the usual one and above kMinJump: 10 cm
+// within an eighth of a second are 6 m/s^2, what a person carrying a rig reaches at a jolt.
 constexpr double kTimesUsual = 3.0;
 constexpr Kinds kMinJump = {6.0, 6.0, 20.0, 6.0};
 // A rig that hardly ever rises or tilts jumps with less.
@@ -25,15 +25,16 @@ constexpr double kFarTimesUsual = 6.0;
 constexpr Kinds kMinFarJump = {6.0, 1.0, 20.0, 1.0};
 // At the ends of what is mapped the scans of one side alone determine the spline.
 constexpr int64_t kNumEndKnots = 2;
-// So many times where this share of at least so many places is contradicted as well.
+// Multiple of the usual acceleration where also this share of at least kMinPlaces places is
+// contradicted.
 constexpr double kTimesUsualWithPassages = 2.0;
 constexpr double kPassages = 0.05;
 constexpr double kMinPlaces = 40.0;
 
 // Walls are wider than this, floors and ceilings both ways. Treads and whoever walks are not.
 constexpr double kMaxNarrow = 1.0;  // m
-// A direction is not shown where wide surfaces give it so many times worse than they usually
-// give one.
+// A direction is unobservable if its standard deviation from wide surfaces is this multiple of
+// the usual one.
 constexpr double kTimesUsualStddev = 4.0;
 constexpr double kMinStddev = 0.003;  // m
 // What hardly any rig does while nothing shows it; a person on stairs reaches 3 m/s^2 in
@@ -41,8 +42,9 @@ constexpr double kMinStddev = 0.003;  // m
 constexpr double kMinHorizontal = 2.5;  // m/s^2
 constexpr double kMinVertical = 4.0;    // m/s^2
 
-// A glitch: the share of points on planes falls to so much of its median over kNeighbours
-// intervals before and after, and the acceleration is so many times the usual.
+// A glitch: the share of points on planes falls below kGlitchSupport of its median over
+// kNeighbours intervals before and after, and the acceleration is kGlitchTimesUsual times the
+// usual one.
 constexpr double kGlitchSupport = 0.85;
 constexpr double kGlitchTimesUsual = 1.5;
 constexpr Kinds kMinGlitch = {3.5, 1.0, 15.0, 0.5};
@@ -70,7 +72,8 @@ Kinds Usual(const std::vector<SecondOfMotion>& motion) {
   return usual;
 }
 
-// Whether an acceleration exceeds so many times the usual one of its kind, and its minimum.
+// Returns whether an acceleration exceeds times_usual times the usual one of its kind, and the
+// minimum.
 bool Exceeds(const SecondOfMotion& second,
              const Kinds& usual,
              double times_usual,
@@ -121,7 +124,7 @@ struct SupportedAcceleration {
   double usual_information = 0.0;  // the mean of three directions
 };
 
-// Of all knots before which scans were taken.
+// Accelerations of all knots before which scans were taken.
 std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
                                                           const MapState& state) {
   std::vector<LandmarkView> planes;

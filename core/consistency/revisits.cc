@@ -26,8 +26,8 @@ constexpr double kPriorShift = 0.5;  // m
 constexpr double kPriorTurn = 0.05;  // rad
 constexpr int kMinSegments = 20;
 constexpr int kMinTaken = 3;  // segments that a plane is demanded by
-// A place that a later visit sees so far off has moved: in a right map it is a few
-// millimetres.
+// Shift and turn of a place between two visits beyond which the map has slipped: in a right
+// map it is a few millimetres.
 constexpr double kMaxShift = 0.04;               // m
 constexpr double kMaxTurn = 0.7 * M_PI / 180.0;  // rad
 

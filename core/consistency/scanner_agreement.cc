@@ -24,8 +24,8 @@ constexpr int kFrozenPercent = 50;  // of a second's lines
 // A scanner with so small a share of the points on planes that the others have shows something
 // else than the building.
 constexpr double kMinUsedRatio = 0.3;
-// Scanners whose views of a plane differ by so many times the noise, and by so much, do not
-// sit where the rig file says, or not at the same time.
+// Difference between two scanners' views of a plane, in multiples of the noise and in metres,
+// beyond which a pose or clock of the rig file is wrong.
 constexpr double kMaxDifferenceRatio = 4.0;
 constexpr double kMaxDifference = 0.03;  // m
 constexpr int kMinDifferences = 20;

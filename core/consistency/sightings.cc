@@ -23,7 +23,7 @@ constexpr double kMinMargin = 0.06;  // m
 constexpr double kMarginSigmas = 3.0;
 // A segment's point lies on its plane within this; farther off it is another's.
 constexpr double kOnPlane = 0.1;  // m
-// One beam of so many of a segment is followed, and at most kMaxBeams.
+// Number of points of a segment for each beam that is followed; at most kMaxBeams.
 constexpr int kPointsPerBeam = 6;
 constexpr int kMaxBeams = 8;
 

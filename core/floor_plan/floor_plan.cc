@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNoiseSigmas = 5.0;  // beams count as passing up to so far before their end
+constexpr double kNoiseSigmas = 5.0;  // of a beam's range: nearer to its end it does not pass
 constexpr double kMinMarginM = 0.1;
 
 std::vector<Eigen::Vector2d> PosesIn(const StoreyLevel& level,

@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-// Of a storey, from 0: "floor_plan.svg", "floor_plan_2.svg", ...
+// Name of the drawing of a storey, from 0: "floor_plan.svg", "floor_plan_2.svg", ...
 std::string StoreyFileName(size_t storey, const std::string& extension) {
   return "floor_plan" + (storey == 0 ? std::string() : "_" + std::to_string(storey + 1)) +
          "." + extension;

@@ -240,7 +240,7 @@ void DrawTexts(const StoreyPlan& storey, const Paper& paper, SvgText* svg) {
   svg->Close();
 }
 
-// What the signs mean, in a row below the drawing.
+// Draws the legend, in a row below the drawing.
 void DrawLegend(double top, SvgText* svg) {
   constexpr double kSignMm = 8.0;
   constexpr double kHighMm = 2.4;

@@ -215,7 +215,7 @@ class TextPlacer {
   PlanTexts texts_;
 };
 
-// Of a room's label, mm.
+// Size of a room's label, mm.
 constexpr double kCircleHeightMm = 5.4;
 constexpr double kAreaHeightMm = 4.0;
 constexpr double kStddevHeightMm = 2.6;

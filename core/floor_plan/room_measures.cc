@@ -131,7 +131,7 @@ Eigen::Vector2d InnerPoint(const Room& room) {
   return best;
 }
 
-// Of the level surfaces over the label, between two heights, the one with most points.
+// Returns the level surface over the label, between two heights, with most points.
 const PlanePatch* LevelSurface(const std::vector<PlanePatch>& planes,
                                const Eigen::Vector2d& label,
                                double direction,
@@ -149,7 +149,8 @@ const PlanePatch* LevelSurface(const std::vector<PlanePatch>& planes,
 }
 
 void MeasureHeight(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
-  constexpr double kFloorStepM = 0.6;  // a room's floor may be so much off that of the storey
+  constexpr double kFloorStepM =
+      0.6;  // largest difference of a room's floor from the storey's
   constexpr double kMinHeightM = 1.8;
   constexpr double kCeilingStepM = 0.5;  // above the storey's: rooms are not all as high
   if (!level.has_floor) return;

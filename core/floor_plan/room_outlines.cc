@@ -73,7 +73,7 @@ bool GoesOn(const StoreyRegions& regions,
          a.dot(b) > 0.0;
 }
 
-// Of the surfaces of the run's face, the one that was hit most along it.
+// Returns the surface of the run's face that was hit most along it.
 size_t StrongestPlane(const WallFace& face, double from, double to) {
   if (from > to) std::swap(from, to);
   size_t best = 0;

@@ -107,7 +107,7 @@ class SolidFinder {
     return room >= 0 && kept_[static_cast<size_t>(room)];
   }
 
-  // What rooms enclose: pillars, shafts.
+  // Solids that rooms enclose: pillars, shafts.
   void MarkEnclosed() {
     constexpr double kMaxAreaM2 = 4.0;
     std::vector<std::vector<int>> neighbours(solid_.size());
@@ -295,7 +295,7 @@ std::vector<FaceWindow> WithoutPosts(std::vector<FaceWindow> panes) {
       windows.push_back(pane);
       continue;
     }
-    // Of either width, one jamb is left.
+    // Either width has one jamb left.
     FaceWindow& window = windows.back();
     window.to_m = std::max(window.to_m, pane.to_m);
     window.stddev_m = std::sqrt(0.5) * std::hypot(window.stddev_m, pane.stddev_m);

@@ -42,7 +42,7 @@ const PlanePatch* FloorBelow(const std::vector<const PlanePatch*>& floors,
   return below;
 }
 
-// Of the level ceilings between two heights, the one with most points.
+// Returns the level ceiling between two heights with most points.
 const PlanePatch* CeilingBetween(const std::vector<PlanePatch>& planes,
                                  double low_m,
                                  double high_m) {

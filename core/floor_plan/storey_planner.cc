@@ -184,9 +184,9 @@ class SquareMap {
   std::vector<std::vector<Run>> rows_;
 };
 
-// Of each cell, whether it lies outdoors: at the frame or beyond, where the rig never was and
-// into which no wall looks. Beams go there through windows and open doors, and see the ground.
-// inside_m: of each cell, how much of walls' faces looks into it.
+// Returns for each cell whether it lies outdoors: at the frame or beyond, where the rig never
+// was and into which no wall looks. Beams go there through windows and open doors, and see the
+// ground. inside_m: of each cell, how much of walls' faces looks into it.
 std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
                                const std::vector<bool>& rig_in_cell,
                                const std::vector<double>& inside_m) {
@@ -202,7 +202,7 @@ std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
   return outdoors;
 }
 
-// What speaks for and against a cell being free, without the beams that passed it.
+// Evidence for and against a cell being free, without the beams that passed it.
 struct WallEvidence {
   std::vector<CellCost> cells;
   std::vector<BorderCost> borders;

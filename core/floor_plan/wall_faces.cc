@@ -27,7 +27,7 @@ struct Extent {
   double length_m() const { return last_s - first_s; }
 };
 
-// What the points of one surface say of it as a wall.
+// Counts of the points of one surface, as a wall.
 struct SurfaceHits {
   size_t in_band = 0;
   std::vector<float> heights_m;  // above the floor, of all its points in the storey
@@ -35,9 +35,9 @@ struct SurfaceHits {
   Extent in_band_extent;
   Extent extent;  // of all of them
 
-  // Of the ceiling above the floor.
+  // Height of the ceiling above the floor.
   double ClearHeight() const { return sum_clear_m / static_cast<double>(heights_m.size()); }
-  // Where it is as a wall.
+  // Range of the parameter in which it is a wall.
   const Extent& Wall() const { return in_band >= kMinHits ? in_band_extent : extent; }
 };
 

@@ -262,7 +262,7 @@ class GapCloser {
     }
     const bool is_hidden = gap.open <= kMaxHiddenOpen && gap.width_m() <= kMaxHiddenM;
     if (gap.width_m() <= kMaxDoorM || is_hidden || IsRecess(gap)) {
-      // What is narrower than a door, and leads out of doors, is a pane beside a post.
+      // A gap that is narrower than a door, and leads out of doors, is a pane beside a post.
       if (gap.IsOpen() && gap.width_m() < kMinDoorM && !gap.LeadsIndoors()) MarkWindow(gap);
       CloseAs(gap, ColumnState::kBridged);
     }

@@ -10,7 +10,7 @@ namespace {
 // With fewer points, of fewer scans, a distribution says too little.
 constexpr int kMinPoints = 5;
 constexpr int kMinScans = 2;
-// With so many points a cell takes in no more.
+// Number of points after which a cell takes in no more.
 constexpr int kEnoughPoints = 60;
 // The directions are found anew when a cell has grown by this share.
 constexpr double kGrowth = 1.3;
@@ -19,9 +19,9 @@ constexpr double kGrowth = 1.3;
 constexpr double kMaxThickness = 0.12;
 // Across a direction with more spread than this the points cover a patch.
 constexpr double kMinSpread = 0.15;
-// A post takes so many points of a scan. Far along a wall a cell takes one of a level scan
-// line, at much the same spot each time: a post that would go along with the rig. Where all
-// scanners are level the scan lines are taken to be dense enough.
+// Least number of points of a scan on a post. Far along a wall a cell gets one point of a
+// level scan line, at much the same spot each time: a post that would go along with the rig.
+// Scan lines of rigs with level scanners alone are taken to be dense enough.
 constexpr double kMinPerScanOfPost = 2.5;
 // A scan plane is level where its normal's vertical part is at least this.
 constexpr double kLevel = 0.96;

@@ -13,8 +13,9 @@ constexpr int64_t kOffset = int64_t{1} << (kBits - 1);
 constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
 // Counts are halved when one reaches this: what is seen now weighs more than what was.
 constexpr uint16_t kMaxCount = 4096;
-// A cell is empty where so many beams have passed, and of these fewer than one in kMaxEndShare
-// ended. Beams that run along a wall pass through its cells too: one in ten ends there.
+// A cell is empty if at least kMinPasses beams have passed, and fewer than one for
+// kMaxEndShare of these ended in it. Beams along a wall pass through its cells too: one in ten
+// ends there.
 constexpr int kMinPasses = 4;
 constexpr int kMaxEndShare = 20;
 

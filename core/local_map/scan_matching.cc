@@ -14,11 +14,11 @@
 namespace plumbline {
 namespace {
 
-// What deviates by more than this many standard deviations hardly counts (Geman-McClure).
+// Standard deviations beyond which a point hardly counts (Geman-McClure).
 constexpr double kRobustWidth = 3.0;
-// Points within so many standard deviations agree with the local map.
+// Standard deviations within which a point agrees with the local map.
 constexpr double kNear = 3.0;
-// A surface's deviation is the same for so long: a beam's spot moves on by a cell's side with
+// Time over which a surface's deviation repeats: a beam's spot moves on by a cell's side with
 // a rig at walking pace.
 constexpr double kRepeatTime = 0.4;  // s
 // Turns to either side that are tried: what lies between two of them moves points 4 m away by
@@ -29,27 +29,27 @@ constexpr double kTurnSigmas = 2.5;
 constexpr int kTurnLevel = 1;
 // Gauss-Newton steps with the cells of one level.
 constexpr int kRoundsPerLevel = 6;
-// Where so many of the points lie near what the local map has, no other start is tried.
+// Share of the points near the local map above which no other start is tried.
 constexpr double kGoodShare = 0.6;
 constexpr double kSmallStep = 1e-3;      // rad and m
 constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
 // One correction of the pose serves points of so short a time.
 constexpr int64_t kMaxSpanNs = 25'000'000;
-// The coarse levels take every so many-th point.
+// Coarse levels take one point of this number.
 constexpr size_t kCoarseStride = 3;
 // Side of the cells that tell what moves: half of what a person is wide. Points lie off by up
 // to the margin for the noise and the prediction of the poses.
 constexpr double kOccupancyCell = 0.2;  // m
 constexpr double kMovingMargin = 0.1;   // m
-// Where less than this share of a scan moves, the scans of the next moment are not looked at.
+// Share of moving points below which the scans of the next moment are not tested.
 constexpr double kStillShare = 0.01;
 constexpr double kStillTime = 0.1;  // s
-// Over so long it is found whether something moves.
+// Time over which SeesMotion() averages.
 constexpr double kMotionTime = 2.0;  // s
 // With a larger share of the points in the way, the pose is wrong.
 constexpr double kMaxMovingShare = 0.4;
-// So many beams a scan line are traced through the cells, and not in every scan: somebody who
-// walks has hardly moved.
+// Number of beams of a scan line that are traced through the cells, and how often: from scan
+// to scan, somebody who walks has hardly moved.
 constexpr size_t kTracedBeams = 60;
 constexpr double kTracePeriod = 0.05;  // s
 // The local map forgets at these intervals.
@@ -269,7 +269,7 @@ MotionVector ScanMatcher::BestTurn(const Trajectory& trajectory,
       static_cast<int>(std::min(kMaxTurn, kTurnSigmas * std::sqrt(variance)) / kTurnStep);
   MotionVector best = MotionVector::Zero();
   if (num_steps == 0) return best;
-  // What is to be expected of the whole motion where the heading at the end is off.
+  // Expected error of the whole motion, given an error of the heading at its end.
   const MotionVector by_yaw = covariance.col(kYawAtEnd) / variance;
   int best_num_near = -1;
   for (int step = -num_steps; step <= num_steps; ++step) {

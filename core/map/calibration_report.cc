@@ -81,7 +81,7 @@ Calibration DescribeCalibration(const Rig& stated,
     const ScannerBlock off = BlockBetween(stated.scanners[i], calibrated.scanners[i]);
     for (size_t k = 0; k < kParameters.size(); ++k, ++row) {
       const auto& [name, words, unit] = kParameters[k];
-      // What is held is as uncertain as the rig file has it.
+      // Held parameters are as uncertain as the rig file states.
       const bool is_of_body = scanner.is_body && k != kScannerRangeAt;
       const double prior_sigma =
           is_of_body ? 0.0 : StatedSigmas(rig.scanners[i].uncertainty)[k];
@@ -98,7 +98,7 @@ Calibration DescribeCalibration(const Rig& stated,
   const Eigen::Map<const Eigen::VectorXd> scale(to_units.data(),
                                                 static_cast<Eigen::Index>(to_units.size()));
   described.covariance = scale.asDiagonal() * covariance(rows, rows) * scale.asDiagonal();
-  // What the motion can not show is as the rig file has it.
+  // Unobservable parameters are as the rig file states.
   Eigen::Index at = 0;
   for (const CalibratedScanner& scanner : described.scanners) {
     for (const CalibratedParameter& parameter : scanner.parameters) {

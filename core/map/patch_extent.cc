@@ -111,7 +111,7 @@ bool PatchExtent::GoesOnBeyond(const Eigen::Vector3d& p_world,
                                const Eigen::Vector3d& direction_world) const {
   constexpr double kFrom = 0.3;  // m, past an edge's own cell
   constexpr double kTo = 3.0;    // m, more than a door is wide
-  constexpr int kMinShare = 10;  // of the segments before the point, one in so many
+  constexpr int kMinShare = 10;  // segments before the point for each that lies beyond it
   const Eigen::Vector2d p = Project(p_world);
   const Eigen::Vector2d direction(axes_.u.dot(direction_world), axes_.v.dot(direction_world));
   const auto count_at = [&](double away_m) {

@@ -30,7 +30,7 @@ double WayAt(int64_t time_ns,
                               SecondsBetween((*scan)->time_ns, next->time_ns);
 }
 
-// Where a visit's correction takes a position, and by which turn.
+// Returns the pose after a visit's correction.
 PlanarPose Corrected(const Visit& visit,
                      const PlanarPose& world_from_visit,
                      const Eigen::Vector2d& position) {

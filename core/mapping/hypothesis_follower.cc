@@ -14,16 +14,16 @@
 namespace plumbline {
 namespace {
 
-// The hypotheses are compared once walls have held one of them for so long.
+// Time for which walls must have held one hypothesis before both are compared.
 constexpr double kHeldTime = 0.5;  // s
 // They go on side by side for no longer than this.
 constexpr double kMaxTime = 4.0;  // s
 // Standard deviations by which the sum of the scans' differences has to be above zero, so that
 // chance does not decide for the motion.
 constexpr double kSignificance = 3.0;
-// What contradicts the wheels: a motion that is so many of their standard deviations off,
-// besides what poses are known to while no wall holds them, and at least twice as far off as
-// that of the other hypothesis.
+// A motion contradicts the wheels if it is off by this number of standard deviations, of the
+// wheels and of poses that no wall holds, and at least twice as far as that of the other
+// hypothesis.
 constexpr double kMaxWheelDeviation = 4.0;
 constexpr double kPositionStddev = 0.05;  // m
 constexpr double kHeadingStddev = 0.05;   // rad

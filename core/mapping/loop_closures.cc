@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-// Surfaces that come back into view within so long of each other belong to one return.
+// Surfaces that come back into view within this time of each other belong to one return.
 constexpr double kReturnTime = 5.0;  // s
 // Two visits see one surface to within this, whatever their statistic: furniture moves more,
 // and rigs are calibrated better.
@@ -44,7 +44,7 @@ class MeanDeviation {
   int num_segments_ = 0;
 };
 
-// What the scans saw of a landmark between two absences.
+// The observations of a landmark between two absences.
 struct Visit {
   int landmark_id = 0;
   int first_scan = 0;

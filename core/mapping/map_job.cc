@@ -363,7 +363,7 @@ ReportJob ReportOf(const ResultDirectory& output,
   return report;
 }
 
-// Where the run keeps its checkpoint, and that of a killed one which it goes on with.
+// Paths of the checkpoint of this run, and of a killed one that it continues.
 CheckpointFiles Checkpoint(const MapJob& job,
                            const MapperOptions& options,
                            const ResultDirectory& output) {

@@ -64,7 +64,7 @@ PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const Map
       state.landmarks, std::move(patches), last.landmark_covariance(rows, rows));
 }
 
-// What was seen where a map could not be estimated, and what to try.
+// States what was seen where a map could not be estimated, and what to try.
 std::string FailureInWords(const std::string& what, const MapState& state) {
   const auto has_plane = [](const Observation& observation) {
     return observation.landmark_id >= 0;

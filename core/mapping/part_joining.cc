@@ -21,16 +21,17 @@
 namespace plumbline {
 namespace {
 
-// The motion before a gap foretells for so long where the rig comes to, to so much. Surfaces
-// that match do not tell a place from another one that looks like it.
+// Longest gap over which the motion predicts where the rig comes to, and the accuracy.
+// Matching surfaces alone do not tell a place from one that looks like it.
 constexpr double kMaxForeseen = 3.5;   // s
 constexpr double kMaxDeviation = 2.0;  // m
-// Heights within this are one; so much of what both parts saw has to agree on it.
+// Largest difference of equal heights, and the least share of what both parts saw that has to
+// agree.
 constexpr double kSameHeight = 0.05;      // m
 constexpr double kMinAgreement = 0.7;     // share of the segments on floors and ceilings
 constexpr int kMinSegmentsOnFloors = 20;  // that both parts saw
-// Surfaces of two parts are one where they lie so near to each other, as poses that were
-// matched from above are known.
+// Largest distance and angle between surfaces of two parts that are one: the accuracy of poses
+// matched from above.
 constexpr double kMaxDistance = 0.15;   // m
 constexpr double kMinCosine = 0.996;    // of the normals, 5 degrees
 constexpr double kMaxGapBetween = 0.5;  // m, along them
@@ -212,7 +213,7 @@ void Append(const Rig& rig, FollowedPart later, FollowedPart* earlier) {
   earlier->ended_by = later.ended_by;
 }
 
-// Where the motion at the end of a part leads to in a time.
+// Returns the pose to which the motion at the end of a part leads in a time.
 Eigen::Vector3d Foreseen(const FollowedPart& part, double time_s) {
   const int64_t end_ns = part.scan_times_ns.back();
   Eigen::Vector3d angular;
@@ -221,8 +222,8 @@ Eigen::Vector3d Foreseen(const FollowedPart& part, double time_s) {
   return part.state.trajectory.WorldFromBody(end_ns).translation + time_s * linear;
 }
 
-// Where the later part lies in the frame of the earlier one, or in words why that is not
-// known.
+// Returns the pose of the later part in the frame of the earlier one, or in words why it is
+// not known.
 std::optional<Rigid3d> PoseOf(const Rig& rig,
                               bool planar,
                               const FollowedPart& earlier,

@@ -12,10 +12,10 @@
 namespace plumbline {
 namespace {
 
-// Of the segments on walls so many give a beam.
+// One segment on a wall of this number gives a beam.
 constexpr int kBeamStride = 4;
-// Walls and beams are compared in a slice so far below and above the scanner: over a door
-// there is a wall, and beams pass below it.
+// Half the height of the slice about the scanner in which walls and beams are compared: over a
+// door there is a wall, and beams pass below it.
 constexpr double kHalfSlice = 0.4;  // m
 
 // How far apart neighbouring points of a segment are at its ends, the farther ones: between

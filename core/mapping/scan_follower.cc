@@ -34,14 +34,14 @@ namespace {
 // From scan to scan the rig's position is known to this even while nothing determines it.
 constexpr double kMaxRelativeStddev = 0.05;  // m
 
-// Traces so near to a slope that their scan plane grazes found no wall: sloped planes are
-// known to this at their far ends.
+// Distance from a slope that their scan plane grazes within which traces found no wall: the
+// accuracy of sloped planes at their far ends.
 constexpr double kOnGrazed = 0.15;  // m
 
 // A direction that no normal comes nearer to than a right angle less 20 degrees is open.
 constexpr double kMinHeldSine = 0.34;
 
-// What a pose's covariance leaves for planes that were seen in the last scans.
+// Returns the part of a pose's covariance that concerns planes seen in the last scans.
 Matrix6d Relative(const Matrix6d& covariance) {
   const double variance = covariance.bottomRightCorner<3, 3>().trace();
   return covariance * std::min(1.0, kMaxRelativeStddev * kMaxRelativeStddev / variance);
@@ -285,7 +285,7 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   PoseGaussian newest = window_->Solve(now_ns, window_s);
   state_->calibration.ApplyTo(&rig_);
   tracker_->Reset(now_ns, std::move(newest));
-  // What has left the window will not change before the batch.
+  // Poses that have left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
   num_calibrated_ = window_->start();
   for (const auto& [into, from] :

@@ -17,7 +17,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kAbsence = 20.0;  // s, of a wall, between two visits
-// Walls of two visits are one where they lie so near to each other, as places are known again.
+// Largest distance and angle between walls of two visits that are one: the accuracy of places
+// seen again.
 constexpr double kMaxDistance = 0.15;   // m
 constexpr double kMinCosine = 0.996;    // of the normals, 5 degrees
 constexpr double kMaxGapBetween = 0.5;  // m, along them

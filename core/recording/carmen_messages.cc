@@ -64,7 +64,7 @@ bool ParseTime(std::string_view word, int64_t* time_ns) {
   return true;
 }
 
-// What every line ends with; nothing may follow.
+// The fields at the end of every line; nothing may follow.
 bool TakeTail(WordCursor* cursor, int64_t* time_ns) {
   std::string_view time;
   std::string_view rest;
@@ -109,7 +109,7 @@ void SetUsualAngles(ScanLineMessage* message) {
   message->angle_increment = static_cast<float>(increment);
 }
 
-// What the log says of the scanner before a number of ranges.
+// The fields on the scanner before the number of ranges.
 bool TakeScannerConfig(WordCursor* cursor, ScanLineMessage* message) {
   float field_of_view = 0.0f;
   return cursor->Skip(1) && cursor->Take(&message->angle_min) &&

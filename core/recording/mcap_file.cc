@@ -157,7 +157,7 @@ uint64_t McapFile::ReadChunk(const McapRecord& record, uint64_t position) {
   return std::min(NextChunkPosition(position), std::min(record.end(), file_->size()));
 }
 
-// Where the messages in a chunk begin, by the index behind it, increasing.
+// Returns where the messages in a chunk begin, by the index behind it, increasing.
 std::vector<uint64_t> McapFile::MessageOffsets(uint64_t chunk_end) {
   std::vector<uint64_t> offsets;
   for (uint64_t position = chunk_end; position < file_->size();) {

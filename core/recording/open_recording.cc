@@ -22,7 +22,7 @@ namespace {
 
 constexpr size_t kHeadBytes = 4096;
 
-// What the user may take for a recording, by how its bytes begin.
+// Kinds of files that a user may take for a recording, by their first bytes.
 struct Look {
   std::string_view bytes;
   const char* text;

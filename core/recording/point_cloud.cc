@@ -20,11 +20,11 @@ constexpr double kSameDirectionRad = 1e-6;
 constexpr double kMaxSpanRad = 2.0 * M_PI + 1e-3;
 // Rounding of coordinates, not a scanner's own irregularity.
 constexpr double kMaxAngleResidualRad = 1e-5;
-// Of the time from beam to beam.
+// Tolerance of the time from beam to beam.
 constexpr double kMaxTimeResidual = 0.25;
 // Where times are irregular, the instant of a beam may be off by this: a rig walks 1 mm.
 constexpr double kMaxTimeErrorS = 1e-3;
-// Of the beams, at most so many had no return.
+// Largest number of beams for each point: the others had no return.
 constexpr size_t kMaxBeamsPerPoint = 20;
 
 struct Field {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kNumCovariances = 36;
 
-// What a LaserScan and a MultiEchoLaserScan begin with.
+// The first fields of a LaserScan and a MultiEchoLaserScan.
 bool TakeScanHead(SerialReader* reader, ScanLineMessage* message) {
   float angle_max = 0.0f;
   float scan_time = 0.0f;

@@ -35,8 +35,8 @@ void AppendBytes(const T& value, std::vector<uint8_t>* bytes) {
   bytes->insert(bytes->end(), first, first + sizeof(T));
 }
 
-// Makes one array of all first bytes, all second bytes, ... of numbers of so many bytes: such
-// arrays pack well.
+// Makes one array of all first bytes, all second bytes, ... of numbers of number_bytes bytes:
+// such arrays pack well.
 std::vector<uint8_t> BytesByPlace(const std::vector<uint8_t>& bytes, size_t number_bytes) {
   std::vector<uint8_t> by_place;
   by_place.reserve(bytes.size());
@@ -46,7 +46,8 @@ std::vector<uint8_t> BytesByPlace(const std::vector<uint8_t>& bytes, size_t numb
   return by_place;
 }
 
-// Indices of an even selection of so many of `size` elements, the first and the last included.
+// Returns the indices of an even selection of `count` of `size` elements, the first and the
+// last included.
 std::vector<size_t> EvenSelection(size_t size, size_t count) {
   std::vector<size_t> selection;
   const size_t kept = std::min(size, count);
@@ -133,7 +134,8 @@ DataSection PoseSection(const std::vector<StampedPose>& poses,
   return section;
 }
 
-// The planes with most points, in the result's order, that have so many parameters together.
+// Returns the planes with most points whose parameters together fit the report's covariance,
+// in the result's order.
 std::vector<size_t> LargestPlanes(const std::vector<PlanePatch>& planes) {
   std::vector<size_t> order(planes.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;

@@ -32,8 +32,8 @@ std::string SecondsText(int64_t time_ns) {
   return text;
 }
 
-// With so many digits after the point. printf's %f and %e, faster: a trajectory has hundreds
-// of thousands of numbers.
+// Appends a number with `digits` digits after the point: printf's %f and %e, faster, since a
+// trajectory has hundreds of thousands of numbers.
 void AppendNumber(double value, std::chars_format format, int digits, std::string* text) {
   std::array<char, 400> number;  // the largest double has 309 digits before the point
   const auto [end, error] =

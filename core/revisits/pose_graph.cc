@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-// Edges that may be wrong count in full up to so many standard deviations.
+// Standard deviations up to which an edge that may be wrong counts in full.
 constexpr double kLossWidth = 2.0;
 
 // [R(from)^T (p_to - p_from) - t; heading_to - heading_from - turn], of poses (x, y, heading).

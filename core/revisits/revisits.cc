@@ -33,12 +33,12 @@ constexpr double kTurnDrift = 0.02;
 // Errors of a match besides those of the surfaces: visits are not quite rigid.
 constexpr double kMatchStddev = 0.03;          // m
 constexpr double kMatchHeadingStddev = 0.004;  // rad
-// What a match knows at least of any direction.
+// Standard deviations of a match in a direction that it leaves open.
 constexpr double kOpenStddev = 10.0;        // m
 constexpr double kOpenHeadingStddev = 1.0;  // rad
 constexpr double kMaxDeviation = 4.0;       // standard deviations, of a closure that holds
 
-// What a visit is matched by.
+// The data by which a visit is matched.
 struct Prepared {
   explicit Prepared(const Visit& visit) : grid(visit), surface(visit) {}
   VisitGrid grid;

@@ -16,7 +16,7 @@ constexpr double kMaxRange = 15.0;  // m
 // Scan lines of one scanner are taken at so different poses.
 constexpr double kMinWay = 0.15;  // m
 constexpr double kMinTurn = 0.1;  // rad
-// A beam is no stray where it ends so near to the one before it.
+// A beam is no stray if it ends within this distance of the one before it.
 constexpr double kMaxStep = 0.5;  // m
 
 constexpr double kStride = 2.0;   // m of the way, from visit to visit

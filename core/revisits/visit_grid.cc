@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-// Of points about the surface that they lie on: noise, uneven walls, and half a cell.
+// Spread of points about the surface that they lie on: noise, uneven walls, and half a cell.
 constexpr double kStddev = 0.12;  // m
 constexpr double kReach = 0.35;   // m, beyond which a surface says nothing
 constexpr int8_t kPassed = -30;   // hundredths

@@ -15,7 +15,7 @@ constexpr size_t kMinPoints = 50;
 constexpr double kTurnStep = 0.02;  // rad, between poses that are tried
 constexpr double kMinScore =
     0.2;  // of the mean fit of the points, below which nothing is in common
-// A place is another one from so far away on.
+// Shift and turn beyond which a match is at another place.
 constexpr double kElsewhere = 0.8;      // m
 constexpr double kElsewhereTurn = 0.2;  // rad
 // Of a match: the part of the points where the earlier visit knows something, of these the
@@ -31,7 +31,7 @@ constexpr double kWidths[] = {
 constexpr double kMaxSpotDistance = 0.35;                                             // m
 constexpr double kSurfaceStddev = 0.05;                                               // m
 constexpr double kPointsPerMeasurement = 10.0;  // neighbours deviate alike
-// What holds a direction that the lines leave open.
+// Prior that holds a direction that the lines leave open.
 constexpr double kGuessStddev = 1.0;         // m
 constexpr double kGuessHeadingStddev = 0.1;  // rad
 

@@ -335,7 +335,7 @@ int Segmenter::PassDoubtful(
 void Segmenter::LeaveOutBetween(LinePiece* a, LinePiece* b) const {
   int last_of_a = a->last;
   int first_of_b = b->first;
-  // Where the lines intersect so near that the split may just as well be there, it is there.
+  // If the lines intersect where the split may be as well, it is at the intersection.
   const double any = std::numeric_limits<double>::infinity();
   const int low = PassDoubtful(a->last, a->first, -1, any, *a, *b);
   const int high = PassDoubtful(b->first, b->last, 1, any, *a, *b);

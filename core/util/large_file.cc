@@ -85,7 +85,7 @@ void LargeFile::WriteAt(const char* data, size_t size, int64_t offset) {
     const ssize_t written = pwrite(file_, data, piece, offset);
     if (written < 0) {
       if (errno == EINTR) continue;
-      // What a file system asks of direct writing it tells only so.
+      // File systems state their conditions of direct writing in this way only.
       if (errno != EINVAL || !may_be_cached || !TurnDirect(false)) Fail();
       may_be_cached = false;
       continue;

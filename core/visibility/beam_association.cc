@@ -12,15 +12,15 @@
 namespace plumbline {
 namespace {
 
-// A plane that lies so far in front of what a beam has measured has let the beam pass.
+// A beam has passed a plane if its range exceeds that of the plane by this.
 constexpr double kPassed = 0.5;  // m
-// Patches reach so far beyond what segments have shown of them.
+// Distance by which patches reach beyond what segments have shown of them.
 constexpr double kMargin = 0.02;  // m
 // Surfaces less than this apart are the same to a beam.
 constexpr double kSameSigmas = 3.0;
 // Surfaces that meet at less than this angle go over into each other.
 const double kMinSmoothCosine = std::cos(10.0 * kRadiansPerDegree);
-// A run of so many beams lies on its surface as a whole.
+// Number of beams from which a run lies on its surface as a whole.
 constexpr int kLongRun = 8;
 // Beams on what lies behind a free edge make a patch larger by as much, and a little more.
 constexpr double kEdge = 0.07;  // m

@@ -8,9 +8,9 @@
 namespace plumbline {
 namespace {
 
-// So many beams are placed with one pose: a few milliseconds' worth.
+// Number of beams that are placed with one pose: a few milliseconds' worth.
 constexpr int kBeamsPerPlacement = 32;
-// So many beams between two runs on one surface do not make two segments of it.
+// Largest number of stray beams within one run on a surface.
 constexpr int kMaxBeamsBetween = 2;
 // A segment on a cylinder bows by at most this: what is compressed of it is right to second
 // order.

@@ -91,7 +91,7 @@ Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
     const Eigen::Vector2d reach = Eigen::Vector2d::Constant(plane.radius_m + kRim);
     return {plane.centre_world.head<2>() - reach, plane.centre_world.head<2>() + reach};
   }
-  // Of the width only the middle counts.
+  // Only the middle of the width counts.
   const double width = extent.max_corner().x() - extent.min_corner().x();
   const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
   const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);

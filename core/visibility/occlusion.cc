@@ -22,17 +22,17 @@ constexpr double kSafeCosine = 0.06;
 // than that, such a beam may count.
 constexpr double kGrazingCosine = 0.004;
 constexpr double kGrazingReach = 0.25;  // m
-// So many beams are looked up in the openings together, before each of them alone.
+// Number of beams that are looked up in the openings together, before each of them alone.
 constexpr int kBeamsPerLookUp = 16;
-// So many beams on both sides of an end may show an opening. Beams beyond them count for as
-// long as they go through: at a grazing angle those on the far jamb meet the plane decimetres
-// before it.
+// Number of beams beside a segment's end, on both sides, that are tested for passing through
+// the plane. Beams beyond them count for as long as they pass: at a grazing angle those on the
+// far jamb meet the plane decimetres before it.
 constexpr int kNumBeams = 8;
 // Beams beyond those count at this spacing: half a cell of the openings.
 constexpr double kSpacing = 0.01;  // m
-// So many of a segment's beams are counted, each for its share of all of them.
+// Number of a segment's beams that are counted as hits, each for its share of all of them.
 constexpr int kNumHits = 8;
-// A beam that went through a plane ended at least so far behind it.
+// Least distance behind a plane at which a beam that went through it ended.
 constexpr double kMinPassageDepth = 0.05;  // m
 
 // The point in the world where a beam meets the plane at a segment's end, p in the scanner's
@@ -119,7 +119,7 @@ void Occlusion::AddOpen(const PlaneView& view,
             beams);
     return;
   }
-  // The scanner's motion over so few beams is even.
+  // The scanner's motion is even over these few beams.
   const int64_t start_ns = BeamInstantNs(span.first);
   const int64_t end_ns = BeamInstantNs(span.last);
   const double share = 1.0 / std::max(1, span.last - span.first);

@@ -10,7 +10,7 @@ constexpr double kWidePerMetre = 4.0;     // cells of 0.25 m
 constexpr double kWide = 1.0 / kWidePerMetre;
 // Beams farther than this from a plane's bounding rectangle show nothing of the plane.
 constexpr double kMargin = 1.0;  // m
-// A single beam may be wrong: so many have to agree.
+// Least number of beams that have to agree: a single one may be wrong.
 constexpr int kMinCount = 2;
 // An opening lets at least this share of the beams through...
 constexpr double kMinShare = 0.1;
@@ -36,7 +36,7 @@ bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || h
 
 size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
 
-// The cell that lies so many cells further along the narrow side.
+// Returns the cell `aside` cells further along the narrow side.
 CellGrid::Cell Beside(const CellGrid::Cell& cell, int aside, bool narrow_along_u) {
   return narrow_along_u ? CellGrid::Cell(cell.first + aside, cell.second)
                         : CellGrid::Cell(cell.first, cell.second + aside);

@@ -27,13 +27,13 @@
 namespace plumbline {
 namespace {
 
-// With loop closure off, a plane bounds segments for so many times the gap after which it is
-// not taken up again: a surface shows single beams long before it shows segments.
+// With loop closure off, a plane bounds segments for this multiple of the gap after which it
+// is not taken up again: a surface shows single beams long before it shows segments.
 constexpr int kGapFactor = 10;
-// So many beams that no segment has are placed with one pose: a few milliseconds' worth.
+// Number of beams without a segment that are placed with one pose: a few milliseconds' worth.
 constexpr int kBeamsPerPlacement = 32;
-// Planes so far beside a scan line's beams do not concern them: more than a cell, and than the
-// distance at which a plane bounds a segment.
+// Distance beside a scan line's beams beyond which planes do not concern them: more than a
+// cell, and than the distance at which a plane bounds a segment.
 constexpr double kBesideBeams = 1.0;  // m
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 

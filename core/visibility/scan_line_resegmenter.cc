@@ -51,7 +51,7 @@ ScanLineResegmenter::Bounds ScanLineResegmenter::FindBounds(const TracedEnd& tra
         traced.scan_line.BeamDirection(traced.end.beam + traced.end.step * bounds.last);
     const double own_range = traced.trace.RangeAlong(direction);
     double other_range = intersection.other.RangeAlong(direction);
-    // What lies behind may be hidden by a plane that meets this one farther out.
+    // Planes behind may be hidden by a plane that meets this one farther out.
     for (const Trace& nearer : outside) {
       const double range = nearer.RangeAlong(direction);
       if (range > own_range) other_range = std::min(other_range, range);
@@ -274,7 +274,7 @@ bool ScanLineResegmenter::ExcludeOccluded(const ScanLine& scan_line,
     int inner = *beam;
     const auto goes = [&](int i) { return is_excluded(i) || IsOff(scan_line, *end.trace, i); };
     while (is_left(inner) && goes(inner)) inner += step;
-    // So many would be a segment: this one may lie on another plane as a whole.
+    // min_points beams would be a segment: this one may lie on another plane as a whole.
     if (std::abs(inner - *beam) < options_.segmentation.min_points) *beam = inner;
   };
   trim(ends.first, 1, &range->first);

@@ -160,7 +160,7 @@ void Window::DeactivateLandmarks() {
   for (const BlockId& block : prior_.equations.blocks) {
     if (!IsLandmark(block)) continue;
     const Landmark& landmark = state_->landmarks[static_cast<size_t>(block.index)];
-    // Of a plane that is held in part, the conditional would be singular.
+    // The conditional of a plane that is held in part would be singular.
     if (landmark.heading_fixed) continue;
     if (num_solves_ - last_in_view_[block.index] >= kInactiveAfter)
       deactivated.insert(block.index);
@@ -275,7 +275,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   PoseGaussian newest_poses = NewestPoses(equations, newest);
   if (options_.window.keep_estimates) KeepEstimate(equations, newest, now_ns);
 
-  // What the planes' uncertainty is to somebody who stands at the newest pose.
+  // Covariance of the planes, given the newest pose.
   Eigen::MatrixXd covariance =
       InverseOn(equations, RowsOf(equations, [&](const BlockId& block) {
                   return !IsControlPoint(block) || block.index < newest;
@@ -317,7 +317,7 @@ void Window::LearnMotion(const NormalEquations& equations,
       Eigen::Vector3d::Constant(noise.Persistence(trajectory.knot_interval_s()))};
   const auto variance_of = [&](BlockId::Kind kind, int first) {
     const MotionPersistence& persistence = kind == BlockId::Kind::kRotation ? angular : linear;
-    // Of an innovation, in the four control points, by axis.
+    // Derivative of an innovation by the four control points, by axis.
     const Eigen::Array3d v = persistence.velocity;
     const Eigen::Array3d a = persistence.acceleration;
     Eigen::Array<double, 3, 4> weights;
@@ -326,7 +326,7 @@ void Window::LearnMotion(const NormalEquations& equations,
     const std::vector<int> rows = RowsOf(equations, [&](const BlockId& block) {
       return block.kind == kind && block.index >= first && block.index < first + 4;
     });
-    // Of a rig that moves in the plane, rotations have one row, yaw.
+    // Rotations of a rig that moves in the plane have one row, yaw.
     const auto size = static_cast<Eigen::Index>(rows.size()) / 4;
     Eigen::Vector3d variance = Eigen::Vector3d::Zero();
     for (Eigen::Index axis = 0; axis < size; ++axis) {
@@ -448,7 +448,7 @@ void Window::Marginalise(int new_start) {
   NormalEquations all = ZeroSystem(sizes);
   AddTo(past, past.blocks, &all);
   AddTo(added, added.blocks, &all);
-  // What inactive landmarks depend on stays, as a retained control point.
+  // Control points that inactive landmarks depend on stay, as retained control points.
   const auto leaves = [&](const BlockId& block) {
     return IsControlPoint(block) && block.index < new_start && !inactive_.DependsOn(block);
   };

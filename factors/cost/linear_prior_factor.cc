@@ -16,7 +16,7 @@ namespace {
 using ConstQuaternion = Eigen::Map<const Eigen::Quaterniond>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Of the parameter block of this kind.
+// Returns the size of the parameter block of this kind.
 int SizeOf(const LinearPrior::Block& block) {
   switch (block.kind) {
     case LinearPrior::Kind::kEuclidean:

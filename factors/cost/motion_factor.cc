@@ -45,7 +45,7 @@ struct RotationAccelerationFunctor {
   }
 };
 
-// What of the second of two accelerations does not follow from the first.
+// Innovation: the part of the second of two accelerations that does not follow from the first.
 template <typename AccelerationFunctor>
 struct InnovationFunctor {
   AccelerationFunctor acceleration;
@@ -87,7 +87,7 @@ std::unique_ptr<ceres::CostFunction> MakeFactor(Functor functor) {
       new Functor(functor));
 }
 
-// Of second differences.
+// Returns the whitening of second differences.
 Eigen::Vector3d Whitening(const Eigen::Vector3d& stddev, double knot_interval_s) {
   return (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
 }

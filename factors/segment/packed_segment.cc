@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-// What a row says of the three nodes.
+// Coefficients of a row for the three nodes.
 using NodeRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 }  // namespace

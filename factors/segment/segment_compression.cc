@@ -56,7 +56,7 @@ struct Root {
 using MatrixAndGradients = Eigen::Matrix<double, 12, 9>;
 
 Root Eliminate(MatrixAndGradients matrix) {
-  // Of a column less than this share is left: it is a combination of the others.
+  // A column of which less than this share is left is a combination of the others.
   constexpr double kTolerance = 1e-14;
   constexpr double kBound = 3.0;  // of the vector's norm
   Root root;

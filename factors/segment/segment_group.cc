@@ -48,8 +48,8 @@ struct LineSystem {
   // Columns: planes' parameters.
   Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
   std::vector<bool> sees_plane;
-  // Of the range bias of the line's scanner, where that is estimated: products with the poses,
-  // with the planes' parameters, with itself and with the residuals.
+  // Terms of the range bias of the line's scanner, where that is estimated: products with the
+  // poses, with the planes' parameters, with itself and with the residuals.
   LineVector range_with_poses;
   Eigen::VectorXd range_with_planes;
   double range2 = 0.0;
@@ -82,7 +82,7 @@ void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem*
   }
 }
 
-// Of a plane, wherever it is seen.
+// Returns the derivatives of a plane, which are the same wherever it is seen.
 PlaneDerivatives DerivativesOf(const SegmentGroup::Plane& plane, const double* parameters) {
   return VisitPlaneModel(plane.model, plane.chart, [&](const auto& model) {
     return DerivativesNear(model, parameters, plane.chart.anchor);
@@ -224,7 +224,7 @@ class Spread {
     std::array<Eigen::Matrix3d, kNumNodes> position;
   };
 
-  // What a form in the nodes' poses is in a control point.
+  // Converts a linear form in the nodes' poses to one in a control point.
   template <typename Vector>
   static PoseVector Gather(const NodesByControlPoint& nodes, const Vector& by_nodes) {
     PoseVector sum = PoseVector::Zero();

@@ -23,7 +23,7 @@ Eigen::Quaterniond RotationFromYaw(double yaw) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
 }
 
-// What a planar rig can observe of a pose.
+// The part of a pose that a planar rig can observe.
 Rigid3d Flatten(const Rigid3d& pose) {
   return {RotationFromYaw(Yaw(pose.rotation)),
           Eigen::Vector3d(pose.translation.x(), pose.translation.y(), 0.0)};

@@ -104,7 +104,7 @@ double ShareInside(const Polygon& a, const Polygon& b) {
 struct Overlap {
   double of_a = 0.0;
   double of_b = 0.0;
-  // Of the smaller one, whose share is the larger.
+  // Share of the smaller outline, which is the larger share.
   double OfSmaller() const { return std::max(of_a, of_b); }
 };
 

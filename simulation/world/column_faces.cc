@@ -27,7 +27,7 @@ double LongestEdge(const PlanTriangle& triangle) {
   return std::max({EdgeLength(triangle, 0), EdgeLength(triangle, 1), EdgeLength(triangle, 2)});
 }
 
-// What is free above each triangle. Triangles without width, which rounding leaves between
+// Free heights above each triangle. Triangles without width, which rounding leaves between
 // lines that coincide, take it from a neighbour behind a long edge.
 std::vector<FreeColumn> ColumnsOf(const ColumnPlan& plan,
                                   const std::vector<PlanTriangle>& triangles) {

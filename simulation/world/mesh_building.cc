@@ -17,7 +17,8 @@ namespace {
 constexpr double kSameVertex = 1e-4;  // m; single precision leaves 1e-6
 constexpr double kFlatness = 1e-3;    // m; of the vertices of one face from its plane
 constexpr double kMinArea = 1e-8;     // m^2; smaller triangles have no sure normal
-// Of the normals of one face's triangles, and of a plane from the vertical or horizontal.
+// Tolerance of the normals of one face's triangles, and of a plane from the vertical or
+// horizontal.
 const double kSameDirection = 0.1 * kRadiansPerDegree;
 
 // A triangle whose vertices are shared with its neighbours.

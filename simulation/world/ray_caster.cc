@@ -23,8 +23,8 @@ using Traits = CGAL::AABB_traits<Kernel, Primitive>;
 using Tree = CGAL::AABB_tree<Traits>;
 using TreeNode = CGAL::AABB_node<Traits>;
 
-// By so much boxes (m) and triangles (share of a side) are enlarged, so that no ray slips
-// through between two of them.
+// Enlargement of boxes (m) and triangles (share of a side), so that no ray slips through
+// between two of them.
 constexpr double kOverlap = 1e-9;
 
 Kernel::Point_3 ToPoint(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }

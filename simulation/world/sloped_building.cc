@@ -78,7 +78,7 @@ struct Storey {
   std::vector<Block> walls;     // filled; solids too
   std::vector<Block> openings;  // freed between this storey's floor and the ceiling below
 
-  // What is free before walls stand.
+  // Free heights before walls stand.
   FreeColumn RoomsAt(const Eigen::Vector2d& place) const {
     FreeColumn column;
     for (const Block& room : rooms) {
