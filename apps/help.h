@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// What a program says of itself, besides its flags, which gflags knows.
+// The description of a program, besides its flags, which gflags knows.
 struct Help {
   std::string program;
   std::string purpose;
@@ -14,7 +14,7 @@ struct Help {
   std::vector<std::string> required_flags;  // those that have to be given
 };
 
-// Returns what --help prints, in lines of at most so many characters, but for words that are
+// Returns what --help prints, in lines of at most `width` characters, but for words that are
 // longer.
 std::string HelpText(const Help& help, size_t width);
 

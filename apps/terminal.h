@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// What the programs say on a terminal: a status line that is rewritten in place, messages
+// Output of the programs on a terminal: a status line that is rewritten in place, messages
 // above it, and colours. All of it goes through here, so that nothing lands in the middle of
 // the status line.
 

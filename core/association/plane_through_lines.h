@@ -34,7 +34,7 @@ class PlaneThroughLines {
 
   int num_lines() const { return num_lines_; }
 
-  // What the lines so far tell. CHECKs that there is one.
+  // The plane through the lines taken in. CHECKs that there is one.
   struct Fit {
     Eigen::Vector3d centre_world;       // their weighted mean: the plane goes through it
     Eigen::Vector3d normal;             // of either sign

@@ -68,7 +68,7 @@ class UndecidedPlanes {
               const MeasuredLine& line,
               const Trace& trace,
               Plane* plane) const;
-  // What two scanners show the plane to be; nothing while they do not.
+  // Returns the kind of plane that two scanners show; nothing while they do not.
   std::optional<Landmark> ShownByTwo(const Plane& plane) const;
   // Makes the landmark where the traces decide which kind of plane it is.
   bool Decide(int min_scans, bool needs_age, Plane* plane) const;

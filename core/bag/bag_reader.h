@@ -44,7 +44,7 @@ class BagReader {
   // Goes through the whole bag, once. Visits the messages in the order of the file.
   void Scan(const Wants& wants, const Visit& visit);
 
-  // Those found by Scan(). A topic may have several.
+  // Returns the connections found by Scan(). A topic may have several.
   const std::vector<BagConnection>& connections() const { return connections_; }
   // How many messages of a connection Scan() found, wanted or not.
   uint64_t num_messages(size_t connection_index) const {

@@ -11,7 +11,7 @@ namespace plumbline {
 // Decoder unpacks a stream of packed bytes, piece by piece.
 class Decoder {
  public:
-  // What it did with one piece.
+  // The outcome of decoding one piece.
   struct Step {
     size_t num_taken = 0;  // packed bytes that were used
     size_t num_given = 0;  // bytes that were unpacked

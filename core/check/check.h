@@ -17,7 +17,7 @@
 
 namespace plumbline {
 
-// What can be made of a recording.
+// The kind of map that a recording allows.
 enum class Mappable { kNot, kInThePlane, kInSpace };
 
 // CheckReport is all that plumbline_check has found out.

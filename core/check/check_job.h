@@ -4,7 +4,7 @@
 
 namespace plumbline {
 
-// What plumbline_check is asked to do.
+// The job of plumbline_check.
 struct CheckJob {
   std::string recording;
   std::string rig;     // file; empty: none

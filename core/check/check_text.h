@@ -6,7 +6,8 @@
 
 namespace plumbline {
 
-// What plumbline_check prints: the verdict, a table of the topics, the findings in words.
+// The text that plumbline_check prints: the verdict, a table of the topics, the findings in
+// words.
 std::string FormatCheckText(const CheckReport& report);
 
 // check.json (docs/outputs.md). The same report gives the same bytes.

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-// What the drivers may have meant by their headers, under which the scanners agree.
+// Headers that the drivers may have meant, under which the scanners agree.
 struct OtherHeader {
   std::vector<Scanner> scanners;  // whose headers are other, as the rig file has to state them
   std::string words;             // "time_increment is wrong ..."
@@ -40,7 +40,7 @@ size_t NumPlaces(const std::vector<std::vector<SampledLine>>& sample, const Moun
 double NearShareOfAll(const std::vector<std::vector<SampledLine>>& sample,
                       const MountedRig& rig);
 
-// By how much two shares of so many places have to differ to tell which one is larger.
+// Returns the least difference of two shares of num_places places that is significant.
 double SignificantDifference(double share_a, double share_b, size_t num_places);
 
 }  // namespace plumbline

@@ -34,7 +34,7 @@ struct StepTurn {
 };
 std::vector<StepTurn> CommonTurns(const std::vector<SampledLine>& lines);
 
-// Where a scanner that is tilted sees level traces, as those of floor and ceiling.
+// Heights at which a tilted scanner sees level traces, as those of floor and ceiling.
 struct LevelTraces {
   bool is_seen = false;
   double height_m = 0.0;  // above the body's origin

@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-// Where frames stand in the rig's body, by a recording's static transforms.
+// Poses of frames in the rig's body, by a recording's static transforms.
 struct StaticFrames {
   std::string body;                                // frame that is the body; empty: none
   std::map<std::string, Rigid3d> body_from_frame;  // of the frames that were asked for

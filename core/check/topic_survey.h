@@ -23,7 +23,7 @@ struct LineStamp {
   int64_t receipt_ns = 0;
 };
 
-// What one beam angle returned over a whole recording.
+// Counts of the returns at one beam angle over a whole recording.
 struct BeamCounts {
   int num_lines = 0;
   int num_returns = 0;
@@ -32,7 +32,7 @@ struct BeamCounts {
   int num_largest = 0;           // the topic's largest finite range
 };
 
-// What one second of a topic holds.
+// Counts of one second of a topic.
 struct SurveyedSecond {
   int num_lines = 0;
   int num_repeated = 0;  // lines that hold the very ranges of the one before

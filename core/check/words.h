@@ -20,7 +20,7 @@ std::string SpansInWords(const std::vector<int64_t>& seconds, size_t min_length)
 // "left, right and rear".
 std::string Enumerate(const std::vector<std::string>& names);
 
-// Breaks a text between words into lines of at most so many letters, each with its end; the
+// Breaks a text between words into lines of at most `width` letters, each with its end; the
 // first begins with `first`, the others with `indent`.
 std::string Wrapped(const std::string& text,
                     const std::string& first,

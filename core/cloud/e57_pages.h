@@ -15,9 +15,9 @@ class E57Pages {
   E57Pages(const std::string& path, const std::string& name);
 
   void Append(const std::string& bytes);
-  // Of the bytes appended so far.
+  // Size of the bytes appended, without checksums.
   uint64_t logical_size() const { return logical_size_; }
-  // Of the file that Finish() leaves where nothing more is appended.
+  // Size of the file that Finish() leaves if nothing more is appended.
   uint64_t physical_size() const;
   static uint64_t PhysicalOffset(uint64_t logical_offset);
 

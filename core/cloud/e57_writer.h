@@ -28,7 +28,8 @@ class E57Writer : public PointCloudWriter {
   // Of the file and of its compressed vector, as they stand at its begin.
   std::string Beginning(uint64_t xml_offset, uint64_t xml_bytes) const;
   std::string Xml() const;
-  // Of the points: the same points have the same one. `salt` tells apart what one file names.
+  // Makes a GUID from the points: the same points have the same one. `salt` tells apart what
+  // one file names.
   std::string Guid(uint64_t salt) const;
 
   E57Pages pages_;

@@ -32,7 +32,7 @@ class PlyReader {
   std::string ReadLine();
   void ReadHeader();
   void AddField(const std::string& type, const std::string& name);
-  // Where the field's bytes are in a record. Throws Error where it is missing.
+  // Returns the offset of the field in a record. Throws Error where it is missing.
   size_t OffsetOf(const std::string& name, const std::string& type) const;
   bool Has(const std::string& name) const;
 

@@ -29,7 +29,7 @@ struct MapPoint {
 // The colour is that of the surface (surface_colour.h).
 class PointBuffer {
  public:
-  // Where the colour is in a point's bytes, and how many these are.
+  // Offset of the colour in a point's bytes, and their number.
   static constexpr size_t kColourOffset =
       3 * sizeof(float) + sizeof(double) + sizeof(uint8_t) + sizeof(int32_t) + sizeof(float);
   static constexpr size_t kPointBytes =

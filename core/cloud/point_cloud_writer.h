@@ -12,7 +12,7 @@ namespace plumbline {
 // LAS 1.2 and E57.
 enum class CloudFormat { kPly, kPcd, kLas, kLas12, kE57 };
 
-// What plumbline_map writes unless told otherwise, as --formats names it.
+// Default of --formats.
 inline constexpr char kDefaultCloudFormats[] = "ply,pcd";
 
 // Reads a list such as "ply,las" of the names ply, pcd, las, las12 and e57. Throws Error

@@ -28,7 +28,8 @@ struct FinishedMap {
   // The second of the recording in which the map begins. All that is collected by second
   // counts from there: a recording may have lasted for days before it.
   int first_second = 0;
-  // What is stated of the position, m, in the worst direction, by second since first_second.
+  // Stated standard deviation of the position, m, in the worst direction, by second since
+  // first_second.
   std::vector<double> position_stddevs_m;
 };
 

@@ -51,7 +51,7 @@ struct ScannerAgreement {
   int64_t num_points = 0;
   int num_segments = 0;     // on planes
   double used_share = 0.0;  // of its points, on planes
-  // Of its points on planes, those on planes that hardly any other scanner sees.
+  // Share of its points on planes that hardly any other scanner sees.
   double alone_share = 0.0;
   // Root mean square difference between where it and where the others see a plane in the same
   // second, m.
@@ -68,7 +68,7 @@ std::vector<ScannerAgreement> CompareScanners(const Rig& rig,
                                               const ScannerActivity& activity,
                                               int64_t start_ns);
 
-// What is wrong with a scanner.
+// The kind of fault of a scanner.
 struct ScannerFault {
   int scanner_index = -1;
   bool contradicts = false;  // the other scanners

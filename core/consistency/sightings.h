@@ -12,7 +12,7 @@
 
 namespace plumbline {
 
-// What the beams of one second say of one cell of a plane's patch: how many ended on it, and
+// Counts of the beams of one second in one cell of a plane's patch: how many ended on it, and
 // how many went through it.
 struct Sighting {
   int32_t landmark_id = 0;
@@ -67,12 +67,12 @@ class Sightings {
   int num_seconds_ = 0;
 };
 
-// Where an observation lies in the finished map.
+// The place of an observation in the finished map.
 struct PlacedSegment {
   Eigen::Vector3d scanner_world;
   Eigen::Vector3d start_world;
   Eigen::Vector3d end_world;
-  // Of an arc, from the chord to its middle.
+  // Vector from the chord of an arc to its middle.
   Eigen::Vector3d bow_world = Eigen::Vector3d::Zero();
   // The share of the bow at the middle: of its regression line, which begins and ends beside
   // the arc, a third.

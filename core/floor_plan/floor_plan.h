@@ -112,7 +112,7 @@ struct FloorPlans {
   MapOrigin origin;                 // of the map
 };
 
-// What a floor plan is made of.
+// The input of a floor plan.
 struct FloorPlanInput {
   PlaneCovariance planes;
   std::vector<StampedPose> poses;

@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// What the drawings of a plan, SVG and DXF, have in common.
+// Common parts of the drawings of a plan, SVG and DXF.
 
 // How thick a wall is drawn of which only one face was seen, m.
 inline constexpr double kDrawnThicknessM = 0.12;

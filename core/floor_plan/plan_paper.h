@@ -21,7 +21,7 @@ class Paper {
 
   Eigen::Vector2d At(const Eigen::Vector2d& p) const;
   Eigen::Vector2d ModelAt(const Eigen::Vector2d& on_paper) const;  // the inverse
-  // Of a vector; its length stays.
+  // Turns a vector to the paper; its length stays.
   Eigen::Vector2d Direction(const Eigen::Vector2d& v) const;
 
   int scale() const { return scale_; }

@@ -40,7 +40,7 @@ struct DimensionText {
   std::string stddev;
   std::optional<Eigen::Vector2d> leader_to;  // the line's middle, where the text stands apart
 
-  // Where the leader begins: the nearer end of the text.
+  // Begin of the leader: the nearer end of the text.
   Eigen::Vector2d LeaderFrom() const;
 };
 

@@ -5,13 +5,13 @@
 
 namespace plumbline {
 
-// What it costs to call a cell of the plan free, or not.
+// Costs of labelling a cell of the plan as free, or not.
 struct CellCost {
   double free = 0.0;
   double solid = 0.0;
 };
 
-// What it costs where of two neighbouring cells one is called free, the other not.
+// Cost of two neighbouring cells of which one is labelled free, the other not.
 struct BorderCost {
   size_t a = 0;
   size_t b = 0;

@@ -27,11 +27,10 @@ struct WallColumn {
   static constexpr double kMaxFurnitureM = 0.8;
   std::array<uint16_t, kNumHigh> high_hits = {};
   std::array<uint16_t, kNumHigh> high_passes = {};
-  // Of the passes, those that came from or went more than kDeepM behind the face.
+  // Number of passes that came from or went more than kDeepM behind the face.
   static constexpr double kDeepM = 0.6;
   uint16_t deep_passes = 0;
-  // Of those that went so far behind it, those that ended on a ceiling: what lies there is
-  // indoors.
+  // Number of the deep passes that ended on a ceiling: what lies behind the face is indoors.
   uint16_t ceiling_passes = 0;
   bool rig_passed = false;
 
@@ -57,9 +56,9 @@ struct WallColumn {
     return !in_band && hits_above >= kMinBeams && !EndsBelowCeiling();
   }
 
-  // Whether more than strays went so far: ranges are noisy.
+  // Returns whether more beams than strays went deep behind the face: ranges are noisy.
   bool IsDeep() const {
-    constexpr int kMinShare = 5;  // one of so many passes
+    constexpr int kMinShare = 5;  // passes for each deep one
     int all = 0;
     for (const uint16_t count : passes) all += count;
     return deep_passes > 1 && kMinShare * deep_passes > all;
@@ -87,7 +86,7 @@ struct WallFace {
   std::vector<size_t> planes;  // positions in the result's planes; the strongest first
   double start_m = 0.0;        // parameter at which the first column begins
   std::vector<WallColumn> columns;
-  // Of each surface, the hits of each column, in the order of `planes`.
+  // Hits of each column of each surface, in the order of `planes`.
   std::vector<std::vector<uint32_t>> plane_hits;
   std::vector<Stretch> hit_ends;   // of each column, the outermost hits
   std::vector<Stretch> pass_ends;  // and the outermost beams that passed

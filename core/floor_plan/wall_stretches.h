@@ -10,7 +10,7 @@ namespace plumbline {
 // Stretches of a face that are shorter than this are pillars or posts, and no walls, m.
 inline constexpr double kMinWallM = 0.3;
 
-// What a column of a wall's face is.
+// The kind of a column of a wall's face.
 enum class ColumnState {
   kUnseen,   // no beam says anything
   kOpen,     // beams pass through
@@ -54,7 +54,8 @@ struct Stretches {
 // Other gaps stay open, and so does where furniture ends below the ceiling.
 std::vector<Stretches> FindStretches(const std::vector<WallFace>& faces);
 
-// Where two faces cross: the parameters on both, m. None where they are nearly parallel.
+// The intersection of two faces: the parameters on both, m. None where they are nearly
+// parallel.
 struct FaceCrossing {
   size_t face = 0;  // the other one
   double s = 0.0;

@@ -29,7 +29,7 @@ struct PlaneAxes {
     return anchor + std::sin(angle) / curvature * u +
            (std::cos(angle) - 1.0) / curvature * u.cross(v) + uv.y() * v;
   }
-  // Of the whole circle that an arc is part of, m.
+  // Circumference of the whole circle of an arc, m.
   double Circumference() const { return 2.0 * M_PI / std::abs(curvature); }
 };
 

@@ -20,7 +20,7 @@ struct FreeBeam {
   Eigen::Vector2d to;    // m
 };
 
-// What is compared of a part: spots evenly spaced on its walls, and some of its beams.
+// The compared content of a part: spots evenly spaced on its walls, and some of its beams.
 struct PartView {
   std::vector<WallSpot> spots;
   std::vector<FreeBeam> beams;

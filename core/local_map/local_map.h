@@ -70,8 +70,8 @@ class LocalCell {
 // from where the others were have a cell of their own.
 class LocalMap {
  public:
-  // min_age_scans: a cell says nothing before it has been seen over so many scans: what
-  // somebody who walks along with the rig leaves behind is no place.
+  // min_age_scans: number of scans after which a cell counts: what somebody who walks along
+  // with the rig leaves behind is no place.
   LocalMap(double cell_m, bool planar, int min_age_scans);
 
   // Adds a point that a scanner at from_world with this scan plane normal saw. Points of one

@@ -26,9 +26,9 @@ using MotionMatrix = Eigen::Matrix<double, 12, 12>;
 
 // How the points of a scan agree with the local map.
 struct ScanMatch {
-  // What the points of each scan line say of the pose in its middle.
+  // Constraint by the points of each scan line on the pose in its middle.
   std::vector<PoseConstraint> constraints;
-  // The same of all scan lines together, for the error of the scan's motion.
+  // Normal equations of all scan lines together, for the error of the scan's motion.
   MotionMatrix hessian = MotionMatrix::Zero();
   MotionVector gradient = MotionVector::Zero();
   int num_points = 0;  // in all

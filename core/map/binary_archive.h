@@ -26,7 +26,8 @@ class BinaryArchive {
 
   // Throws Error when the file can not be opened, or is damaged.
   BinaryArchive(const std::string& path, Mode mode);
-  // What was written is on its way to the disk, or what was read was all. Throws Error.
+  // Ends the file: its bytes are on their way to the disk, or have all been read. Throws
+  // Error.
   void Finish();
 
   bool is_reading() const { return mode_ == Mode::kRead; }
@@ -109,7 +110,7 @@ class BinaryArchive {
   // Throws Error where a file to be read does not end with the checksum of what it holds.
   void CheckWhole();
   void Bytes(void* data, size_t size);
-  // Throws Error where the file is too short for so many elements of so many bytes.
+  // Throws Error where the file is too short for num_elements of bytes_each.
   void CheckSize(int64_t num_elements, int64_t bytes_each) const;
   [[noreturn]] void FailAsDamaged() const;
 

@@ -59,19 +59,19 @@ struct Landmark {
   double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
   int num_parameters() const { return PlaneModelSize(model); }
   bool IsCurved() const { return model == PlaneModel::kCylinder; }
-  // Of a cylinder, in 1/m, negative where the axis lies on the side that was seen; else 0.
+  // Curvature of a cylinder, 1/m, negative if the axis lies on the side that was seen; else 0.
   double Curvature() const { return IsCurved() ? parameters[Cylinder::kCurvatureAt] : 0.0; }
   // The unit normal and the distance d of n.x = d; of a cylinder, of the plane that stands for
   // it near a point (factors/manifold/plane_model.h).
   Eigen::Vector4d PlaneNear(const Eigen::Vector3d& p_world) const;
-  // Those of a plane; of a cylinder at its chart's anchor.
+  // Normal and distance of a plane; of a cylinder at its chart's anchor.
   Eigen::Vector4d Plane() const { return PlaneNear(chart.anchor); }
   Eigen::Vector3d Normal() const { return Plane().head<3>(); }
   Eigen::Vector3d NormalNear(const Eigen::Vector3d& p_world) const {
     return PlaneNear(p_world).head<3>();
   }
   double Distance() const { return Plane()[3]; }
-  // Of a cylinder to first order, and of the right sign everywhere.
+  // Signed distance; of a cylinder to first order, with the right sign everywhere.
   double SignedDistance(const Eigen::Vector3d& p_world) const {
     const Eigen::Vector4d plane = PlaneNear(p_world);
     return plane.head<3>().dot(p_world) - plane[3];

@@ -32,7 +32,7 @@ struct LandmarkView {
   explicit LandmarkView(const Landmark& of);
   // The view of the surface as it is near the point: of a plane, the same one.
   LandmarkView Near(const Eigen::Vector3d& p_world) const;
-  // Of a cylinder that of the landmark, wherever the view is near.
+  // Signed distance; of a cylinder that of the landmark, wherever the view is near.
   double SignedDistance(const Eigen::Vector3d& p_world) const {
     if (is_curved) return landmark->SignedDistance(p_world);
     return normal.dot(p_world) - distance;

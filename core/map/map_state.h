@@ -38,12 +38,12 @@ struct MapState {
   // their own or parts of one on no plane (core/visibility/resegmentation.h). Each has its
   // landmark; they are ordered by scan line and beam.
   std::deque<Observation> sub_minimum_segments = {};
-  // What was seen to move, by scan line and beam.
+  // Beams that met something that moves, by scan line and beam.
   std::deque<MovingBeams> moving_beams = {};
-  // What the points on no plane say of the poses, by time.
+  // Constraints on the poses by points on no plane, by time.
   std::deque<PoseConstraint> pose_constraints = {};
   std::vector<MapGap> gaps = {};  // by time
-  // What wheels say of the motion, and how far to trust it; nullptr: there is no odometry.
+  // Odometry and its calibration; nullptr: there is none.
   std::shared_ptr<const Odometry> odometry = nullptr;
   OdometryCalibration odometry_calibration = {};
   // The scanners, where they are estimated.

@@ -48,7 +48,7 @@ class HypothesisFollower {
   std::unique_ptr<ScanFollower> follower_;
   std::unique_ptr<ScanFollower> by_motion_;  // nullptr: there is one hypothesis
   std::unique_ptr<ScanMatcher> place_;       // the local map as it was at the fork
-  // By how many points more than by the motion each scan since the fork lies in empty space.
+  // Sum over the scans since the fork of the points in empty space, less those by the motion.
   double sum_differences_ = 0.0;
   double sum_squared_differences_ = 0.0;
   int64_t held_ns_ = 0;            // for how long walls have held the position of late

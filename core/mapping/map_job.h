@@ -11,16 +11,16 @@ namespace plumbline {
 
 // The job of plumbline_map: one recording in, one directory of results out.
 struct MapJob {
-  std::string recording;  // ROS 1 bag
+  std::string recording;  // of any format that OpenRecording() knows
   std::string rig;        // YAML
   std::string config;     // YAML, empty: defaults
-  std::string version;  // of the program, for summary.json
+  std::string version;    // of the program, for summary.json
   std::string output;     // directory
   int threads = 1;        // 0: as many as the machine has
   // Goes on where a run with the same inputs and output was killed after it had followed the
   // recording; an error where there is none, or one with other inputs.
   bool resume = false;
-  // For that, what following has found is kept where it took at least so long.
+  // A checkpoint is written if following took at least this time.
   double checkpoint_after_s = 2.0;
   // Maps a recording although the rules of plumbline_check say that a wrong map comes of it;
   // what they say is a warning then.
@@ -31,7 +31,7 @@ struct MapJob {
   bool floor_plan = false;
   // Asked at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
-  // In which the points of the map are written.
+  // Formats in which the points of the map are written.
   std::vector<CloudFormat> formats = ParseCloudFormats(kDefaultCloudFormats);
 };
 

@@ -36,7 +36,7 @@ struct MapResult {
   std::vector<std::string> warnings;
 };
 
-// Where a run keeps what following the recording has found, in case it is killed in the batch.
+// Paths of the checkpoint between following and batch.
 struct CheckpointFiles {
   MapInputs inputs;
   std::string write_to;   // empty: not kept

@@ -6,8 +6,8 @@
 
 namespace plumbline {
 
-// What the map of a part shows from above, at about the height of the scanners: spots on what
-// was seen of its walls, and some of the beams that ended there.
+// The map of a part from above, at about the height of the scanners: spots on what was seen of
+// its walls, and some of the beams that ended there.
 PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m);
 
 }  // namespace plumbline

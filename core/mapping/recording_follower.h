@@ -40,7 +40,7 @@ class RecordingFollower {
 
   // Scans before the first part that show no model frame.
   int num_skipped() const { return num_skipped_; }
-  // What else is left out, and why, in words.
+  // Other stretches that are left out, and why, in words.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
  private:

@@ -58,7 +58,7 @@ class ScanFollower {
   const std::vector<int64_t>& scan_times_ns() const { return scan_times_ns_; }
   const std::vector<WindowEstimate>& estimates() const { return window_->estimates(); }
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
-  // What the points of the last scans have left behind; nullptr where points hold no pose.
+  // The local map of the last scans; nullptr if points hold no pose.
   const ScanMatcher* scan_matcher() const { return scan_matcher_.get(); }
   // Whether walls leave the newest scan's position open in some horizontal direction.
   bool is_open() const { return tracker_->is_open(); }

@@ -24,11 +24,11 @@ struct FollowedStart {
 // one is taken, unless the map of a later one explains clearly more of the same scans.
 class StartTrials {
  public:
-  // The scans tried begin so long after the first one.
+  // Times after the first scan at which starts are tried.
   static constexpr double kDelaysS[] = {0.0, 0.125, 0.25, 0.5, 1.0};
-  // The choice is made so long after the first scan...
+  // Time after the first scan at which the choice is made,
   static constexpr double kDurationS = 2.0;
-  // ...or so long after the start of a map that explains nearly all that it sees.
+  // and after the start of a map that explains nearly all that it sees.
   static constexpr double kSureAfterS = 1.0;
 
   bool empty() const { return trials_.empty(); }

@@ -8,7 +8,8 @@
 
 namespace plumbline {
 
-// What a line of a CARMEN log that begins with this word is; kOther where it is not read.
+// Returns the kind of a line of a CARMEN log that begins with this word; kOther where it is
+// not read.
 //   FLASER, RLASER           number of ranges, ranges, pose of the laser, odometry
 //   RAWLASER1 .. 5           type, first angle, field of view, angle from beam to beam,
 //   largest

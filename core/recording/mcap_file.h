@@ -29,7 +29,7 @@ class McapFile : public MessageFile {
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
  private:
-  // What the file says of itself at its end.
+  // The summary at the end of the file.
   struct Summary {
     bool is_there = false;
     std::vector<uint64_t> positions;  // of the chunks, increasing

@@ -92,12 +92,12 @@ std::optional<McapChannel> ReadMcapChannel(ByteSource* source, const McapRecord&
 std::optional<McapMessage> ReadMcapMessage(ByteSource* source, const McapRecord& record);
 std::optional<McapChunk> ReadMcapChunk(ByteSource* source, const McapRecord& record);
 std::optional<McapStatistics> ReadMcapStatistics(ByteSource* source, const McapRecord& record);
-// Where the summary begins, by a footer; 0 where there is none.
+// Returns where the summary begins, by a footer; 0 where there is none.
 std::optional<uint64_t> ReadMcapFooter(ByteSource* source, const McapRecord& record);
-// Where the messages of one channel begin in a chunk, by the message index behind it.
+// Returns where the messages of one channel begin in a chunk, by the message index behind it.
 std::optional<std::vector<uint64_t>> ReadMcapMessageIndex(ByteSource* source,
                                                           const McapRecord& record);
-// Where the chunk is that a chunk index describes.
+// Returns where the chunk is that a chunk index describes.
 std::optional<uint64_t> ReadMcapChunkIndex(ByteSource* source, const McapRecord& record);
 
 }  // namespace plumbline

@@ -12,7 +12,7 @@ namespace plumbline {
 // How the bytes of a message are to be read.
 enum class MessageEncoding { kRos1, kCdr, kCarmen, kUnknown };
 
-// What the program can make of a message. In a CARMEN log, a laser's line is a laser scan and
+// The kind of a message for the program. In a CARMEN log, a laser's line is a laser scan and
 // ODOM is odometry.
 enum class MessageKind {
   kOther,
@@ -73,7 +73,8 @@ class MessageFile {
   // Throws Error that names the file where nothing can be read at all.
   virtual void Scan(const Wants& wants, const Visit& visit) = 0;
 
-  // Those found by Scan(). Several may have the same name: one for each publisher.
+  // Returns the topics found by Scan(). Several may have the same name: one for each
+  // publisher.
   virtual const std::vector<RecordingTopic>& topics() const = 0;
   // The data of a visited message, valid until the next call. Throws Error when the file has
   // changed since.

@@ -26,7 +26,7 @@ struct ScanLineMessage {
   uint32_t num_beams = 0;
   // Metres; NaN where a beam has no echo. Empty where the visitor did not ask for ranges.
   std::vector<float> ranges;
-  // Of each beam, rad, going round one way; empty where they are regular.
+  // Angle of each beam, rad, going round one way; empty if they are regular.
   std::vector<float> angles;
   bool is_planar = true;  // false: a point cloud that does not lie in one scan plane
 

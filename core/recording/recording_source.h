@@ -44,8 +44,8 @@ class RecordingSource {
   // the file where nothing can be read at all.
   void Visit(const RecordingVisitor& visitor);
 
-  // Those found by Visit(), also those that nobody wanted. Several may have the same name: one
-  // for each publisher.
+  // Returns the topics found by Visit(), also those that nobody wanted. Several may have the
+  // same name: one for each publisher.
   const std::vector<RecordingTopic>& topics() const { return file_->topics(); }
   // Reads a visited scan line again, with ranges. Throws Error when the file has changed
   // since.

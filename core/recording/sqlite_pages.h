@@ -25,7 +25,7 @@ class SqlitePages {
   // Throws Error that names the file where it can not be read.
   SqlitePages(const std::string& path, const std::string& name);
 
-  // Where the rows are that are there whole, in the file, by id.
+  // Returns where the whole rows are in the file, by id.
   const std::map<int64_t, uint64_t>& rows() const { return rows_; }
   // Reads the row at a place in the file; false where there is none that is whole.
   bool ReadRow(uint64_t place, Row* row);

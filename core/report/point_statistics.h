@@ -8,10 +8,10 @@
 
 namespace plumbline {
 
-// What the report's plots show of all points of a map.
+// Statistics of all points of a map, for the report's plots.
 class PointStatistics {
  public:
-  // The histogram of residuals has bins of this width (m), so many of them on either side of
+  // Width (m) of the bins of the histogram of residuals, and their number on either side of
   // zero; residuals beyond count in the outermost ones.
   static constexpr double kBinWidth = 0.001;
   static constexpr int kBinsPerSide = 250;

@@ -34,7 +34,7 @@ class QuantisedPoints {
   // How to read the sections, as JSON: count, origin, step_m, time_step_s.
   std::string HeaderJson() const;
 
-  // Returns an even selection of so many of the points; all, where there are fewer.
+  // Returns an even selection of `count` points; all, where there are fewer.
   QuantisedPoints Selection(int64_t count) const;
 
   // Makes a section of each byte of each field, named points-<field>-<byte>; differences from

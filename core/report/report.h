@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-// What a report shows, and where it is written.
+// The input and output of a report.
 struct ReportJob {
   std::string result_directory;  // of a finished result (docs/outputs.md)
   std::string output;            // the HTML file
@@ -16,7 +16,7 @@ struct ReportJob {
   int64_t max_bytes = 20'000'000;  // of the file; points are left out until it is as small
 };
 
-// What was written.
+// Size of the report that was written.
 struct ReportSize {
   int64_t points = 0;  // of the map that are in the report
   int64_t bytes = 0;

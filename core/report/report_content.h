@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-// What stands in a report: a JSON text, numbers as sections, and the points.
+// The content of a report: a JSON text, numbers as sections, and the points.
 //
 // The text is one object: title; start_s, when the recording begins, on its clock; summary,
 // planes, loop_closures, calibration and evaluation as docs/outputs.md describes these files

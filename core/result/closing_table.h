@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-// What a finished map is, for people at a terminal: figures with their units and stated
+// The closing table of a finished map, for a terminal: figures with their units and stated
 // standard deviations, the verdict, its likeliest cause and the symptoms by interval, and what
 // was written where. The last line says so where the map is doubtful from end to end.
 // has_report: whether there is a report.html. Ends with a line break.

@@ -15,7 +15,7 @@ inline constexpr char kRigUsed[] = "rig_used.yaml";
 // file knows everything exactly.
 inline constexpr char kRigCalibrated[] = "rig_calibrated.yaml";
 
-// Of the directory of the part'th part of a recording, from 1: "part_<part>".
+// Name of the directory of the part'th part of a recording, from 1: "part_<part>".
 std::string PartName(size_t part);
 bool IsPartName(const std::string& name);
 

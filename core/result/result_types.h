@@ -42,10 +42,11 @@ struct PlanePatch {
   double distance = 0.0;          // m
   double sigma_angle_rad = 0.0;   // of the normal; 0 where the type fixes it
   double sigma_distance_m = 0.0;  // along the normal, at the centre
-  // Of a cylinder, 1/m, negative where its axis lies on the side that was seen; else 0.
+  // Curvature of a cylinder, 1/m, negative if its axis lies on the side that was seen; else 0.
   double curvature = 0.0;
   double sigma_radius_m = 0.0;  // of a cylinder
-  // Of its radius with the turn of its normal at the centre, which a heading shares.
+  // Correlation of its radius with the turn of its normal at the centre, which a heading
+  // shares.
   double radius_turn_correlation = 0.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   // Closed polygon, first corner not repeated. Of a cylinder its lower rim from one end to the
@@ -57,7 +58,7 @@ struct PlanePatch {
   int64_t last_time_ns = 0;
 
   bool IsCurved() const { return curvature != 0.0; }
-  // Of a cylinder: its radius, and the point of its axis at the height of the centre.
+  // Radius of a cylinder, and the point of its axis at the height of the centre.
   double Radius() const { return 1.0 / std::abs(curvature); }
   Eigen::Vector3d AxisPoint() const { return centre - normal / curvature; }
   // The unit normal at a point on it.
@@ -99,12 +100,11 @@ struct UnmappedInterval {
 // Consistency is the judgement on a finished map (core/consistency/consistency.h).
 struct Consistency {
   Verdict verdict = Verdict::kConsistent;
-  // Of the places that were seen at several times, the share whose sightings contradict each
-  // other.
+  // Share of the places seen at several times whose sightings contradict each other.
   double contradicted_share = 0.0;
   std::vector<DoubtfulInterval> doubtful_intervals;
   std::vector<DegenerateInterval> degenerate_intervals;
-  // Where the map ends before the recording does, seconds since the recording's start.
+  // End of a map that ends before the recording does, seconds since the recording's start.
   std::optional<double> ends_at_s;
 };
 
@@ -122,7 +122,7 @@ struct LoopClosure {
   bool accepted = true;
 };
 
-// Where a part lies in the model frame of the longest one, seen from above:
+// Pose of a part in the model frame of the longest one, seen from above:
 // p_longest = R(yaw) p_part + (x, y).
 struct PlanPose {
   double yaw_deg = 0.0;
@@ -175,7 +175,7 @@ struct CalibratedParameter {
 };
 
 struct CalibratedScanner {
-  // Where its parameters begin.
+  // Index of its first parameter.
   enum At { kTurn = 0, kShift = 3, kTime = 6, kRange = 7 };
 
   std::string name;
@@ -183,7 +183,7 @@ struct CalibratedScanner {
   std::vector<CalibratedParameter> parameters;
 };
 
-// What has been found of the scanners that were estimated.
+// The estimated scanners.
 struct Calibration {
   std::vector<CalibratedScanner> scanners;
   Eigen::MatrixXd covariance;  // of all their parameters that are not held, in their units

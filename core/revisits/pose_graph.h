@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-// What is known of the pose of one node in the frame of another one.
+// Measured pose of one node in the frame of another one.
 struct PoseGraphEdge {
   size_t from = 0;
   size_t to = 0;

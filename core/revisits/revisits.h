@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-// Where visits lie once the places that the rig came back to are known again.
+// Poses of visits once the places that the rig came back to are recognised.
 struct PlacedVisits {
   std::vector<PlanarPose> world_from_visit;
   std::vector<PoseGraphEdge> closures;  // between visits of one place, earlier to later

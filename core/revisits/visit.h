@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// Where beams of one scan line ended, from above, in the world frame of the trajectory that it
+// Ends of the beams of one scan line, from above, in the world frame of the trajectory that it
 // was placed by.
 struct PlacedScan {
   int64_t time_ns = 0;

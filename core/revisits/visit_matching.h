@@ -16,10 +16,10 @@ struct MatchWindow {
   double heading_rad = 0.26;
 };
 
-// Where a later visit lies in the frame of an earlier one.
+// Pose of a later visit in the frame of an earlier one.
 struct VisitMatch {
   PlanarPose earlier_from_later;
-  // Of x, y (m, earlier frame) and heading (rad): what the lines that both saw say.
+  // Information on x, y (m, earlier frame) and heading (rad) from the lines that both saw.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 };
 

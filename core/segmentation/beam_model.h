@@ -65,7 +65,7 @@ struct LineEquations {
            Determinant();
   }
 
-  // What the solution takes off the sum of squares, times the determinant.
+  // Reduction of the sum of squares by the solution, times the determinant.
   double ScaledGain() const { return yy * x * x - 2.0 * xy * x * y + xx * y * y; }
 
   // Least sum of squares; 0 where the observations do not determine q.
@@ -201,7 +201,7 @@ class BeamModel {
             difference > 0.0};
   }
 
-  // Where the beam meets the line.
+  // Returns where the beam meets the line.
   Eigen::Vector2d PointOnLine(int i, const Eigen::Vector2d& q) const {
     const Beam b = beam(i);
     return b.origin + (1.0 - q.dot(b.origin)) / q.dot(b.direction) * b.direction;

@@ -50,7 +50,7 @@ class LargeFile {
   int64_t cached_bytes_;
   int file_;
   bool is_direct_ = false;
-  // The one that is being filled, with so many bytes, and the one that is being written.
+  // The block that is being filled, with num_filled_ bytes, and the one that is being written.
   std::array<std::unique_ptr<char, Free>, 2> blocks_;
   size_t num_filled_ = 0;
   int64_t offset_ = 0;  // where the block that is being filled goes

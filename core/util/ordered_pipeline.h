@@ -25,7 +25,7 @@ void RunOrderedPipeline(const Read& read, const Work& work, const Take& take) {
     }
     return;
   }
-  // Items are done with in order: at most so many, the last ones, are in use.
+  // Items are done with in order: at most the last num_items are in use.
   const size_t num_items = 2 * num_threads;
   std::vector<Item> items(num_items);
   size_t next = 0;

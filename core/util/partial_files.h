@@ -4,9 +4,9 @@
 
 namespace plumbline {
 
-// What files and directories that are not whole yet have in common. They have names that nobody
-// can foresee and are locked (flock) by the process that writes them. The system takes the lock
-// away when that process ends, however it ends: what is without a lock is a leftover.
+// Common parts of files and directories that are not whole yet. They have names that nobody
+// can foresee and are locked (flock) by the process that writes them. The system takes the
+// lock away when that process ends, however it ends: what is without a lock is a leftover.
 
 // ".<name>.<random>.partial", another one each time.
 std::string PartialName(const std::string& name);

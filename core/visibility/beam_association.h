@@ -27,7 +27,7 @@ class BeamAssociation {
     bool is_first_met = true;
     bool is_last_met = true;
   };
-  // What is asked of the beams.
+  // The beams that are associated.
   enum class Kind {
     // Beams that no segment has: what puts one on a surface is its range alone.
     kLeftOver,

@@ -55,31 +55,32 @@ class PlaneOpenings {
   CellGrid nearby_;                 // wide cells in which any open or mixed one lies
 };
 
-// The occupancy grids of the planes: counts of the beams of segments that lie on a plane
-// (hits), of beams beside the segments' ends that went through it (passages), and of those
-// that something in front of it stopped (blocks). Seen from one place, beams on the jamb of a
-// door may pass for beams on the wall, or on the floor; seen from others, the beams there go
-// through, or are stopped.
+// The occupancy grids of the planes count the beams of segments that lie on a plane (hits) and
+// the beams beside the segments' ends that went through it (passages). Seen from one place,
+// beams on the jamb of a door may pass for beams on the wall; seen from others, the beams
+// there go through.
 //
 // Each plane has two grids, of cells that are narrow along u and of cells that are narrow
-// along v: openings have upright and level edges, and few beams pass close to one of them. A
-// cell that lies across an edge is mixed: there the cell of the other grid shows on which side
-// a place is.
+// along v (planes without height only the first): openings have upright and level edges, and
+// few beams pass close to one of them. A cell that lies across an edge is mixed: there the
+// cell of the other grid shows on which side a place is.
 class OccupancyGrids {
  public:
-  // Counts a beam that lies on the plane, passes through it, or is stopped before it.
-  // num_beams: the number of beams that this one stands for.
+  // Counts a beam that lies on the plane, or one that passes through it; none far from the
+  // seen part. num_beams: the number of beams that this one stands for.
   void CountHit(const Landmark& landmark, const Eigen::Vector3d& p_world, int num_beams = 1);
   void CountPassage(const Landmark& landmark,
                     const Eigen::Vector3d& p_world,
                     int num_beams = 1);
   // Adds the counts of another's grids of the same landmarks.
   void Add(OccupancyGrids other);
-  // The openings of a plane: places where more than a tenth of the beams (half of them, for a
-  // plane without height) went through in this cell or the next, except where most beams hit,
-  // and all beams in the other grid's cell do. A solid plane lets no beam through, whatever
-  // the noise; but most beams that seem to lie in an opening lie on its jambs. An opening goes
-  // on along upright edges by one cell where hardly any beam hits.
+  // Returns the openings of a plane. A cell, and the next ones along its narrow side, is mixed
+  // if more than a tenth of its beams (half of them, for a plane without height) went through,
+  // and open if most did. A place is in an opening if its cell in either grid is open, or is
+  // mixed while that of the other grid is not solid (all its beams, and those of the next
+  // cells, hit). A solid plane lets no beam through, whatever the noise; but most beams that
+  // seem to lie in an opening lie on its jambs. An opening goes on along upright edges by one
+  // cell where hardly any beam hits.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
   // The openings of all landmarks, by id: they take a fraction of the counts' memory.
   std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks) const;

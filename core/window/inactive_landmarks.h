@@ -88,7 +88,7 @@ class InactiveLandmarks {
   Eigen::Block<const Eigen::MatrixXd> Covariance() const {
     return covariance_.topLeftCorner(mean_.size(), mean_.size());
   }
-  // Makes room for so many rows in covariance_.
+  // Makes room for `size` rows in covariance_.
   void Reserve(Eigen::Index size);
   // Keeps only these planes' rows.
   void RemoveLandmarks(const std::set<int>& landmark_ids);

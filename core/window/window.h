@@ -31,17 +31,17 @@ struct WindowEstimate {
   Eigen::MatrixXd landmark_covariance;  // of their parameters together
 };
 
-// Window takes the full step of the estimation while scans come in, every other knot interval
-// (paper, section 4.6, with a marginal prior in place of frozen planes): all control points
-// and planes of the window. What leaves it is marginalised into a marginal prior on the planes
-// met so far and the oldest control points that remain.
+// Window takes the full step of the estimation while scans come in, every
+// WindowOptions::step_s or half of it (paper, section 4.6, with a marginal prior in place of
+// frozen planes): all control points and planes of the window, and the scanners. What leaves
+// it is marginalised into a prior on the planes met, the scanners and the oldest control
+// points that remain.
 //
 // Planes out of view for kInactiveAfter solves are inactive (InactiveLandmarks): they wait
 // outside of the marginal prior until they are seen again. Their parameters and covariances in
-// the map, for association and loop closure, are renewed every kInactivePeriod solves, a
-// second with the default knots, and in each solve that an inactive landmark comes into view,
-// as when a loop closes; while none does, they hardly change. What is in view is estimated as
-// if no plane ever rested.
+// the map, for association and loop closure, are renewed every kInactivePeriod solves, and in
+// each solve that an inactive landmark comes into view, as when a loop closes; while none
+// does, they hardly change. What is in view is estimated as if no plane ever rested.
 class Window {
  public:
   Window(const Rig& rig,

@@ -10,9 +10,9 @@ class CostFunction;
 
 namespace plumbline {
 
-// What is known of a set of parameter blocks from measurements that were marginalised: a
-// linear form in the tangent at the point x0 where they were linearised (first-estimate
-// Jacobians: x0 never moves).
+// A prior on a set of parameter blocks from measurements that were marginalised: a linear form
+// in the tangent at the point x0 where they were linearised (first-estimate Jacobians: x0
+// never moves).
 struct LinearPrior {
   enum class Kind {
     kEuclidean,      // size n, tangent n

@@ -35,16 +35,18 @@ std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
     const Eigen::Vector3d& stddev, double knot_interval_s);
 
-// What of a2, which drives the position at the knot between p1 and p3, does not follow from
-// the one before, a1:  r = (a2 - persistence.acceleration a1) / stddev,   stddev in m/s^2, by
-// world axis. Blocks: [ p0 | p1 | p2 | p3 ]
+// Innovation, the part of the acceleration a2, at the knot between p1 and p3, that does not follow
+// from the one before, a1:
+//   r = (a2 - persistence.acceleration a1) / stddev,   stddev in m/s^2, by world axis.
+// Blocks: [ p0 | p1 | p2 | p3 ]
 std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
     const Eigen::Vector3d& stddev,
     const MotionPersistence& persistence,
     double knot_interval_s);
 
-// The same of angular accelerations:  r = (a2 - persistence a1) / stddev,   stddev in rad/s^2,
-// by world axis. Blocks: [ q0 | q1 | q2 | q3 ]
+// Innovation of angular accelerations:
+//   r = (a2 - persistence a1) / stddev,   stddev in rad/s^2, by world axis.
+// Blocks: [ q0 | q1 | q2 | q3 ]
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(
     const Eigen::Vector3d& stddev, double persistence, double knot_interval_s);
 

@@ -9,9 +9,9 @@ class CostFunction;
 
 namespace plumbline {
 
-// What wheels say of the motion from the begin of a knot interval, u = 0, to its end, u = 1:
-// how far ahead and to the left, and by which turn about the body's z axis, as seen from the
-// pose at the begin. They say nothing of height, roll and pitch.
+// Measured motion by wheels from the begin of a knot interval, u = 0, to its end, u = 1: how
+// far ahead and to the left, and by which turn about the body's z axis, as seen from the pose
+// at the begin. They say nothing of height, roll and pitch.
 struct OdometryMeasurement {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  // m
   double turn = 0.0;                                      // rad

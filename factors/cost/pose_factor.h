@@ -10,7 +10,7 @@ class CostFunction;
 
 namespace plumbline {
 
-// What is known of a rig's pose at one instant, linearised at the pose `world_from_body`,
+// Information on a rig's pose at one instant, linearised at the pose `world_from_body`,
 // `position`: a linear form in the error x of the pose, rotation (rad, left tangent, world
 // frame) and then position (m).
 struct PoseMeasurement {

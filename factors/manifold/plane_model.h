@@ -26,7 +26,7 @@ namespace plumbline {
 // a plane, so that a wall that hardly bends is no special case.
 enum class PlaneModel { kHorizontal, kVertical, kGeneral, kCylinder };
 
-// What of a surface's parameters is constant.
+// The constant part of a surface's parametrisation.
 struct PlaneChart {
   double sign = 1.0;                                   // horizontal planes
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // general ones: columns u, v, w

@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-// Where a segment lies in the scan plane, near enough: what is measured in it is exact in it,
-// rounded as it is. On a surface that bends its origin has to be the segment's centroid.
+// The approximate place of a segment in the scan plane: coordinates in it are exact, rounded
+// as it is. On a surface that bends its origin has to be the segment's centroid.
 struct SegmentFrame {
   Eigen::Vector2f origin = Eigen::Vector2f::Zero();  // scanner frame, m
   Eigen::Vector2f tangent = Eigen::Vector2f::UnitX();

@@ -6,8 +6,7 @@
 
 namespace plumbline {
 
-// What is estimated of a scanner, as a parameter block about the pose that its rig file
-// states:
+// The unknowns of a scanner, as a parameter block about the pose that its rig file states:
 //   [ turn (rad) | shift (m) | delay (s) | range bias (m) ]
 // turn, shift: in the body frame; body_from_scanner = ( Exp(turn) R, t + shift ).
 // delay: the scanner's points were taken later by this than its stamps say. range bias: by
@@ -33,9 +32,9 @@ inline ScannerPose PoseOfScanner(const ScannerPose& stated, const double* block)
           stated.translation + Vector(block + kScannerShiftAt)};
 }
 
-// What moves a scanner moves it as the body would by moving: the body's motion (world-frame
-// turn, shift) by the scanner's block, at an instant with these velocities in the world. A
-// range bias moves nothing.
+// Moving a scanner is moving the body: the body's motion (world-frame turn, shift) by the
+// scanner's block, at an instant with these velocities in the world. A range bias moves
+// nothing.
 using BodyByScanner = Eigen::Matrix<double, 6, kScannerBlockSize>;
 
 inline BodyByScanner BodyMotionByScanner(const Eigen::Matrix3d& world_from_body,

@@ -52,7 +52,7 @@ struct SegmentMeasurement {
   auto range() const { return rows.col(11); }
 };
 
-// What the plane in question makes of a measurement's whitening:
+// Effect of the plane on a measurement's whitening:
 //   |scale U g + offset b|^2 + offset^2 constant
 struct SegmentWeights {
   double scale = 1.0;

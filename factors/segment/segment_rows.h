@@ -89,8 +89,8 @@ struct SegmentRows {
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> by_range;
 };
 
-// What the bend of the surface adds: the normal that turns as the segment is moved, and the
-// bow of the segment itself (SegmentMeasurement).
+// Terms of the bend of the surface: the normal that turns as the segment is moved, and the bow
+// of the segment itself (SegmentMeasurement).
 template <int kPlaneSize>
 void AddBend(const PackedSegment& measurement,
              const SegmentWeights& by,

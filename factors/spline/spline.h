@@ -77,7 +77,7 @@ struct SplinePoseJacobian {
   std::array<double, 4> position_weights;
 };
 
-// What lies between two neighbouring rotation control points. It does not depend on u, so that
+// The step between two neighbouring rotation control points. It does not depend on u, so that
 // several evaluations on the same control points share it.
 struct RotationStep {
   Eigen::Vector3d vector;  // d_j = Log(R_{j-1}^-1 R_j), in the body frame of j-1
@@ -111,8 +111,8 @@ void EvaluateVelocity(const double* const q[4],
                       Eigen::Vector3d* angular_world,
                       Eigen::Vector3d* linear_world);
 
-// Where a node lies on the spline: it uses the control points first .. first + 3, counted from
-// the factor's own first control point, at u in [0, 1).
+// Location of a node on the spline: it uses the control points first .. first + 3, counted
+// from the factor's own first control point, at u in [0, 1).
 struct SplineNode {
   int first = 0;
   double u = 0.0;

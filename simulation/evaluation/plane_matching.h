@@ -40,7 +40,7 @@ struct PlaneMatch {
   double distance_m = 0.0;       // signed, of its centre from the best fitting face
   double sigma_angle_deg = 0.0;  // as the estimate states them
   double sigma_distance_m = 0.0;
-  // Of cylinders: estimate minus truth, and as it is stated.
+  // Error of a cylinder's radius, estimate minus truth, and its stated deviation.
   std::optional<double> radius_error_m;
   double sigma_radius_m = 0.0;
 };

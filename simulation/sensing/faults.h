@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// What a pane does with a beam, as probabilities; else there is no return.
+// Probabilities that a pane returns a beam or lets it pass; else there is no return.
 struct GlassOptions {
   double returns = 0.1;  // from the pane
   double passes = 0.8;   // through this pane and all others

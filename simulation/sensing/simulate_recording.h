@@ -30,7 +30,7 @@ class TruthPlanes {
 // Samples world_from_body every 5 ms, from the first to the last instant of the path.
 std::vector<StampedPose> TruthTrajectory(const Path& path);
 
-// What was simulated, in figures.
+// Figures of a simulated recording.
 struct SimulationSummary {
   double duration_s = 0.0;
   double path_length_m = 0.0;

@@ -14,13 +14,13 @@ namespace plumbline {
 struct WheelOptions {
   std::string topic = "/odom";
   double rate_hz = 50.0;
-  // What they count where the rig goes one metre, or turns by one radian.
+  // Counts for one metre of way, and for one radian of turn.
   double length_scale = 1.0;
   double turn_scale = 1.0;
   // Standard deviations of both after one metre of way; they grow with its square root.
   double length_noise_m = 0.0;
   double turn_noise_rad = 0.0;
-  // Slips: so many a metre at random places. For slip_s seconds the wheels count slip_share
+  // Number of slips a metre, at random places. For slip_s seconds the wheels count slip_share
   // more than the rig goes.
   double slips_per_m = 0.0;
   double slip_share = 0.5;

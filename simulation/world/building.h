@@ -24,8 +24,8 @@ struct Face {
   PlaneType type = PlaneType::kVertical;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // into the free space
   double distance = 0.0;                              // normal . p = distance
-  // Of a cylinder: 1/m, negative where its axis lies in the free space. Its normal and
-  // distance are those in its middle, its triangles facets.
+  // Curvature of a cylinder: 1/m, negative where its axis lies in the free space. Its normal
+  // and distance are those in its middle, its triangles facets.
   double curvature = 0.0;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of a cylinder, on it
   // Closed polygons on the plane; counter-clockwise, holes clockwise, seen from free space.

@@ -31,7 +31,7 @@ struct Door {
   double period_s = 10.0;
 };
 
-// What moves in a building while the rig walks through.
+// The moving things of a building while the rig walks through.
 struct MovingOptions {
   std::vector<Person> people;
   std::vector<Door> doors;
@@ -50,7 +50,7 @@ class MovingThings {
                              const Path& path,
                              int64_t time_ns) const;
 
-  // Where the feet of a person are.
+  // Returns where the feet of a person are.
   Eigen::Vector3d PlaceOf(size_t person, const Path& path, int64_t time_ns) const;
   // Direction of a door's leaf from its hinge, rad.
   double AngleOf(size_t door, const Path& path, int64_t time_ns) const;

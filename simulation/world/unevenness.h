@@ -21,7 +21,7 @@ class Unevenness {
  public:
   Unevenness(const UnevennessOptions& options, const Building& building, uint64_t seed);
 
-  // By how much a beam that meets the face at p_world is longer, m.
+  // Returns how much longer a beam is that meets the face at p_world, m.
   double RangeError(int face_id,
                     const Eigen::Vector3d& p_world,
                     const Eigen::Vector3d& direction_world) const;

@@ -20,7 +20,7 @@ struct WalkOptions {
   std::vector<Stop> stops;  // in their order
 };
 
-// Where the walker is at an instant.
+// State of the walker at an instant.
 struct WalkState {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // on the walking surface, m
   double heading_rad = 0.0;                         // without jumps between -pi and pi
