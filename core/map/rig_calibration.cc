@@ -8,7 +8,7 @@
 namespace plumbline {
 namespace {
 
-// Of what is estimated.
+// Returns the prior standard deviations of what is estimated; 0: held.
 ScannerBlock PriorSigmas(const ScannerUncertainty& uncertainty, bool planar) {
   ScannerBlock sigmas = StatedSigmas(uncertainty);
   if (planar) sigmas[0] = sigmas[1] = sigmas[5] = 0.0;  // roll, pitch, height

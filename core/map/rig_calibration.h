@@ -27,16 +27,16 @@ struct ScannerEstimate {
 // Standard deviations of a block's numbers, as a rig file states them.
 ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
 
-// RigCalibration is the part of the state that the scanners are (design: calibration is
-// state). The body's frame and clock are those of BodyScanner, which are held. A rig that
-// moves in the plane does not show heights and tilts, which are held.
+// RigCalibration is the part of the state that the scanners are (docs/calibration.md). The
+// body's frame and clock are those of BodyScanner, which are held. A rig that moves in the
+// plane does not show heights and tilts, which are held.
 struct RigCalibration {
   std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
 
   RigCalibration() = default;
   RigCalibration(const Rig& rig, bool planar);
 
-  // Of the rig's scanners.
+  // Whether this scanner of the rig is estimated.
   bool IsEstimated(int scanner) const {
     const auto index = static_cast<size_t>(scanner);
     return index < scanners.size() && scanners[index].IsEstimated();

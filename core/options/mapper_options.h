@@ -14,9 +14,9 @@ struct TrajectoryOptions {
   // every control point.
   double knot_interval_s = 0.05;    // [0.01, 10]
   double min_scans_per_knot = 0.5;  // [0.1, 100], in periods of a scanner
-  // What the motion prior expects of any rig (core/trajectory/motion_noise.h): the amplitude
-  // spectral densities of its accelerations at low frequencies, per square root of 1 Hz, and
-  // the time over which these are correlated by exp(-1); 0: white noise.
+  // Accelerations that the motion prior expects of any rig (core/trajectory/motion_noise.h):
+  // the amplitude spectral densities of its accelerations at low frequencies, per square root
+  // of 1 Hz, and the time over which these are correlated by exp(-1); 0: white noise.
   double acceleration_density_m_s2 = 0.7;             // [0.0001, 1000]
   double angular_acceleration_density_deg_s2 = 35.0;  // [0.001, 100000]
   double acceleration_correlation_s = 0.3;            // [0, 10]
@@ -24,7 +24,7 @@ struct TrajectoryOptions {
   double vertical_velocity_correlation_s = 0.2;  // [0.01, 1000]
   // Whether the recording's own densities are estimated and used instead.
   bool estimate_densities = true;
-  // The same of horizontal accelerations, at most, where the motion alone bridges a moment in
+  // Largest density of horizontal accelerations where the motion alone bridges a moment in
   // which nothing trustworthy shows how far the rig goes. [0.0001, 1000]
   double bridging_acceleration_density_m_s2 = 0.18;
   // Standard deviations of the unknown velocity at the start.
@@ -45,18 +45,18 @@ struct AssociationOptions {
 };
 
 struct PlaneOptions {
-  // A segment that starts a plane has at least so many points, and a direction at least so
-  // well known (standard deviation).
+  // Least number of points of a segment that starts a plane, and the largest standard
+  // deviation of its direction.
   int min_points = 8;                    // [3, 10000]
   double max_direction_sigma_deg = 3.0;  // [0.01, 90]
-  // So many scans have to agree on a tentative plane before it is trusted. [1, 1000]
+  // Number of scans that have to agree on a tentative plane before it is trusted. [1, 1000]
   int min_scans = 4;
-  // A plane of which no more than this is seen, of a vertical one no more of its width, may be
-  // of somebody who walks: where something has moved of late it has to stand for so long
-  // before it is trusted. [0, 1000] and [0, 1e6]
+  // A plane of which no more than small_m is seen, of a vertical one no more of its width, may
+  // be of somebody who walks: where something has moved of late it is trusted from this age
+  // on. [0, 1000] and [0, 1e6]
   double small_m = 1.0;
   double min_age_of_small_s = 0.5;
-  // A tentative plane that is not seen for so long is dropped. [0, 1e6]
+  // A tentative plane that is unseen for longer is dropped. [0, 1e6]
   double max_tentative_age_s = 1.0;
 };
 
@@ -77,12 +77,12 @@ enum class SolverKind { kGaussNewton, kCeres };
 struct WindowOptions {
   // The solver of the window and of the tracker.
   SolverKind solver = SolverKind::kCeres;
-  // So many scans are estimated together; older ones are marginalised. [2, 10000]
+  // Number of scans that are estimated together; older ones are marginalised. [2, 10000]
   int num_scans = 10;
   // The window moves on by this time, in whole knot intervals, while the tracker alone follows
   // the rig well, and by half of it otherwise. [0.001, 100]
   double step_s = 0.25;
-  // Whether segments are cut anew where the planes known so far meet.
+  // Whether segments are cut anew where the known planes meet.
   bool resegment = true;
   // Whether the result keeps the window's estimates of poses and planes, as they were known
   // during the recording.
@@ -98,8 +98,8 @@ struct TrackingOptions {
   // 100] and [0.01, 180]
   double lost_position_m = 0.5;
   double lost_rotation_deg = 10.0;
-  // Where walls leave the position open, what else is seen founds no planes for so long: it
-  // may move. [0, 1000]
+  // Longest time for which no planes are founded while walls leave the position open: what is
+  // seen may move. [0, 1000]
   double max_undecided_s = 2.0;
   // Where the rig was lost, what was followed for less than this is left out. [0, 1e6]
   double min_part_s = 2.0;
@@ -111,14 +111,14 @@ struct PointOptions {
   bool hold_pose = true;
   // Side of the local map's cells. [0.02, 10]
   double cell_m = 0.25;
-  // Standard deviation of what a cell says of where its surface lies, the same for all beams
-  // that meet it: unevenness, and errors of the poses that made the map. [0.0005, 1]
+  // Standard deviation of the surface of a cell, the same for all beams that meet it:
+  // unevenness, and errors of the poses that made the map. [0.0005, 1]
   double surface_stddev_m = 0.02;
-  // A cell counts once it has been seen for so long. [0, 1000]
+  // Age from which a cell counts. [0, 1000]
   double min_age_s = 0.5;
   // Whether points are left out that lie where beams passed before: people, doors.
   bool leave_out_moving = true;
-  // The local map forgets what was not seen for so long. [0.1, 1e6]
+  // The local map forgets what was unseen for longer. [0.1, 1e6]
   double max_age_s = 20.0;
 };
 
@@ -167,7 +167,7 @@ struct BatchOptions {
   // The solver of the final estimation; the rounds before it are our own single steps.
   SolverKind solver = SolverKind::kCeres;
   FactorKind factor = FactorKind::kSegment;
-  // At most so many rounds of estimation and renewed association. [1, 1000]
+  // Largest number of rounds of estimation and renewed association. [1, 1000]
   int max_rounds = 6;
   // Whether segments are cut anew where the estimated planes meet.
   bool resegment = true;

@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-// Where wheels say that the body is at an instant, in a frame of their own that drifts: seen
-// from above, x ahead and y to the left of where they began to count.
+// Pose of the body by wheels at an instant, in a frame of their own that drifts: seen from
+// above, x ahead and y to the left of where they began to count.
 struct OdometrySample {
   int64_t time_ns = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // m

@@ -27,7 +27,7 @@ std::string OdometryCollector::Fault() const {
         return sample.position == samples_.front().position &&
                sample.heading == samples_.front().heading;
       });
-  // Of a rig that stands all the time the scans show as much.
+  // The scans show it if a rig stands all the time.
   return is_frozen ? "its pose never changes" : "";
 }
 

@@ -20,8 +20,8 @@ namespace plumbline {
 
 namespace {
 
-// The reader holds back at most so many scan lines while it brings messages into the order of
-// their stamps, a few MB; beyond that it fetches single messages out of turn.
+// Largest number of scan lines that the reader holds back while it brings messages into the
+// order of their stamps, a few MB; beyond that it fetches single messages out of turn.
 constexpr size_t kMaxBufferedScanLines = 512;
 
 // Names and topics in messages, and how many of them.
@@ -153,7 +153,7 @@ struct RecordingReader::Impl {
   void ReadScanLine(size_t position, ScanLine* scan_line);
 };
 
-// What is wrong with the bag, as the end of an error that may come from it.
+// Returns the damage of the recording, as the end of an error that may come from it.
 std::string RecordingReader::Impl::DamageText() const {
   std::string text;
   for (const std::string& warning : source->warnings()) text += "; " + warning;

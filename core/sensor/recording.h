@@ -51,9 +51,9 @@ class RecordingReader {
   int num_scan_lines() const;  // that Next() will deliver in all
   // Median time between scan lines of the same scanner; 0 if no scanner has two of them.
   double scan_period_s() const;
-  // What the rig file's odometry topic says of the motion; nullptr where the rig file names
-  // none, or where its messages say nothing of the motion, of which a warning tells: no
-  // orientation, or a pose that never changes while the velocities say otherwise.
+  // Returns the odometry of the rig file's topic; nullptr where the rig file names none, or
+  // where its messages say nothing of the motion, of which a warning tells: no orientation, or
+  // a pose that never changes while the velocities say otherwise.
   std::shared_ptr<const Odometry> odometry() const;
   // Sentences about what is damaged or missing and about scan lines that were passed over or
   // look wrong, for the user and summary.json.

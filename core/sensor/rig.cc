@@ -29,8 +29,8 @@ Rigid3d ReadRigid(const YamlNode& node) {
       Eigen::Vector3d(t[0], t[1], t[2])};
 }
 
-// Of a rig that was measured with a ruler and a protractor, its clocks being those of one
-// computer that stamps messages as they come, its ranges as data sheets state them.
+// Uncertainty of a rig that was measured with a ruler and a protractor, its clocks being those
+// of one computer that stamps messages as they come, its ranges as data sheets state them.
 ScannerUncertainty MeasuredByHand() { return {1.0 * kRadiansPerDegree, 0.01, 0.002, 0.01}; }
 
 ScannerUncertainty ReadUncertainty(const YamlNode& node) {
@@ -45,7 +45,7 @@ ScannerUncertainty ReadUncertainty(const YamlNode& node) {
   return uncertainty;
 }
 
-// What replaces the headers of the messages.
+// Reads the values that replace the headers of the messages.
 void ReadHeader(const YamlNode& node, Scanner* scanner) {
   if (node.Has("time_increment_s")) {
     scanner->time_increment_s = node["time_increment_s"].AsDouble(-1.0, 1.0);

@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-// How far a scanner's pose and clock may be from what is stated: standard deviations, of each
-// axis; 0: known exactly.
+// Uncertainty of a scanner's stated pose, clock and ranges: standard deviations, of each axis;
+// 0: known exactly.
 struct ScannerUncertainty {
   double rotation_rad = 0.0;  // rotation_deg in the file
   double translation_m = 0.0;
@@ -24,7 +24,8 @@ struct Scanner {
   std::string topic;  // of its sensor_msgs/LaserScan messages
   Rigid3d body_from_scanner;
   double range_noise_m = 0.03;  // standard deviation of one range
-  // Whether that is to be taken from the recording; `range_noise_m: estimate` in the file.
+  // Whether the noise is to be taken from the recording; `range_noise_m: estimate` in the
+  // file.
   bool estimates_noise = false;
   // Standard deviation of a beam's direction; angle_noise_deg in the file, 0.005 deg by
   // default.
@@ -33,11 +34,11 @@ struct Scanner {
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
   double range_bias_m = 0.0;   // taken from the ranges as they are read
-  // As estimated: points were taken so much later than beam times say (s), and the ranges
-  // as read are still too long. What has been measured stays as it is.
+  // Estimated delay of the points after their beam times, and estimated excess of the ranges
+  // as read. Measurements stay as they are.
   double delay_s = 0.0;
   double range_excess_m = 0.0;
-  // In a rig file that does not say it, that of a pose measured by hand.
+  // By default, in a rig file, the uncertainty of a pose measured by hand.
   ScannerUncertainty uncertainty;
 
   // Instead of what the messages say, where a driver leaves it at 0 or has it wrong
@@ -65,8 +66,8 @@ enum class MotionModel { kAutomatic, kSpatial, kPlanar };
 struct Rig {
   MotionModel motion = MotionModel::kAutomatic;
   std::vector<Scanner> scanners;
-  // Of nav_msgs/Odometry messages that say how the body moves; empty: there are none. Their
-  // time is their stamp plus the offset.
+  // Topic of the nav_msgs/Odometry messages of the body; empty: there are none. Their time is
+  // their stamp plus the offset.
   std::string odometry_topic;
   double odometry_time_offset_s = 0.0;
 };

@@ -25,7 +25,7 @@ struct ScanLine {
   // Unit vectors along the beams, which the lines of a scanner share; BeamDirection() computes
   // a direction that is missing here from the beam's angle.
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions;
-  // Of each beam, rad, going round one way; nullptr where the increment says all.
+  // Angle of each beam, rad, going round one way; nullptr if the increment gives them.
   std::shared_ptr<const std::vector<double>> angles;
 
   int num_beams() const { return static_cast<int>(ranges.size()); }

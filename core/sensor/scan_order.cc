@@ -362,7 +362,7 @@ ScanOrder OrderScanLines(const Rig& rig,
   const int64_t end_ns = empty ? 0 : stamps[order.positions.back()].stamp_ns;
   for (size_t i = 0; i < scanners.size(); ++i) {
     const std::string& name = rig.scanners[i].name;
-    // Where nothing is left there is no start to count from.
+    // There is no start to count from if nothing is left.
     const int64_t origin_ns = empty ? scanners[i].passed_over.unusable.first_ns : start_ns;
     WarnOfPassedOver(name,
                      scanners[i],

@@ -27,7 +27,7 @@ struct PassedOver {
   }
 };
 
-// What of one scanner was passed over.
+// Scan lines of one scanner that were passed over.
 struct PassedOverLines {
   PassedOver unusable;
   PassedOver repeated;  // first_ns: stamp of the scan line used before it

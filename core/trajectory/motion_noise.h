@@ -65,16 +65,16 @@ struct MotionNoise {
   Eigen::Vector3d AngularStddev(double knot_interval_s) const;
   Eigen::Vector3d LinearInnovationStddev(double knot_interval_s) const;
   Eigen::Vector3d AngularInnovationStddev(double knot_interval_s) const;
-  // What the square of an innovation is multiplied by to become that of a density.
+  // Factors that turn the square of an innovation into that of a density.
   ByMotionKind DensityPerInnovation2(double knot_interval_s) const;
-  // What at the second of two neighbouring knots does not follow from the first, the control
-  // points first .. first + 2.
+  // Returns the innovation: the part of what drives the motion at the second of two neighbouring
+  // knots that does not follow from the first, the control points first .. first + 2.
   KnotAcceleration InnovationAt(const Trajectory& trajectory, int first) const;
 };
 
-// What an estimate tells of the noise at one knot, by kind of motion and summed over its axes:
-// an unbiased estimate of the density's square, times its weight, and the weight, the number
-// of innovations that would tell as much if they were known exactly.
+// Evidence of an estimate on the noise at one knot, by kind of motion and summed over its
+// axes: an unbiased estimate of the density's square, times its weight, and the weight, the
+// number of innovations that would tell as much if they were known exactly.
 struct MotionEvidence {
   ByMotionKind squares = {};  // m^2/s^3, rad^2/s^3
   ByMotionKind weight = {};

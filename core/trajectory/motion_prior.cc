@@ -6,8 +6,8 @@
 namespace plumbline {
 namespace {
 
-// What the options say counts as much as innovations of this time, and what the scans have
-// shown is forgotten by exp(-1) in the other.
+// The options count as much as innovations of kInitialTime; what the scans have shown is
+// forgotten by exp(-1) in kMemory.
 constexpr double kInitialTime = 0.5;  // s
 constexpr double kMemory = 5.0;       // s
 

@@ -29,9 +29,9 @@ class MotionPrior {
  public:
   explicit MotionPrior(const TrajectoryOptions& options);
 
-  // Of the control points first .. first + 2.
+  // Returns the noise of the control points first .. first + 2.
   MotionNoise At(int first) const;
-  // Of motions whose accelerations are not known yet.
+  // Returns the noise of motions whose accelerations are not known yet.
   const MotionNoise& usual() const { return usual_; }
 
   // Takes in what the scans have shown of the innovation of the control points first ..

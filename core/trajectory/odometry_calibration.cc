@@ -10,14 +10,14 @@ constexpr double kSmallLength = 0.02;              // m
 constexpr double kSmallTurn = 0.5 * M_PI / 180.0;  // rad
 constexpr double kTurnPerLength = 0.1;             // rad/m
 
-// The scales are known to this beforehand.
+// Prior standard deviation of the scales.
 constexpr double kScaleStddev = 0.05;
-// The options' noise counts as much as so many motions.
+// Number of motions as which the options' noise counts.
 constexpr double kPriorMotions = 30.0;
-// Of a rig that hardly moves, neither scale nor noise shows.
+// Least way and turn that show scale and noise.
 constexpr double kMinLength = 0.02;              // m
 constexpr double kMinTurn = 1.0 * M_PI / 180.0;  // rad
-// Residuals beyond so many standard deviations are wheels that slip, or poses that are wrong.
+// Standard deviations beyond which a residual is of wheels that slip, or of wrong poses.
 constexpr double kMaxDeviation = 3.0;
 // The estimate is held by the wheels, too: it can not tell that they have next to no noise.
 constexpr double kMinNoise = 0.02;

@@ -35,7 +35,7 @@ class OdometryCalibration {
   double turn_noise() const { return turn_.Noise(); }
   int num_motions() const { return num_motions_; }  // that it has taken in
 
-  // What the wheels' statement of a motion says of the rig.
+  // Returns the calibrated measurement of a motion that the wheels state.
   OdometryMeasurement Measure(const PlanarMotion& stated) const;
 
   // Calls visit(member) for each: to keep them in a file and take them back.

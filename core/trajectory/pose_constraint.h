@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// What points that lie on no plane say of the rig's pose at an instant.
+// Constraint on the rig's pose at an instant by points that lie on no plane.
 struct PoseConstraint {
   int64_t time_ns = 0;
   PoseMeasurement measurement;
