@@ -27,7 +27,7 @@ std::string ReadText(const std::string& path) {
   return text.str();
 }
 
-// By which a file, or a folder of files, is known again without reading it.
+// Returns the state by which a file, or a folder of files, is recognised without reading it.
 std::string StateOf(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
     std::vector<std::string> states;

@@ -25,17 +25,16 @@ struct FollowedPart {
 struct FollowedRecording {
   std::vector<FollowedPart> parts;  // in the order of time, at least one
   int num_skipped = 0;              // scans before the first part
-  // What was followed for too short a time to be a part, and why it ended, and where a part
-  // starts later than it might, in words.
+  // Stretches followed for too short a time to be a part, and why they ended, and parts that
+  // start later than they might, in words.
   std::vector<std::string> left_out;
 };
 
-// What a map is made from, by name ("recording", "program"): the same inputs give the same
-// map.
+// The inputs of a map, by name ("recording", "program"): the same inputs give the same map.
 using MapInputs = std::vector<std::pair<std::string, std::string>>;
 
-// The inputs of a job: the program with the checksum of its file, the recording with its size
-// and the time of its last change, the texts of the rig and of the settings in force.
+// Returns the inputs of a job: program and recording, each with its size and the time of its
+// last change, and the texts of the rig file and of the settings in force.
 MapInputs InputsOf(const std::string& recording,
                    const std::string& rig,
                    const std::string& options_yaml);
