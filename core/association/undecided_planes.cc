@@ -23,7 +23,7 @@ constexpr double kSweep = 0.3;       // m
 constexpr double kSweepOfTwo = 0.1;  // m
 // Time after which an undecided plane begins anew.
 constexpr double kMaxUndecided = 20.0;  // s
-// A general plane is at least so large in both directions: what is smaller stays points.
+// Least extent of a general plane in both directions: smaller surfaces stay points.
 constexpr double kMinSide = 0.4;  // m
 // Traces of one scan that show a plane which is no wall.
 constexpr int kMinLinesAtStart = 3;

@@ -51,7 +51,7 @@ struct CheckReport {
 // themselves. Throws Error where the recording can not be read.
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig);
 
-// The same of a recording that has been surveyed.
+// Checks a recording that has been surveyed.
 CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig);
 
 // Whether all of several scanners sit at one pose, as in a rig file that was not filled in.

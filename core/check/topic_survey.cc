@@ -37,8 +37,7 @@ constexpr double kFirstBin = 1e-3;
 // are beyond 40 even in a closet, in millimetres beyond 400.
 constexpr double kFarMedian = 40.0;
 constexpr double kMillimetreMedian = 400.0;
-// The largest range stands for no return where so large a share of the beams has the very
-// same.
+// Share of the beams with the very same largest range from which it stands for no return.
 constexpr double kAtLimitShare = 0.005;
 
 size_t HistogramBin(double range) {

@@ -21,8 +21,8 @@
 namespace plumbline {
 namespace {
 
-// A second is in doubt where so large a share of what it saw again contradicts other times,
-// out of at least kMinComparable places; the map is contradictory where it is kContradictory.
+// A second is in doubt if this share of what it saw again, out of at least kMinComparable
+// places, contradicts other times; the map is contradictory from kContradictoryShare on.
 constexpr double kDoubtfulShare = 0.10;
 constexpr double kContradictoryShare = 0.25;
 constexpr double kMinComparable = 40.0;

@@ -84,8 +84,8 @@ bool Exceeds(const SecondOfMotion& second,
   return false;
 }
 
-// Accelerations are judged by their mean over this time at least: those of a pose that slipped
-// are as large for as long, those of noise average out.
+// Least time over which accelerations are averaged: those of a slip last as long, those of
+// noise average out.
 constexpr double kMinSpan = 0.125;  // s
 
 // The mean angular and linear accelerations before a knot, rad/s^2 and m/s^2, world frame.

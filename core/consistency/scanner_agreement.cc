@@ -15,14 +15,14 @@ namespace {
 // Planes of which the other scanners together have fewer of the points than this are seen by
 // one scanner alone.
 constexpr double kAloneShare = 0.1;
-// Real walls differ from planes by as much, and so may two scanners that see different parts.
+// Deviation of real walls from planes, and of two scanners that see different parts.
 constexpr double kFlatness = 0.004;  // m
 // A second without a twentieth of the scanner's usual points is silent.
 constexpr double kSilentShare = 0.05;
 constexpr int kMinSilent = 2;       // s in a row
 constexpr int kFrozenPercent = 50;  // of a second's lines
-// A scanner with so small a share of the points on planes that the others have shows something
-// else than the building.
+// Share of its points on planes, relative to the other scanners, below which a scanner shows
+// something else than the building.
 constexpr double kMinUsedRatio = 0.3;
 // Difference between two scanners' views of a plane, in multiples of the noise and in metres,
 // beyond which a pose or clock of the rig file is wrong.

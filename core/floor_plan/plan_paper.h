@@ -58,8 +58,8 @@ struct TextBox {
 // Whether the boxes share more than a border.
 bool Overlap(const TextBox& a, const TextBox& b);
 
-// How wide a text is at most that is so high, mm: fonts differ, and the widest of those that
-// stand in for Helvetica counts.
+// Returns the largest width of a text of height `size`, mm: fonts differ, and the widest of
+// those that stand in for Helvetica counts.
 double TextWidth(const std::string& text, double size);
 
 }  // namespace plumbline

@@ -160,7 +160,7 @@ void MapFloors(const std::vector<PlanePatch>& planes,
                const Floors& members,
                const std::vector<CloudPoint>& points,
                StoreyLevel* storey) {
-  constexpr double kMinStepM = 0.1;  // walls are looked at from so high above the floor
+  constexpr double kMinStepM = 0.1;  // height above the floor from which walls count
   std::vector<FloorArea> areas;
   std::map<int, size_t> area_of_plane;
   bool is_level = true;

@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kMinHits = 50;      // within the band, of a surface that is to be a wall
 constexpr double kMaxNormalZ = 0.9;  // flatter is a roof that the plan does not cut
 constexpr double kMarginM = 1.0;     // of columns beyond the box of all walls
-constexpr double kSameFaceM = 0.05;  // surfaces so close are one face
+constexpr double kSameFaceM = 0.05;  // surfaces within this distance are one face
 constexpr double kSameFaceCosine = 0.9994;  // 2 degrees
 
 // A stretch along a surface, m.

@@ -33,7 +33,7 @@ constexpr int kRoundsPerLevel = 6;
 constexpr double kGoodShare = 0.6;
 constexpr double kSmallStep = 1e-3;      // rad and m
 constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
-// One correction of the pose serves points of so short a time.
+// Longest time whose points are served by one correction of the pose, ns.
 constexpr int64_t kMaxSpanNs = 25'000'000;
 // Coarse levels take one point of this number.
 constexpr size_t kCoarseStride = 3;

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-// Where so large a share of the closures contradicts the others, nothing is known again.
+// Share of closures that contradict the others beyond which no place counts as seen again.
 constexpr double kMaxContradictedShare = 0.25;
 
 // The way up to an instant; scan: an earlier scan, which moves on.

@@ -52,7 +52,7 @@ class HypothesisFollower {
   double sum_differences_ = 0.0;
   double sum_squared_differences_ = 0.0;
   int64_t held_ns_ = 0;            // for how long walls have held the position of late
-  int64_t held_by_motion_ns_ = 0;  // the same of by_motion_
+  int64_t held_by_motion_ns_ = 0;  // that of by_motion_
   int64_t forked_ns_ = 0;
   int64_t last_scan_ns_ = 0;
   const bool is_on_;      // whether there may be a second hypothesis

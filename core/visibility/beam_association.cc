@@ -22,7 +22,8 @@ constexpr double kSameSigmas = 3.0;
 const double kMinSmoothCosine = std::cos(10.0 * kRadiansPerDegree);
 // Number of beams from which a run lies on its surface as a whole.
 constexpr int kLongRun = 8;
-// Beams on what lies behind a free edge make a patch larger by as much, and a little more.
+// Width at an edge in which beams are left out: beams on what lies behind a free edge enlarge
+// a patch by nearly this.
 constexpr double kEdge = 0.07;  // m
 
 }  // namespace
