@@ -28,7 +28,8 @@ struct TentativePlane {
   PlaneThroughLines lines;  // its traces, on a plane of any direction
   BendTest bend;            // of a wall
 
-  // Takes in what an observation tells of any plane; its landmark and clear_scans stay.
+  // Takes in the extent, counts and times of an observation on any plane; its landmark and
+  // clear_scans stay.
   void Count(const Observation& observation,
              int observation_index,
              const ObservationPoses& poses,

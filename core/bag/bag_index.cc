@@ -9,7 +9,7 @@ namespace {
 constexpr uint64_t kChunkInfoEntryBytes = 8;   // connection id, number of messages
 constexpr uint64_t kIndexDataEntryBytes = 12;  // time of receipt, offset in the chunk
 
-// Adds what one chunk info says; false where its data are not there.
+// Adds one chunk info; false where its data are not there.
 bool AddChunkInfo(ByteSource* file, const BagRecord& record, BagIndex* index) {
   index->positions.push_back(record.chunk_position);
   for (uint32_t i = 0; i < record.count; ++i) {

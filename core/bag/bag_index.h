@@ -9,10 +9,10 @@
 
 namespace plumbline {
 
-// BagIndex holds what a bag says of itself at its end: its connections, and where its chunks
-// are with how many messages of which connection. All of it may be missing or wrong. The bag
-// is read from its start, and the index serves to find the next chunk behind a damage and to
-// notice what is missing.
+// BagIndex holds the index at the end of a bag: its connections, and where its chunks are with
+// how many messages of which connection. All of it may be missing or wrong. The bag is read
+// from its start, and the index serves to find the next chunk behind a damage and to notice
+// what is missing.
 struct BagIndex {
   bool is_whole = false;  // nothing but connections and chunk infos up to the end of the file
   std::vector<BagConnection> connections;

@@ -94,7 +94,7 @@ uint64_t BagReader::ReadHeader() {
   return NextKnownPosition(kVersionLineBytes);
 }
 
-// A place behind `position` at which a record begins, by what the index says; else the end of
+// Returns a place behind `position` at which a record begins, by the index; else the end of
 // the file.
 uint64_t BagReader::NextKnownPosition(uint64_t position) const {
   uint64_t next = file_.size();

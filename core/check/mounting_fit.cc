@@ -19,7 +19,7 @@ constexpr int kLinesForFit = 1500;  // of each pair
 constexpr int kMinCompared = 20;    // places that say anything
 // Scales of Cauchy's loss, one for each step: what is far off is to be caught first.
 constexpr double kLossScales[] = {0.4, 0.4, 0.2, 0.2, 0.1, 0.05, 0.05, 0.05};  // m
-// Standard deviations of the prior about what the rig file says.
+// Standard deviations of the prior about the rig file.
 constexpr double kPriorTurn = 0.2;    // rad
 constexpr double kPriorShift = 0.2;   // m
 constexpr double kPriorTime = 0.1;    // s

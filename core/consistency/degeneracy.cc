@@ -33,8 +33,8 @@ double Cut(const ScanPlacement& placement, const LandmarkView& plane) {
   return std::max(in_plane.norm(), kMinCut);
 }
 
-// Adds what a segment on its plane says of the body's pose: rotation (world frame, about the
-// body's place) and position.
+// Adds the information of a segment on its plane on the body's pose: rotation (world frame,
+// about the body's place) and position.
 void AddSegment(const Observation& observation,
                 const ObservationPoses& poses,
                 const LandmarkView& surface,

@@ -13,8 +13,8 @@
 
 namespace plumbline {
 
-// WallColumn is what beams say of 5 cm of a wall's face, from the floor up: at each of eight
-// heights of the storey's band, how many hit the face and how many passed through it.
+// WallColumn holds the beam counts of 5 cm of a wall's face, from the floor up: at each of
+// eight heights of the storey's band, how many hit the face and how many passed through it.
 struct WallColumn {
   static constexpr size_t kNumLevels = 8;
   static constexpr size_t kNumLow = 3;  // of these, below window sills: up to 0.8 m

@@ -105,7 +105,7 @@ bool IsRoomWide(const std::vector<CrossingWall>& walls, double from, double to) 
   return begins && ends;
 }
 
-// A gap in a face, and what beams say of it.
+// A gap in a face, with its beam counts.
 struct Gap {
   double from_m = 0.0;
   double to_m = 0.0;

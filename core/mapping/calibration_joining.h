@@ -11,9 +11,9 @@ namespace plumbline {
 // Reads a calibration.json. Throws Error naming the file where it is none.
 Calibration ReadCalibration(const std::string& path);
 
-// Joins what several recordings say of one rig file: the sum of their information, the prior
-// of the rig file counted once. Throws Error where they are not about the same parameters with
-// the same priors; names: what to call them in it.
+// Joins the calibrations of several recordings with one rig file: the sum of their
+// information, the prior of the rig file counted once. Throws Error where they are not about
+// the same parameters with the same priors; names: what to call them in it.
 Calibration JoinCalibrations(const std::vector<Calibration>& calibrations,
                              const std::vector<std::string>& names);
 

@@ -12,8 +12,7 @@
 
 namespace plumbline {
 
-// CheckedRecording is a recording as it is mapped, and what the rules of plumbline_check say
-// of it.
+// CheckedRecording is a recording as it is mapped, with the findings of plumbline_check.
 struct CheckedRecording {
   Rig stated;  // the rig file's
   // The same with the headers that the scanners' common view shows, and with scanners that are

@@ -28,8 +28,8 @@ constexpr double kMaxWheelDeviation = 4.0;
 constexpr double kPositionStddev = 0.05;  // m
 constexpr double kHeadingStddev = 0.05;   // rad
 
-// How far the motion between two instants is from what the wheels say, in standard deviations;
-// 0 where they say nothing.
+// Returns the deviation of the motion between two instants from that of the wheels, in
+// standard deviations; 0 where they say nothing.
 double DeviationFromWheels(const MapState& state, int64_t begin_ns, int64_t end_ns) {
   if (state.odometry == nullptr) return 0.0;
   const std::optional<PlanarMotion> stated = state.odometry->Between(begin_ns, end_ns);

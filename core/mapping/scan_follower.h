@@ -34,7 +34,7 @@ class LostTrack : public Error {
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class ScanFollower {
  public:
-  // odometry: what wheels say of the motion; nullptr where nothing does.
+  // odometry: nullptr where there is none.
   ScanFollower(const Rig& rig,
                bool planar,
                const MapperOptions& options,

@@ -102,7 +102,7 @@ void McapFile::ReadSummary() {
   in_summary_ = false;
 }
 
-// A place behind `position` at which a chunk begins, by what the summary says; else the end of
+// Returns a place behind `position` at which a chunk begins, by the summary; else the end of
 // the file.
 uint64_t McapFile::NextChunkPosition(uint64_t position) const {
   const auto chunk =

@@ -65,7 +65,7 @@ class RecordingSource {
   std::vector<std::string> warnings_;
 };
 
-// Opens a recording; what format it has, its first bytes say, not its name. A folder is a
+// Opens a recording; its format is found from its first bytes, not its name. A folder is a
 // rosbag2 recording. Throws Error that names the file, and says what it looks like, when it is
 // none that can be read.
 std::unique_ptr<RecordingSource> OpenRecording(const std::string& path);

@@ -184,7 +184,7 @@ DataSection CovarianceSection(const PlaneCovariance& covariance,
   return section;
 }
 
-// The points of a map that a report may show, and what they say of its surfaces.
+// The points of a map that a report may show, with statistics of its surfaces.
 struct Points {
   QuantisedPoints packed;
   PointStatistics statistics;

@@ -142,7 +142,7 @@ struct PartSummary {
   std::optional<PlanPose> pose;  // where its walls match those of the longest part
 };
 
-// How what wheels say relates to the map: true over stated lengths and turns with standard
+// Relation of the wheels' motion to the map: true over stated lengths and turns with standard
 // deviations, and the noise that is left, as shares of both.
 struct OdometrySummary {
   double length_scale = 1.0;

@@ -21,7 +21,7 @@ struct PlanarMotion {
   double turn = 0.0;                                      // rad
 };
 
-// Odometry is what the wheels say of a recording's motion.
+// Odometry holds the motion of a recording as wheels state it.
 class Odometry {
  public:
   Odometry() = default;

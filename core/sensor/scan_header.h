@@ -7,10 +7,10 @@
 
 namespace plumbline {
 
-// Corrects what a driver says of a scan line before anything is made of it: takes the rig
-// file's time increment and angles instead of the message's where it states them, and brings
-// beams that were taken in the reverse of their order (a negative time increment) into the
-// order of their times, the stamp with them. scanner: nullptr where there is no rig file.
+// Corrects the header of a scan line before anything is made of it: takes the rig file's time
+// increment and angles instead of the message's where it states them, and brings beams that
+// were taken in the reverse of their order (a negative time increment) into the order of their
+// times, the stamp with them. scanner: nullptr where there is no rig file.
 void CorrectHeader(const Scanner* scanner, ScanLineMessage* message);
 
 // Why a scan line is not usable, in words: "time_increment is 0.5 s, so that ..."; where it

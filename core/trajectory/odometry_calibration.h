@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-// OdometryCalibration is how what wheels say relates to how the rig moves: by a scale of
+// OdometryCalibration relates the motion stated by wheels to that of the rig: by a scale of
 // lengths and one of turns (the wheels' radius and distance are not quite what the robot
 // believes), and by the noise that is left. It is estimated from motions that the scans have
 // determined: of the scales by robust regression, the noise by the mean square of what is

@@ -31,7 +31,7 @@ struct WheelOptions {
 // Reads the section "odometry" of an experiment. Throws Error with file and line.
 WheelOptions ReadWheels(const YamlNode& node);
 
-// Returns what wheels say of the whole path: poses seen from above, in the wheels' own frame,
+// Returns the odometry of the whole path: poses seen from above, in the wheels' own frame,
 // which begins at the path's first pose. The random numbers depend only on the seed.
 std::vector<OdometrySample> WheelSamples(const Path& path,
                                          const WheelOptions& options,
