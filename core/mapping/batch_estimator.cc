@@ -145,6 +145,7 @@ std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind facto
       state_->trajectory.num_control_points()) {
     motion_noise_ = MotionProfile::Uniform(motion_noise_.usual, state_->trajectory);
   }
+  motion_noise_.FollowHeight(state_->trajectory);
   problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
   if (state_->odometry != nullptr) {
     const int num_intervals = state_->trajectory.num_control_points() - kSplineOrder + 1;

@@ -21,7 +21,7 @@ struct TrajectoryOptions {
   double angular_acceleration_density_deg_s2 = 35.0;  // [0.001, 100000]
   double acceleration_correlation_s = 0.3;            // [0, 10]
   // The time over which vertical velocities are correlated so, instead of accelerations.
-  double vertical_velocity_correlation_s = 0.2;  // [0.01, 1000]
+  double vertical_velocity_correlation_s = 0.1;  // [0.01, 1000]
   // Whether the recording's own densities are estimated and used instead.
   bool estimate_densities = true;
   // Largest density of horizontal accelerations where the motion alone bridges a moment in

@@ -331,6 +331,9 @@ void Tracker::Track(int first_observation,
                     const ScanMatcher* scan_matcher) {
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
+  if (!planar_ && !gaussian_.mean.empty()) {
+    motion_prior_->FollowHeight(state_->trajectory, gaussian_.end() - 1);
+  }
   if (has_new_control_points) {
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
   }

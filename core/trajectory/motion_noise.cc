@@ -17,6 +17,8 @@ constexpr double kLargestDecrease = 10.0;
 // Number of innovations that the usual noise counts as much as in a stretch of the motion.
 constexpr double kUsualWeight = 4.0;
 constexpr double kHalfStretch = 0.25;  // s
+// Time over which a vertical velocity is a mean: of some steps.
+constexpr double kMeanTime = 1.0;  // s
 
 void Add(const MotionEvidence& evidence, MotionEvidence* sum) {
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
@@ -62,13 +64,27 @@ KnotAcceleration KnotAcceleration::At(const Trajectory& trajectory,
   }
   const double per_s2 = 1.0 / (trajectory.knot_interval_s() * trajectory.knot_interval_s());
   const Eigen::Vector3d turn = Log(q[2] * q[1].conjugate()) - Log(q[1] * q[0].conjugate());
+  const Eigen::Vector3d mean = trajectory.knot_interval_s() * persistence.mean_velocity;
   const Eigen::Vector3d driven =
-      (p[2] - p[1]) - persistence.velocity.cwiseProduct(p[1] - p[0]);
+      (p[2] - p[1] - mean) - persistence.velocity.cwiseProduct(p[1] - p[0] - mean);
   return {per_s2 * driven, per_s2 * turn};
 }
 
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
   return {linear.head<2>().sum(), linear.z(), angular.head<2>().sum(), angular.z()};
+}
+
+int KnotsOfMean(const Trajectory& trajectory) {
+  return std::max(1, static_cast<int>(std::lround(kMeanTime / trajectory.knot_interval_s())));
+}
+
+double MeanVerticalVelocity(const Trajectory& trajectory, int first, int last) {
+  const int end = trajectory.num_control_points() - 1;
+  first = std::clamp(first, 0, end);
+  last = std::clamp(last, first, end);
+  const double rise_m =
+      trajectory.control_point(last).position[2] - trajectory.control_point(first).position[2];
+  return rise_m / std::max((last - first) * trajectory.knot_interval_s(), kMeanTime);
 }
 
 MotionNoise MotionNoise::Of(const TrajectoryOptions& options) {
@@ -89,7 +105,8 @@ double MotionNoise::Persistence(double knot_interval_s) const {
 MotionPersistence MotionNoise::LinearPersistence(double knot_interval_s) const {
   const double rho = Persistence(knot_interval_s);
   return {{1.0, 1.0, std::exp(-knot_interval_s / vertical_velocity_correlation_s)},
-          {rho, rho, 0.0}};
+          {rho, rho, 0.0},
+          {0.0, 0.0, vertical_velocity_m_s}};
 }
 
 Eigen::Vector3d MotionNoise::LinearStddev(double knot_interval_s) const {
@@ -128,10 +145,22 @@ KnotAcceleration MotionNoise::InnovationAt(const Trajectory& trajectory, int fir
           after.angular_world - rho * before.angular_world};
 }
 
+void MotionProfile::FollowHeight(const Trajectory& trajectory) {
+  const int num_knots = KnotsOfMean(trajectory);
+  for (int i = 0; i < static_cast<int>(at.size()); ++i) {
+    const int first = i + 1 - num_knots / 2;
+    at[static_cast<size_t>(i)].vertical_velocity_m_s =
+        MeanVerticalVelocity(trajectory, first, first + num_knots);
+  }
+}
+
 MotionProfile MotionProfile::Uniform(const MotionNoise& noise, const Trajectory& trajectory) {
-  return {noise,
-          std::vector<MotionNoise>(static_cast<size_t>(trajectory.num_control_points() - 2),
-                                   noise)};
+  MotionProfile profile = {
+      noise,
+      std::vector<MotionNoise>(static_cast<size_t>(trajectory.num_control_points() - 2),
+                               noise)};
+  profile.FollowHeight(trajectory);
+  return profile;
 }
 
 MotionEvidence SumOf(const std::vector<MotionEvidence>& evidence) {
@@ -163,11 +192,11 @@ MotionProfile MotionProfile::From(const std::vector<MotionEvidence>& evidence,
 }
 
 MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& initial) {
-  std::vector<MotionEvidence> evidence;
+  MotionProfile profile = Uniform(initial, known);
   const ByMotionKind to_density = initial.DensityPerInnovation2(known.knot_interval_s());
-  evidence.emplace_back();  // the first acceleration has none before it
+  std::vector<MotionEvidence> evidence(1);  // the first acceleration has none before it
   for (int i = 0; i + 3 < known.num_control_points(); ++i) {
-    const KnotAcceleration e = initial.InnovationAt(known, i);
+    const KnotAcceleration e = profile.at[static_cast<size_t>(i) + 1].InnovationAt(known, i);
     MotionEvidence of_knot;
     of_knot.squares = SumByKind(e.linear_world.cwiseAbs2(), e.angular_world.cwiseAbs2());
     for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
@@ -177,10 +206,10 @@ MotionProfile MotionProfile::Of(const Trajectory& known, const MotionNoise& init
     evidence.push_back(of_knot);
   }
   constexpr int kNumSteps = 4;  // each lowers a density to a tenth at most
-  MotionProfile profile = Uniform(initial, known);
   for (int step = 0; step < kNumSteps; ++step) {
     profile = From(evidence, profile.usual, known.knot_interval_s());
   }
+  profile.FollowHeight(known);
   return profile;
 }
 

@@ -34,6 +34,12 @@ struct KnotAcceleration {
 ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular);
 inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
 
+// Returns the mean vertical velocity from one control point to another, m/s; both are clamped
+// to those there are. A time of less than a second counts as one.
+double MeanVerticalVelocity(const Trajectory& trajectory, int first, int last);
+// Number of knot intervals in the second that such a mean is of.
+int KnotsOfMean(const Trajectory& trajectory);
+
 // MotionNoise is what the motion prior expects of accelerations: that they are correlated
 // exponentially over time (Singer 1970, "Estimating optimal tracking filter performance for
 // manned maneuvering targets"). Its densities are amplitude spectral ones at low frequencies,
@@ -45,14 +51,16 @@ inline constexpr ByMotionKind kNumAxes = {2.0, 1.0, 2.0, 1.0};
 //   stddev(a) = sigma sqrt((1 - rho) / (1 + rho)).
 // A correlation time of 0 is white noise.
 //
-// Vertically, velocities are correlated so, and white noise drives them: v_k+1 = rho_v v_k + h
-// e_k. What carries the rig stands on a floor. It goes up and down with each step, and where
-// nothing shows the height an acceleration or a velocity that went on would carry it away: of
-// the height of a walk that bobs by 2 cm, half a second ahead is known to 4 cm instead of 21.
+// Vertically, velocities are correlated so, about their mean m of a second (steps on a floor
+// or a stair), and white noise drives them: v_k+1 - m = rho_v (v_k - m) + h e_k. What carries
+// the rig stands on a floor: where nothing shows the height, an acceleration that goes on, of
+// a step, would carry it away. Half a second ahead the height of a walk that bobs by 2 cm is
+// known to 3 cm instead of 21.
 struct MotionNoise {
   ByMotionKind density = {};
   double correlation_s = 0.0;
   double vertical_velocity_correlation_s = 1e3;
+  double vertical_velocity_m_s = 0.0;  // mean of some steps, that velocities return to
 
   // The noise that the options expect of any rig.
   static MotionNoise Of(const TrajectoryOptions& options);
@@ -90,6 +98,10 @@ MotionEvidence SumOf(const std::vector<MotionEvidence>& evidence);
 struct MotionProfile {
   MotionNoise usual;
   std::vector<MotionNoise> at;  // by the first of the three control points
+
+  // Takes the mean vertical velocity at each knot, over a second about it, from the
+  // trajectory.
+  void FollowHeight(const Trajectory& trajectory);
 
   static MotionProfile Uniform(const MotionNoise& noise, const Trajectory& trajectory);
   // The noise that follows from what an estimate tells whose usual noise was `before`:

@@ -27,6 +27,11 @@ MotionNoise MotionPrior::At(int first) const {
   return noise;
 }
 
+void MotionPrior::FollowHeight(const Trajectory& trajectory, int last) {
+  usual_.vertical_velocity_m_s =
+      MeanVerticalVelocity(trajectory, last - KnotsOfMean(trajectory), last);
+}
+
 void MotionPrior::Learn(const Trajectory& trajectory,
                         int first,
                         const Eigen::Vector3d& linear_variance,

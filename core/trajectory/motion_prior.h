@@ -34,6 +34,10 @@ class MotionPrior {
   // Returns the noise of motions whose accelerations are not known yet.
   const MotionNoise& usual() const { return usual_; }
 
+  // Takes the mean vertical velocity of the last second, up to a control point, from the
+  // trajectory.
+  void FollowHeight(const Trajectory& trajectory, int last);
+
   // Takes in what the scans have shown of the innovation of the control points first ..
   // first + 3. variance: its posterior one, along and about the world's axes.
   void Learn(const Trajectory& trajectory,

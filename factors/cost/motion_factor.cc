@@ -22,12 +22,14 @@ Vector3<T> RotationDifference(const T* q0, const T* q1) {
 struct PositionAccelerationFunctor {
   Eigen::Vector3d whitening;
   Eigen::Vector3d velocity_persistence;
+  Eigen::Vector3d of_mean;  // m, that the mean velocity adds
 
   template <typename T>
   bool operator()(const T* p0, const T* p1, const T* p2, T* residuals) const {
     for (int axis = 0; axis < 3; ++axis) {
-      residuals[axis] = whitening[axis] * ((p2[axis] - p1[axis]) -
-                                           velocity_persistence[axis] * (p1[axis] - p0[axis]));
+      residuals[axis] = whitening[axis] *
+                        ((p2[axis] - p1[axis]) -
+                         velocity_persistence[axis] * (p1[axis] - p0[axis]) - of_mean[axis]);
     }
     return true;
   }
@@ -92,14 +94,22 @@ Eigen::Vector3d Whitening(const Eigen::Vector3d& stddev, double knot_interval_s)
   return (stddev * knot_interval_s * knot_interval_s).cwiseInverse();
 }
 
+PositionAccelerationFunctor MakeAcceleration(const Eigen::Vector3d& stddev,
+                                             const MotionPersistence& persistence,
+                                             double knot_interval_s) {
+  const Eigen::Vector3d lost = Eigen::Vector3d::Ones() - persistence.velocity;
+  return {Whitening(stddev, knot_interval_s),
+          persistence.velocity,
+          knot_interval_s * lost.cwiseProduct(persistence.mean_velocity)};
+}
+
 }  // namespace
 
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
     const Eigen::Vector3d& stddev,
     const MotionPersistence& persistence,
     double knot_interval_s) {
-  return MakeFactor<3, 3, 3>(
-      PositionAccelerationFunctor{Whitening(stddev, knot_interval_s), persistence.velocity});
+  return MakeFactor<3, 3, 3>(MakeAcceleration(stddev, persistence, knot_interval_s));
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationAccelerationFactor(
@@ -112,7 +122,7 @@ std::unique_ptr<ceres::CostFunction> CreatePositionInnovationFactor(
     const MotionPersistence& persistence,
     double knot_interval_s) {
   return MakeFactor<3, 3, 3, 3>(InnovationFunctor<PositionAccelerationFunctor>{
-      {Whitening(stddev, knot_interval_s), persistence.velocity}, persistence.acceleration});
+      MakeAcceleration(stddev, persistence, knot_interval_s), persistence.acceleration});
 }
 
 std::unique_ptr<ceres::CostFunction> CreateRotationInnovationFactor(

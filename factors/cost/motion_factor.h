@@ -19,11 +19,13 @@ namespace plumbline {
 struct MotionPersistence {
   Eigen::Vector3d velocity = Eigen::Vector3d::Ones();
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_velocity = Eigen::Vector3d::Zero();  // m/s, that velocities return to
 };
 
 // What drives the position, an acceleration where velocities go on, for k =
-// persistence.velocity:
-//   r = ((p2 - p1) - k (p1 - p0)) / (stddev h^2),   stddev in m/s^2, by world axis.
+// persistence.velocity and m = persistence.mean_velocity:
+//   r = ((p2 - p1 - m h) - k (p1 - p0 - m h)) / (stddev h^2),   stddev in m/s^2, by world
+//   axis.
 // Blocks: [ p0 | p1 | p2 ]
 std::unique_ptr<ceres::CostFunction> CreatePositionAccelerationFactor(
     const Eigen::Vector3d& stddev,
