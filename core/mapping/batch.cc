@@ -64,6 +64,10 @@ class Batch {
       if (!is_last) estimator_.StepRobustly();
     }
     BatchReport report{estimator_.EstimateFinally(), round, num_changed};
+    while (DropVanishedCylinders(state_) > 0) {
+      KeepHeadingHeld(state_);
+      static_cast<FinalEstimate&>(report) = estimator_.EstimateFinally();
+    }
     RebuildLandmarks(rig_, state_);
     report.closures = Closures();
     report.drift_m = drift_m_;

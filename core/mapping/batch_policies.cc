@@ -275,6 +275,33 @@ int DropPlanesWithoutLines(MapState* state) {
   return ReleaseObservations(has_none, state);
 }
 
+namespace {
+
+// Releases the observations of landmarks, and removes their sub-minimum segments.
+int ReleaseAll(const std::vector<bool>& is_chosen, MapState* state) {
+  const int num_released = ReleaseObservations(is_chosen, state);
+  std::deque<Observation>& segments = state->sub_minimum_segments;
+  segments.erase(std::remove_if(segments.begin(),
+                                segments.end(),
+                                [&](const Observation& segment) {
+                                  return is_chosen[static_cast<size_t>(segment.landmark_id)];
+                                }),
+                 segments.end());
+  return num_released;
+}
+
+}  // namespace
+
+int DropVanishedCylinders(MapState* state) {
+  std::vector<bool> has_vanished;
+  for (const Landmark& landmark : state->landmarks) {
+    // The square of the radius, in units of that at the anchor.
+    const double square = 1.0 + 2.0 * landmark.Curvature() * landmark.parameters[2];
+    has_vanished.push_back(landmark.num_segments > 0 && !(square > 0.0));
+  }
+  return ReleaseAll(has_vanished, state);
+}
+
 int DropObliqueFalsePlanes(MapState* state) {
   std::vector<int64_t> in_segments(state->landmarks.size(), 0);
   std::vector<int64_t> in_sub_minimum(state->landmarks.size(), 0);
@@ -282,23 +309,14 @@ int DropObliqueFalsePlanes(MapState* state) {
     if (observation.landmark_id < 0) continue;
     in_segments[static_cast<size_t>(observation.landmark_id)] += observation.num_points;
   }
-  std::deque<Observation>& sub_minimum_segments = state->sub_minimum_segments;
-  for (const Observation& segment : sub_minimum_segments) {
+  for (const Observation& segment : state->sub_minimum_segments) {
     in_sub_minimum[static_cast<size_t>(segment.landmark_id)] += segment.num_points;
   }
   std::vector<bool> is_false;
   for (size_t i = 0; i < in_segments.size(); ++i) {
     is_false.push_back(in_sub_minimum[i] > kMaxSubMinimumRatio * in_segments[i]);
   }
-  const int num_released = ReleaseObservations(is_false, state);
-  const auto is_on_false_plane = [&](const Observation& segment) {
-    return is_false[static_cast<size_t>(segment.landmark_id)];
-  };
-  sub_minimum_segments.erase(
-      std::remove_if(
-          sub_minimum_segments.begin(), sub_minimum_segments.end(), is_on_false_plane),
-      sub_minimum_segments.end());
-  return num_released;
+  return ReleaseAll(is_false, state);
 }
 
 }  // namespace plumbline

@@ -59,6 +59,10 @@ int DropWeakPlanes(const PlaneOptions& options, MapState* state);
 // Drops landmarks of whose segments only single beams are left, which determine no direction.
 int DropPlanesWithoutLines(MapState* state);
 
+// Drops cylinders whose estimate has left no circle: the walls that they were taken for are
+// none, and no radius can be stated of them. Their sub-minimum segments are removed, too.
+int DropVanishedCylinders(MapState* state);
+
 // Drops landmarks that hold many points in sub-minimum segments and few in segments, as
 // oblique false planes across corners do; their sub-minimum segments are removed, too.
 int DropObliqueFalsePlanes(MapState* state);

@@ -260,6 +260,23 @@ TEST_F(BatchPoliciesTest, SingleBeamsDoNotKeepAPlane) {
   EXPECT_EQ(Ids(), (Ints{0, -1, 0, -1, 0, -1, 0, -1}));
 }
 
+// With the distance from its anchor a circle can shrink to nothing: its radius would be the
+// root of a negative number.
+TEST_F(BatchPoliciesTest, ACylinderThatHasVanishedIsNone) {
+  for (const double distance_m : {-1.0, -3.0}) {
+    AddWall(2.0, -1.0, 1.0);
+    Landmark& wall = state_.landmarks.back();
+    wall.TakeShapeOf(MakeCylinderLandmark({-1.0, 0.0, 0.0}, 0.25, {2.0, 0.0, 0.0}));
+    wall.parameters[2] = distance_m;  // the axis is 4 m behind the anchor
+    AddSegment(wall.id);
+    AddSubMinimumSegment(wall.id, 5);
+  }
+  EXPECT_EQ(DropVanishedCylinders(&state_), 1);
+  EXPECT_EQ(Ids(), (Ints{0, -1}));
+  ASSERT_EQ(state_.sub_minimum_segments.size(), 1U);
+  EXPECT_EQ(state_.sub_minimum_segments[0].landmark_id, 0);
+}
+
 TEST_F(BatchPoliciesTest, AnObliqueFalsePlaneLosesItsSubMinimumSegmentsToo) {
   AddWall(2.0, -1.0, 1.0);
   AddWall(3.0, -1.0, 1.0);
