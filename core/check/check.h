@@ -41,6 +41,9 @@ struct CheckReport {
   // they would, that of the body held.
   std::optional<MountedRig> near;
   StartSearch starts;
+  // Where it is not stated, by how much the wheels' stamps are too late, as their turns show,
+  // s; nothing where the turns leave it open.
+  std::optional<double> wheels_late_s;
 
   std::vector<Finding> findings;  // the gravest first
   Mappable mappable = Mappable::kNot;

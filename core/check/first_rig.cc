@@ -142,6 +142,11 @@ std::string FormatFirstRig(const CheckReport& report) {
     text += "    max_range_m: " + Decimal(MaxRangeOf(topic), 2) + "\n";
     text += "    time_offset_s: 0.0\n";
   }
+  if (report.survey.wheels != nullptr) {
+    text +=
+        "odometry:\n  topic: " + Quoted(report.survey.wheels_topic) +
+        "   # wheels; their clock is found by when they turn, or stated as time_offset_s\n";
+  }
   return text;
 }
 

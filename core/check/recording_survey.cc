@@ -189,6 +189,18 @@ bool IsStatic(const RecordingTopic& topic) {
          topic.name.compare(topic.name.size() - length, length, kName) == 0;
 }
 
+// The first topic of odometry; that of scan lines which state it as well where there is no
+// other.
+std::string TopicOfWheels(const std::vector<RecordingTopic>& topics) {
+  std::string name;
+  for (const RecordingTopic& topic : topics) {
+    if (!topic.HasOdometry() || topic.num_messages == 0) continue;
+    if (!topic.HasScanLines()) return topic.name;
+    if (name.empty()) name = topic.name;
+  }
+  return name;
+}
+
 }  // namespace
 
 RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
@@ -197,12 +209,14 @@ RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
   RecordingVisitor visitor;
   visitor.wants = [rig](const RecordingTopic& topic) {
     return topic.HasScanLines() || IsStatic(topic) ||
-           (rig != nullptr && topic.HasOdometry() && topic.name == rig->odometry_topic);
+           (topic.HasOdometry() && (rig == nullptr || topic.name == rig->odometry_topic));
   };
   const Rig no_rig;
-  OdometryCollector wheels(rig == nullptr ? no_rig : *rig);
-  visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
-    wheels.Add(message);
+  std::map<std::string, OdometryCollector> wheels;  // by topic
+  visitor.odometry = [&](const MessageRef& where, const OdometryMessage& message) {
+    const std::string& name = source->topics()[where.topic_index].name;
+    if (rig != nullptr && name != rig->odometry_topic) return;
+    wheels.try_emplace(name, rig == nullptr ? no_rig : *rig).first->second.Add(message);
   };
   std::vector<Transform> transforms;
   visitor.transforms = [&](const MessageRef&, const std::vector<Transform>& some) {
@@ -225,9 +239,12 @@ RecordingSurvey SurveyRecording(const std::string& path, const Rig* rig) {
     if (topic.frames.size() == 1) frames.push_back(topic.frames.front());
   }
   survey.frames = FindStaticFrames(transforms, frames);
-  survey.wheels_fault = wheels.Fault();
-  if (!wheels.samples().empty() && survey.wheels_fault.empty()) {
-    survey.wheels = std::make_shared<const Odometry>(wheels.samples());
+  survey.wheels_topic = TopicOfWheels(source->topics());
+  if (rig != nullptr) survey.wheels_topic = rig->odometry_topic;
+  const auto used = wheels.find(survey.wheels_topic);
+  if (used != wheels.end()) {
+    survey.wheels_fault = used->second.Fault();
+    survey.wheels = used->second.Finish(&survey.wheels_mended);
   }
   return survey;
 }

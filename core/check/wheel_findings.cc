@@ -5,6 +5,7 @@
 #include "core/check/findings.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -13,10 +14,7 @@ namespace {
 constexpr double kMinTurnRate = 16.0 * kRadiansPerDegree;  // 1/s, that is compared
 constexpr size_t kMinTurns = 5;
 constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
-constexpr double kLagStep = 0.05;  // s
-// Wheels are late, or turn the other way, if the correction leaves at most this share of the
-// disagreement.
-constexpr double kLeft = 0.5;
+constexpr double kLagStep = 0.01;  // s
 // Wheels do not turn as the scanners do where more than this share of the turns is left.
 constexpr double kUnexplained = 0.7;
 
@@ -42,14 +40,20 @@ class WheelJudge {
     double best_lag_s = 0.0;
     double best = as_stated;
     double best_mirrored = as_stated;
+    double best_mirrored_lag_s = 0.0;
     for (double lag_s = -kMaxLag; lag_s < kMaxLag + 0.5 * kLagStep; lag_s += kLagStep) {
       const double left = LeftOver(lag_s, 1.0);
-      best_mirrored = std::min(best_mirrored, LeftOver(lag_s, -1.0));
+      const double left_mirrored = LeftOver(lag_s, -1.0);
+      if (left_mirrored < best_mirrored) {
+        best_mirrored = left_mirrored;
+        best_mirrored_lag_s = lag_s;
+      }
       if (left >= best) continue;
       best = left;
       best_lag_s = lag_s;
     }
-    if (best_mirrored < kLeft * best && best_mirrored < kLeft * all) {
+    if (best_mirrored < kUnexplained * all &&
+        IsBetter(best_mirrored_lag_s, -1.0, best_lag_s)) {
       Add(Severity::kStop,
           "the wheels turn the other way round than the scanners see the rig turn",
           "leave them out of the rig file, or let their driver count turns to the left");
@@ -58,12 +62,8 @@ class WheelJudge {
           "the wheels do not turn as the scanners see the rig turn: " + PercentOf(best / all) +
               " of the turns are left",
           "leave them out of the rig file; their pose has to be in a frame with z up");
-    } else if (best < kLeft * as_stated && std::abs(best_lag_s) > 1.5 * kLagStep) {
-      Add(Severity::kWarning,
-          "the wheels are stamped about " + Decimal(std::abs(best_lag_s), 2) + " s too " +
-              (best_lag_s > 0.0 ? "late" : "early") + ", by when they and the scanners turn",
-          "in the rig file: odometry: {time_offset_s: " +
-              Decimal(report_->rig->odometry_time_offset_s - best_lag_s, 2) + "}");
+    } else if (IsBetter(best_lag_s, 1.0, 0.0)) {
+      AddLag(best_lag_s);
     }
   }
 
@@ -71,6 +71,36 @@ class WheelJudge {
   void Add(Severity severity, const std::string& sentence, const std::string& advice) {
     report_->findings.push_back(
         {severity, report_->rig->odometry_topic, sentence, advice, Subject::kWheels});
+  }
+
+  void AddLag(double lag_s) {
+    const std::string sentence =
+        "the wheels are stamped about " + Decimal(std::abs(lag_s), 2) + " s too " +
+        (lag_s > 0.0 ? "late" : "early") + ", by when they and the scanners turn";
+    const std::optional<double>& stated_s = report_->rig->odometry_time_offset_s;
+    if (!stated_s) {
+      report_->wheels_late_s = lag_s;
+      Add(Severity::kNote, sentence + "; that is taken into account", "");
+    } else {
+      Add(Severity::kWarning,
+          sentence,
+          "in the rig file: odometry: {time_offset_s: " + Decimal(*stated_s - lag_s, 2) +
+              "}, or leave it out to have it found");
+    }
+  }
+
+  // Whether the turns agree better with wheels that are late, or late and mirrored, than with
+  // those that are late by another time, and not by chance.
+  bool IsBetter(double lag_s, double sign, double other_lag_s) const {
+    double sum = 0.0;
+    double sum_squares = 0.0;
+    for (const StepTurn& turn : turns_) {
+      const double gain = std::abs(Difference(turn, other_lag_s, 1.0)) -
+                          std::abs(Difference(turn, lag_s, sign));
+      sum += gain;
+      sum_squares += gain * gain;
+    }
+    return sum > kSignificantStddevs * std::sqrt(sum_squares);
   }
 
   // The turns of level scanners, as turns of the rig, while the wheels say something.
@@ -96,14 +126,16 @@ class WheelJudge {
     }
   }
 
-  // Difference between the turns of scanners and wheels if the wheels are late by lag_s, rad.
-  double LeftOver(double lag_s, double sign) const {
+  // What the wheels leave of a turn, if theirs are so much later, rad.
+  double Difference(const StepTurn& turn, double lag_s, double sign) const {
     const int64_t lag_ns = NanosecondsFromSeconds(lag_s);
+    const auto motion = wheels_.Between(turn.begin_ns + lag_ns, turn.end_ns + lag_ns);
+    return turn.turn_rad - (motion ? sign * motion->turn : 0.0);
+  }
+
+  double LeftOver(double lag_s, double sign) const {
     double left = 0.0;
-    for (const StepTurn& turn : turns_) {
-      const auto motion = wheels_.Between(turn.begin_ns + lag_ns, turn.end_ns + lag_ns);
-      left += std::abs(turn.turn_rad - (motion ? sign * motion->turn : 0.0));
-    }
+    for (const StepTurn& turn : turns_) left += std::abs(Difference(turn, lag_s, sign));
     return left;
   }
 
@@ -127,9 +159,18 @@ void FindWheelFaults(CheckReport* report) {
                                 Subject::kWheels,
                                 false,
                                 true});
-  } else if (survey.wheels != nullptr) {
-    WheelJudge(report, *survey.wheels).Judge();
+    return;
   }
+  for (const std::string& mended : survey.wheels_mended) {
+    report->findings.push_back({Severity::kWarning,
+                                report->rig->odometry_topic,
+                                "of the wheels " + mended,
+                                "",
+                                Subject::kWheels,
+                                false,
+                                true});
+  }
+  if (survey.wheels != nullptr) WheelJudge(report, *survey.wheels).Judge();
 }
 
 }  // namespace plumbline

@@ -130,6 +130,12 @@ CheckedRecording ReadChecked(const std::string& recording,
   if (report.other_header || starts_near) {
     checked.reader = std::make_unique<RecordingReader>(recording, checked.rig);
   }
+  if (report.wheels_late_s) {
+    LOG(INFO) << "the wheels' stamps are " << *report.wheels_late_s
+              << " s late, by when they and the scanners turn";
+    checked.reader->DelayOdometry(-*report.wheels_late_s);
+    checked.rig.odometry_time_offset_s = -*report.wheels_late_s;
+  }
   return checked;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/geometry/planar_pose.h"
 #include "core/util/error.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -18,9 +19,6 @@ namespace {
 constexpr double kHeldTime = 0.5;  // s
 // They go on side by side for no longer than this.
 constexpr double kMaxTime = 4.0;  // s
-// Standard deviations by which the sum of the scans' differences has to be above zero, so that
-// chance does not decide for the motion.
-constexpr double kSignificance = 3.0;
 // A motion contradicts the wheels if it is off by this number of standard deviations, of the
 // wheels and of poses that no wall holds, and at least twice as far as that of the other
 // hypothesis.
@@ -121,7 +119,7 @@ void HypothesisFollower::Decide() {
   const double by_motion_off =
       DeviationFromWheels(by_motion_->state(), forked_ns_, last_scan_ns_);
   const bool by_wheels = by_view_off > kMaxWheelDeviation && by_view_off > 2.0 * by_motion_off;
-  const bool by_motion = by_wheels || significance > kSignificance;
+  const bool by_motion = by_wheels || significance > kSignificantStddevs;
   VLOG(1) << "two hypotheses from "
           << SecondsBetween(follower_->state().origin_time_ns, forked_ns_) << " s on; goes on "
           << (by_motion ? "by the motion" : "by what is in view") << ": " << sum_differences_

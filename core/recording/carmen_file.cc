@@ -85,6 +85,7 @@ void CarmenFile::ReadLine(ByteView line,
     topic.name = topic.type = word;
     topic.encoding = MessageEncoding::kCarmen;
     topic.kind = KindOf(topic);
+    topic.also_has_odometry = CarmenScanLineHasOdometry(word);
     topics_.push_back(topic);
     wanted_.push_back(wants(topics_.back()));
   }

@@ -117,9 +117,23 @@ bool TakeScannerConfig(WordCursor* cursor, ScanLineMessage* message) {
          cursor->Take(&message->range_max) && cursor->Skip(2);
 }
 
+bool IsOldScanLine(std::string_view word) { return word == "FLASER" || word == "RLASER"; }
+
+bool IsRobotScanLine(std::string_view word) { return word.substr(0, 10) == "ROBOTLASER"; }
+
 // Every range takes at least two characters. Tested before anybody allocates memory.
 bool TakeCount(WordCursor* cursor, uint32_t* count) {
   return cursor->Take(count) && *count <= cursor->num_left() / 2;
+}
+
+// Up to the poses of a scan line; with_config: of a kind that has the scanner's, and
+// remissions.
+bool SkipRanges(bool with_config, WordCursor* cursor) {
+  uint32_t count = 0;
+  ScanLineMessage unused;
+  if (with_config && !TakeScannerConfig(cursor, &unused)) return false;
+  if (!TakeCount(cursor, &count) || !cursor->Skip(count)) return false;
+  return !with_config || (TakeCount(cursor, &count) && cursor->Skip(count));
 }
 
 }  // namespace
@@ -139,6 +153,10 @@ MessageKind CarmenKindOf(const std::string& word) {
   return word == "ODOM" ? MessageKind::kOdometry : MessageKind::kOther;
 }
 
+bool CarmenScanLineHasOdometry(const std::string& word) {
+  return IsOldScanLine(word) || IsRobotScanLine(word);
+}
+
 bool ReadCarmenReceipt(ByteView line, int64_t* receipt_ns) {
   const std::string_view text(reinterpret_cast<const char*>(line.data), line.size);
   const size_t last = text.find_last_not_of(" \t\r\n");
@@ -152,8 +170,8 @@ bool ReadCarmenScanLine(ByteView line, bool with_ranges, ScanLineMessage* messag
   WordCursor cursor(line);
   std::string_view word;
   if (!cursor.Take(&word)) return false;
-  const bool is_old = word == "FLASER" || word == "RLASER";
-  const bool is_robot = word.substr(0, 10) == "ROBOTLASER";
+  const bool is_old = IsOldScanLine(word);
+  const bool is_robot = IsRobotScanLine(word);
   message->frame_id.clear();
   message->time_increment = 0.0f;
   message->range_min = message->range_max = 0.0f;
@@ -175,10 +193,19 @@ bool ReadCarmenOdometry(ByteView line, OdometryMessage* message) {
   WordCursor cursor(line);
   double heading = 0.0;
   *message = OdometryMessage();
-  if (!cursor.Skip(1) || !cursor.Take(&message->position[0]) ||
-      !cursor.Take(&message->position[1]) || !cursor.Take(&heading) ||
-      !cursor.Take(&message->linear_velocity[0]) ||
-      !cursor.Take(&message->angular_velocity[2]) || !cursor.Skip(1)) {
+  std::string_view word;
+  if (!cursor.Take(&word)) return false;
+  const bool is_old = IsOldScanLine(word);
+  const bool is_robot = IsRobotScanLine(word);
+  // The pose of the laser comes before that of the robot.
+  if ((is_old || is_robot) && !(SkipRanges(is_robot, &cursor) && cursor.Skip(3))) return false;
+  if (!cursor.Take(&message->position[0]) || !cursor.Take(&message->position[1]) ||
+      !cursor.Take(&heading)) {
+    return false;
+  }
+  if (!is_old &&
+      (!cursor.Take(&message->linear_velocity[0]) ||
+       !cursor.Take(&message->angular_velocity[2]) || !cursor.Skip(is_robot ? 3 : 1))) {
     return false;
   }
   message->orientation = {0.0, 0.0, std::sin(0.5 * heading), std::cos(0.5 * heading)};

@@ -31,12 +31,15 @@ struct RecordingTopic {
   MessageEncoding encoding = MessageEncoding::kUnknown;
   MessageKind kind = MessageKind::kOther;
   uint64_t num_messages = 0;  // that were found, readable or not
+  // Whether messages of another kind state the pose by odometry as well, as the scan lines of
+  // a CARMEN log do.
+  bool also_has_odometry = false;
 
-  bool HasOdometry() const { return kind == MessageKind::kOdometry; }
+  bool HasOdometry() const { return kind == MessageKind::kOdometry || also_has_odometry; }
   // Transforms between frames, such as those of /tf_static.
   bool HasTransforms() const { return kind == MessageKind::kTransforms; }
   bool HasScanLines() const {
-    return kind != MessageKind::kOther && !HasOdometry() && !HasTransforms();
+    return kind != MessageKind::kOther && kind != MessageKind::kOdometry && !HasTransforms();
   }
 };
 

@@ -47,10 +47,12 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     if (topic.HasScanLines() && visitor.scan_line != nullptr) {
       decoded = DecodeScanLine(topic, data, visitor.with_ranges, &scan_line);
       if (decoded) joiner.Add(message, scan_line);
-    } else if (topic.HasOdometry() && visitor.odometry != nullptr) {
+    }
+    if (decoded && topic.HasOdometry() && visitor.odometry != nullptr) {
       decoded = DecodeOdometry(topic, data, &odometry);
       if (decoded) visitor.odometry(message, odometry);
-    } else if (topic.HasTransforms() && visitor.transforms != nullptr) {
+    }
+    if (topic.HasTransforms() && visitor.transforms != nullptr) {
       decoded = DecodeTransforms(topic, data, &transforms);
       if (decoded) visitor.transforms(message, transforms);
     }

@@ -22,6 +22,7 @@ struct RecordingVisitor {
   // Messages are valid during the call only. A revolution that a scanner sends in several
   // messages is one scan line (segment_joiner.h), of its first message.
   std::function<void(const MessageRef&, const ScanLineMessage&)> scan_line;
+  // Also of topics whose scan lines state odometry as well.
   std::function<void(const MessageRef&, const OdometryMessage&)> odometry;
   std::function<void(const MessageRef&, const std::vector<Transform>&)> transforms;
   // A message of a wanted topic that can not be decoded.

@@ -42,6 +42,14 @@ Odometry::Odometry(std::vector<OdometrySample> samples) : samples_(std::move(sam
   }
 }
 
+Odometry Odometry::Later(double seconds) const {
+  Odometry later = *this;
+  for (OdometrySample& sample : later.samples_) {
+    sample.time_ns += NanosecondsFromSeconds(seconds);
+  }
+  return later;
+}
+
 size_t Odometry::FirstFrom(int64_t time_ns) const {
   const auto at = std::lower_bound(
       samples_.begin(), samples_.end(), time_ns, [](const OdometrySample& sample, int64_t t) {

@@ -29,6 +29,9 @@ class Odometry {
   // whose numbers are not finite are left out. Headings may jump by whole turns.
   explicit Odometry(std::vector<OdometrySample> samples);
 
+  // The same of wheels whose samples are so much later.
+  Odometry Later(double seconds) const;
+
   bool empty() const { return samples_.empty(); }
   size_t size() const { return samples_.size(); }
   // Whether it says how the body moved from one instant to a later one: there are samples

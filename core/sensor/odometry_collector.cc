@@ -10,25 +10,32 @@ void OdometryCollector::Add(const OdometryMessage& message) {
   double norm2 = 0.0;
   for (const double value : message.orientation) norm2 += value * value;
   if (!(norm2 > 0.5)) ++num_without_orientation_;
-  samples_.push_back({message.stamp_ns + NanosecondsFromSeconds(rig_.odometry_time_offset_s),
-                      {message.position[0], message.position[1]},
-                      message.Yaw()});
+  const double offset_s = rig_.odometry_time_offset_s.value_or(0.0);
+  poses_.push_back({{message.stamp_ns + NanosecondsFromSeconds(offset_s),
+                     {message.position[0], message.position[1]},
+                     message.Yaw()},
+                    {message.linear_velocity[0], message.linear_velocity[1]}});
 }
 
 std::string OdometryCollector::Fault() const {
   if (num_without_orientation_ > 0) {
-    return std::to_string(num_without_orientation_) + " of " +
-           std::to_string(samples_.size()) +
+    return std::to_string(num_without_orientation_) + " of " + std::to_string(poses_.size()) +
            " messages have no orientation (their quaternion is not of length 1)";
   }
   const bool is_frozen =
-      samples_.size() > 1 &&
-      std::all_of(samples_.begin(), samples_.end(), [this](const OdometrySample& sample) {
-        return sample.position == samples_.front().position &&
-               sample.heading == samples_.front().heading;
+      poses_.size() > 1 &&
+      std::all_of(poses_.begin(), poses_.end(), [this](const CountedPose& pose) {
+        return pose.sample.position == poses_.front().sample.position &&
+               pose.sample.heading == poses_.front().sample.heading;
       });
   // The scans show it if a rig stands all the time.
   return is_frozen ? "its pose never changes" : "";
+}
+
+std::shared_ptr<const Odometry> OdometryCollector::Finish(
+    std::vector<std::string>* sentences) const {
+  if (poses_.empty() || !Fault().empty()) return nullptr;
+  return std::make_shared<const Odometry>(RepairOdometry(poses_, sentences));
 }
 
 }  // namespace plumbline

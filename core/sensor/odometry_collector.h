@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/recording/messages.h"
 #include "core/sensor/odometry.h"
+#include "core/sensor/odometry_repair.h"
 #include "core/sensor/rig.h"
 
 namespace plumbline {
@@ -19,11 +21,14 @@ class OdometryCollector {
   // Why it says nothing of the motion: no orientation, or a pose that never changes; empty
   // where it may.
   std::string Fault() const;
-  const std::vector<OdometrySample>& samples() const { return samples_; }
+  // What it says of the motion, once its messages contradict themselves no more
+  // (odometry_repair.h); nullptr where it has a fault. Appends what was mended to sentences.
+  std::shared_ptr<const Odometry> Finish(std::vector<std::string>* sentences) const;
+  bool empty() const { return poses_.empty(); }
 
  private:
   const Rig& rig_;
-  std::vector<OdometrySample> samples_;
+  std::vector<CountedPose> poses_;
   int num_without_orientation_ = 0;  // whose quaternion is none, such as all zero
 };
 

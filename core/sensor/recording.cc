@@ -131,6 +131,7 @@ struct RecordingReader::Impl {
   OdometryCollector wheels;               // what they say, while it is read
   std::shared_ptr<const Odometry> odometry;
   std::string odometry_fault;
+  std::vector<std::string> odometry_mended;  // what has been, in sentences
   int num_odometry_lost = 0;  // messages that can not be decoded
   std::vector<std::string> warnings;
 
@@ -214,10 +215,11 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
     return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
            (topic.HasOdometry() && topic.name == rig.odometry_topic);
   };
-  visitor.odometry = [&](const MessageRef&, const OdometryMessage& message) {
-    wheels.Add(message);
+  visitor.odometry = [&](const MessageRef& ref, const OdometryMessage& message) {
+    if (source->topics()[ref.topic_index].name == rig.odometry_topic) wheels.Add(message);
   };
   visitor.scan_line = [&](const MessageRef& ref, const ScanLineMessage& as_sent) {
+    if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) return;
     if (observer.scan_line != nullptr) {
       observer.scan_line(source->topics()[ref.topic_index], ref, as_sent);
     }
@@ -239,7 +241,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
                       static_cast<int64_t>(ref.receipt_ns)});
   };
   visitor.undecodable = [&](const MessageRef& ref) {
-    if (source->topics()[ref.topic_index].HasOdometry()) {
+    if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
       ++num_odometry_lost;
     } else {
       undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
@@ -272,8 +274,7 @@ void RecordingReader::Impl::TakeOdometry(const Rig& rig) {
                 TopicsText(topics) + DamageText());
   }
   odometry_fault = wheels.Fault();
-  if (!odometry_fault.empty()) return;
-  odometry = std::make_shared<const Odometry>(wheels.samples());
+  odometry = wheels.Finish(&odometry_mended);
 }
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
@@ -314,6 +315,7 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   if (!odometry_fault.empty()) {
     warnings.push_back("odometry is left out: " + odometry_fault);
   }
+  for (const std::string& mended : odometry_mended) warnings.push_back("odometry: " + mended);
   if (num_odometry_lost > 0) {
     warnings.push_back("odometry: " + std::to_string(num_odometry_lost) +
                        (num_odometry_lost == 1 ? " message is lost" : " messages are lost") +
@@ -412,6 +414,10 @@ int RecordingReader::num_scan_lines() const {
 }
 
 std::shared_ptr<const Odometry> RecordingReader::odometry() const { return impl_->odometry; }
+
+void RecordingReader::DelayOdometry(double seconds) {
+  impl_->odometry = std::make_shared<const Odometry>(impl_->odometry->Later(seconds));
+}
 
 double RecordingReader::scan_period_s() const { return impl_->order.scan_period_s; }
 

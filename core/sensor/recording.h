@@ -55,6 +55,8 @@ class RecordingReader {
   // where its messages say nothing of the motion, of which a warning tells: no orientation, or
   // a pose that never changes while the velocities say otherwise.
   std::shared_ptr<const Odometry> odometry() const;
+  // Takes it to be so much later.
+  void DelayOdometry(double seconds);
   // Sentences about what is damaged or missing and about scan lines that were passed over or
   // look wrong, for the user and summary.json.
   const std::vector<std::string>& warnings() const;

@@ -180,7 +180,9 @@ Rig ReadRig(const std::string& path) {
   if (root.Has("odometry")) {
     const YamlNode odometry = root["odometry"];
     rig.odometry_topic = odometry["topic"].AsString();
-    odometry.Optional("time_offset_s", &rig.odometry_time_offset_s, -10.0, 10.0);
+    if (odometry.Has("time_offset_s")) {
+      rig.odometry_time_offset_s = odometry["time_offset_s"].AsDouble(-10.0, 10.0);
+    }
     odometry.RejectUnreadKeys();
   }
   if (rig.scanners.empty()) root["scanners"].Fail("the rig has no scanner");
@@ -194,8 +196,10 @@ void WriteRig(const Rig& rig, const std::string& path) {
   for (const Scanner& scanner : rig.scanners) WriteScanner(scanner, out);
   if (!rig.odometry_topic.empty()) {
     out << "odometry:\n"
-        << "  topic: " << Quote(rig.odometry_topic) << "\n"
-        << "  time_offset_s: " << Format(rig.odometry_time_offset_s) << "\n";
+        << "  topic: " << Quote(rig.odometry_topic) << "\n";
+    if (rig.odometry_time_offset_s) {
+      out << "  time_offset_s: " << Format(*rig.odometry_time_offset_s) << "\n";
+    }
   }
   WriteFileAtomically(path, out.str());
 }

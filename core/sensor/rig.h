@@ -67,9 +67,10 @@ struct Rig {
   MotionModel motion = MotionModel::kAutomatic;
   std::vector<Scanner> scanners;
   // Topic of the nav_msgs/Odometry messages of the body; empty: there are none. Their time is
-  // their stamp plus the offset.
+  // their stamp plus the offset; where it is not stated, the one at which wheels and scanners
+  // turn together.
   std::string odometry_topic;
-  double odometry_time_offset_s = 0.0;
+  std::optional<double> odometry_time_offset_s;
 };
 
 // Reads a rig file (docs/inputs.md). Throws Error with file and line.

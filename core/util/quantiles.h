@@ -2,6 +2,9 @@
 
 namespace plumbline {
 
+// Standard deviations beyond which a difference is not taken for chance.
+inline constexpr double kSignificantStddevs = 3.0;
+
 // x with P(|z| > x) = probability for a standard normal z.
 double TwoSidedNormalQuantile(double probability);
 

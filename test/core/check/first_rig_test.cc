@@ -30,6 +30,8 @@ TEST_F(FirstRigTest, IsARigFile) {
   travel.angle_rad = -0.5 * M_PI;
   travel.num_steps = 12;
   report.travel_directions = {travel};
+  report.survey.wheels = std::make_shared<const Odometry>();
+  report.survey.wheels_topic = "/odom";
   const std::string text = FormatFirstRig(report);
   EXPECT_THAT(text, testing::HasSubstr("FILL IN"));
   EXPECT_THAT(text, testing::HasSubstr("from 12 half seconds"));
@@ -47,6 +49,8 @@ TEST_F(FirstRigTest, IsARigFile) {
   EXPECT_NEAR(rig.scanners[0].range_noise_m, 0.017, 1e-9);
   EXPECT_NEAR(rig.scanners[0].min_range_m, 0.33, 1e-9);
   EXPECT_NEAR(rig.scanners[0].max_range_m, 29.99, 1e-9);
+  EXPECT_EQ(rig.odometry_topic, "/odom");
+  EXPECT_FALSE(rig.odometry_time_offset_s);
 }
 
 }  // namespace

@@ -74,7 +74,22 @@ TEST_F(WheelFindingsTest, WheelsThatTurnTheOtherWay) {
               ElementsAre(HasSubstr("turn the other way round")));
 }
 
+TEST_F(WheelFindingsTest, TheClockIsFoundWhereItIsNotStated) {
+  EXPECT_THAT(Find([](double time_s) { return HeadingAt(time_s + 0.13); }),
+              ElementsAre(HasSubstr("about 0.13 s too early")));
+  ASSERT_TRUE(report_.wheels_late_s);
+  EXPECT_NEAR(*report_.wheels_late_s, -0.13, 0.011);
+  EXPECT_EQ(report_.findings[0].severity, Severity::kNote);
+}
+
+TEST_F(WheelFindingsTest, WhatWasMendedIsTold) {
+  report_.survey.wheels_mended = {"3 poses were sent again"};
+  EXPECT_THAT(Find(HeadingAt), ElementsAre(HasSubstr("of the wheels 3 poses")));
+  EXPECT_TRUE(report_.findings[0].is_told_by_reader);
+}
+
 TEST_F(WheelFindingsTest, WheelsThatAreLate) {
+  report_.rig->odometry_time_offset_s = 0.0;
   EXPECT_THAT(Find([](double time_s) { return HeadingAt(time_s - 0.4); }),
               ElementsAre(testing::AllOf(HasSubstr("about 0.40 s too late"),
                                          HasSubstr("time_offset_s: -0.40"))));

@@ -99,6 +99,29 @@ TEST(CarmenMessagesTest, OdometryIsRead) {
   EXPECT_EQ(odometry.stamp_ns, 70'179'600'000);
 }
 
+TEST(CarmenMessagesTest, ScanLinesStateTheRobotsPoseByOdometry) {
+  const std::string tail = " 70.5 nohost 0.5";
+  const std::string ranges = " 2 1.0 2.0 ";
+  const std::string scanner = " 0 -1.57 3.14 1.57 81.9 0.01 0";
+  const std::string laser = "7 8 9 ";
+  OdometryMessage odometry;
+  ASSERT_TRUE(ReadCarmenOdometry(ViewOf("FLASER" + ranges + laser + "1.5 -2.5 0.7" + tail),
+                                 &odometry));
+  EXPECT_EQ(odometry.position[0], 1.5);
+  EXPECT_NEAR(odometry.Yaw(), 0.7, 1e-12);
+  EXPECT_EQ(odometry.linear_velocity[0], 0.0);
+  EXPECT_EQ(odometry.stamp_ns, 70'500'000'000);
+  const std::string robot = "1.5 -2.5 0.7 -0.4 0.1 0.2 0.2 1e6";
+  ASSERT_TRUE(ReadCarmenOdometry(
+      ViewOf("ROBOTLASER1" + scanner + ranges + "1 99 " + laser + robot + tail), &odometry));
+  EXPECT_EQ(odometry.position[1], -2.5);
+  EXPECT_EQ(odometry.linear_velocity[0], -0.4);
+  EXPECT_EQ(odometry.angular_velocity[2], 0.1);
+  EXPECT_FALSE(
+      ReadCarmenOdometry(ViewOf("FLASER" + ranges + laser + "1.5" + tail), &odometry));
+  EXPECT_FALSE(CarmenScanLineHasOdometry("RAWLASER1"));
+}
+
 TEST(CarmenMessagesTest, LinesThatLackSomethingAreNotRead) {
   const std::string whole = FlaserLine(20, "12.5");
   ScanLineMessage scan;
@@ -134,10 +157,12 @@ class CarmenFileTest : public TemporaryDirectoryTest {
 TEST_F(CarmenFileTest, LinesAreMessages) {
   const RecordingDump dump = Dump(Write(log_));
   EXPECT_THAT(dump.topics, ElementsAre("PARAM 1", "FLASER 2", "ODOM 1", "TRUEPOS 1"));
-  ASSERT_EQ(dump.messages.size(), 3u);
+  // Scan lines state odometry, too.
+  ASSERT_EQ(dump.messages.size(), 5u);
   EXPECT_THAT(dump.messages[0], HasSubstr("FLASER 250000000 scan 70100000000"));
-  EXPECT_THAT(dump.messages[1], HasSubstr("ODOM 300000000 odometry 70200000000"));
-  EXPECT_THAT(dump.messages[2], HasSubstr("FLASER 300000000 scan 70300000000"));
+  EXPECT_THAT(dump.messages[1], HasSubstr("FLASER 250000000 odometry 70100000000"));
+  EXPECT_THAT(dump.messages[2], HasSubstr("ODOM 300000000 odometry 70200000000"));
+  EXPECT_THAT(dump.messages[3], HasSubstr("FLASER 300000000 scan 70300000000"));
   EXPECT_THAT(dump.warnings, IsEmpty());
   EXPECT_EQ(dump.num_undecodable, 0);
 }
@@ -160,7 +185,7 @@ TEST_F(CarmenFileTest, PackedLogThatBreaksOffIsReadAsFarAsItGoes) {
   EXPECT_THAT(dump.warnings,
               testing::Contains("the file can not be unpacked whole, since it breaks off"));
   EXPECT_GT(dump.messages.size(), 100u);
-  EXPECT_LT(dump.messages.size(), 2003u);
+  EXPECT_LT(dump.messages.size(), 4005u);
 }
 
 TEST_F(CarmenFileTest, FewBytesDoNotBecomeGigabytes) {
@@ -178,7 +203,7 @@ TEST_F(CarmenFileTest, DamagedLinesArePassedOverAndCounted) {
   const RecordingDump dump =
       Dump(Write(log_ + "\x01\x02\x03 what\nFLASER 180 1.0\nODOM 1 2 3 4 5 6 no times here\n" +
                  log_ + "ODOM"));
-  EXPECT_EQ(dump.messages.size(), 6u);
+  EXPECT_EQ(dump.messages.size(), 10u);
   EXPECT_EQ(dump.num_undecodable, 1);
   EXPECT_THAT(
       dump.warnings,
@@ -190,7 +215,7 @@ TEST_F(CarmenFileTest, DamagedLinesArePassedOverAndCounted) {
 
 TEST_F(CarmenFileTest, LineWithoutEndCostsNoMemory) {
   const RecordingDump dump = Dump(Write(log_ + "SYNC " + std::string(3'000'000, 'x')));
-  EXPECT_EQ(dump.messages.size(), 3u);
+  EXPECT_EQ(dump.messages.size(), 5u);
   EXPECT_THAT(dump.warnings, testing::Contains(HasSubstr("what is no line was passed over")));
 }
 
@@ -223,7 +248,8 @@ TEST(CarmenLogsTest, PublicLogsAreReadToTheEnd) {
     };
     source->Visit(visitor);
     EXPECT_EQ(num_scans, log.num_scans) << log.name;
-    EXPECT_EQ(num_odometry, log.num_odometry) << log.name;
+    // Scan lines state odometry, too.
+    EXPECT_EQ(num_odometry, log.num_scans + log.num_odometry) << log.name;
     EXPECT_THAT(source->warnings(), IsEmpty()) << log.name;
   }
 }

@@ -152,6 +152,10 @@ TEST(Rig, WrittenRigReadsBack) {
   EXPECT_EQ(read.motion, rig.motion);
   EXPECT_EQ(read.odometry_topic, rig.odometry_topic);
   EXPECT_EQ(read.odometry_time_offset_s, rig.odometry_time_offset_s);
+  // What is not stated is not written, either.
+  rig.odometry_time_offset_s.reset();
+  WriteRig(rig, TestPath());
+  EXPECT_FALSE(ReadRig(TestPath()).odometry_time_offset_s);
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Scanner& expected = rig.scanners[i];
     const Scanner& scanner = read.scanners[i];
