@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <map>
 #include <utility>
 
@@ -96,9 +97,11 @@ std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig,
   return scanners;
 }
 
-// Hash of which observations these are, with which beams and planes: what a list of them would
-// tell, in less memory. The mixing is that of SplitMix64 (Steele et al. 2014).
-uint64_t Fingerprint(const std::vector<const Observation*>& observations) {
+// Hash of which observations these are, with which beams and planes, and of what shape these
+// are: what a list of them would tell, in less memory. A wall that has become a cylinder has
+// other parameters. The mixing is that of SplitMix64 (Steele et al. 2014).
+uint64_t Fingerprint(const std::vector<const Observation*>& observations,
+                     const std::deque<Landmark>& landmarks) {
   uint64_t hash = 0;
   const auto mix = [&hash](uint64_t value) {
     hash = (hash ^ value) + 0x9e3779b97f4a7c15u;
@@ -109,6 +112,13 @@ uint64_t Fingerprint(const std::vector<const Observation*>& observations) {
   for (const Observation* observation : observations) {
     mix(reinterpret_cast<uintptr_t>(observation));
     mix(static_cast<uint64_t>(observation->landmark_id));
+    const Landmark& landmark = landmarks[static_cast<size_t>(observation->landmark_id)];
+    mix(static_cast<uint64_t>(landmark.model));
+    for (const double coordinate : landmark.chart.anchor) {
+      uint64_t bits = 0;
+      std::memcpy(&bits, &coordinate, sizeof(bits));
+      mix(bits);
+    }
     mix(static_cast<uint64_t>(observation->revision));
   }
   return hash;
@@ -147,7 +157,7 @@ std::vector<const SegmentGroupCache::Entry*> SegmentGroupCache::Update(
   std::vector<const Entry*> entries;
   for (const auto& [first, observed] :
        ByInterval(trajectory, observations, intervals_per_group_)) {
-    const uint64_t fingerprint = Fingerprint(observed);
+    const uint64_t fingerprint = Fingerprint(observed, landmarks);
     Kept& kept = groups_[first];
     const bool stands = kept.entry.group != nullptr && kept.fingerprint == fingerprint &&
                         (kept.huber_width == loss.huber_width || kept.entry.group->is_plain());

@@ -88,5 +88,18 @@ TEST_F(SegmentGroupsTest, OnlyWhatHasChangedIsMadeAnew) {
   EXPECT_EQ(linearisations(), (std::vector<int>{1, 0, 1}));
 }
 
+// Of the same observations on a wall that has been found to bend, with parameters of its own.
+TEST_F(SegmentGroupsTest, AWallThatHasBecomeACylinderIsMadeAnew) {
+  SegmentGroupCache cache(LinearisedGroup::kFine, 2);
+  Equations(&cache);
+  landmarks_[0].TakeShapeOf(MakeCylinderLandmark(wall_.normal, 0.1, {3.0, 0.0, 0.0}));
+  SegmentGroupCache fresh(LinearisedGroup::kFine, 2);
+  const NormalEquations expected = Equations(&fresh);
+  const NormalEquations found = Equations(&cache);
+  ASSERT_EQ(found.hessian.rows(), expected.hessian.rows());
+  EXPECT_EQ(found.hessian, expected.hessian);
+  EXPECT_EQ(found.gradient, expected.gradient);
+}
+
 }  // namespace
 }  // namespace plumbline
