@@ -320,6 +320,105 @@ ScanMatch ScanMatcher::Register(const Trajectory& trajectory,
   return best;
 }
 
+std::vector<MotionVector> ScanMatcher::LikeliestErrors(const Trajectory& trajectory,
+                                                       const Rigid3d& correction,
+                                                       const SearchWindow& window) const {
+  const LocalMap& map = maps_[kTurnLevel];
+  const double step_m = options_.cell_m;
+  const double near_m = kNear * options_.surface_stddev_m * (1 << kTurnLevel);
+  PoseSampler poses(trajectory);
+  const Eigen::Vector3d at_begin = poses.WorldFromBody(begin_ns_).translation;
+  const Eigen::Vector3d at_end = poses.WorldFromBody(end_ns_).translation;
+  const Eigen::Vector3d about = correction * at_end;
+  struct Beam {
+    Eigen::Vector3d end;
+    Eigen::Vector3d from;
+  };
+  std::vector<Beam> beams;
+  for (const Line& line : lines_) {
+    const ScanMotion motion = MotionOf(line, &poses);
+    const size_t stride = std::max<size_t>(1, line.p_scanner.size() / kTracedBeams);
+    for (size_t i = 0; i < line.p_scanner.size(); i += stride) {
+      if (line.Moves(i)) continue;
+      beams.push_back({correction * motion.ToWorld(line.p_scanner[i], line.times_ns[i]),
+                       correction * Eigen::Vector3d(motion.nodes()[1].col(2))});
+    }
+  }
+  struct Place {
+    int num_near = 0;
+    double turn = 0.0;
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  };
+  std::vector<Place> places;
+  const int num_turns = static_cast<int>(window.turn_rad / kTurnStep);
+  const int num_steps = static_cast<int>(window.position_m / step_m);
+  std::vector<Beam> turned(beams.size());
+  for (int turn = -num_turns; turn <= num_turns; ++turn) {
+    const Rigid3d by_turn =
+        About(about, turn * kTurnStep * Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero());
+    for (size_t i = 0; i < beams.size(); ++i) {
+      turned[i] = {by_turn * beams[i].end, by_turn * beams[i].from};
+    }
+    for (int y = -num_steps; y <= num_steps; ++y) {
+      for (int x = -num_steps; x <= num_steps; ++x) {
+        Place place{0, turn * kTurnStep, {x * step_m, y * step_m, 0.0}};
+        for (const Beam& beam : turned) {
+          const Eigen::Vector3d p_world = beam.end + place.shift;
+          const LocalCell* cell = map.Find(p_world, beam.from + place.shift);
+          if (cell == nullptr || cell->num_directions() == 0) continue;
+          const SurfaceDirection& direction = cell->direction(0);
+          if (std::abs(direction.normal.dot(p_world - cell->Mean())) < near_m)
+            ++place.num_near;
+        }
+        places.push_back(place);
+      }
+    }
+  }
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.num_near > b.num_near;
+  });
+  // Not the same one several times.
+  std::vector<Place> peaks;
+  for (const Place& place : places) {
+    if (peaks.size() == window.num_places) break;
+    if (std::none_of(peaks.begin(), peaks.end(), [&](const Place& peak) {
+          return std::abs(peak.turn - place.turn) < 3.5 * kTurnStep &&
+                 (peak.shift - place.shift).norm() < 1.5 * step_m;
+        })) {
+      peaks.push_back(place);
+    }
+  }
+  std::vector<MotionVector> errors;
+  for (const Place& peak : peaks) {
+    const Rigid3d moved =
+        About(about, peak.turn * Eigen::Vector3d::UnitZ(), peak.shift) * correction;
+    const Eigen::Vector3d turn = Log(moved.rotation);
+    MotionVector error;
+    error << turn, moved * at_begin - at_begin, turn, moved * at_end - at_end;
+    errors.push_back(error);
+  }
+  return errors;
+}
+
+ScanMatch ScanMatcher::Search(const Trajectory& trajectory,
+                              const Rigid3d& correction,
+                              const SearchWindow& window) const {
+  Eigen::Matrix<double, 6, 1> variances = Eigen::Matrix<double, 6, 1>::Zero();
+  variances[2] = window.turn_rad * window.turn_rad;
+  variances[3] = variances[4] = window.position_m * window.position_m;
+  MotionMatrix covariance = kTinyVariance * MotionMatrix::Identity();
+  covariance.diagonal().head<6>() += variances;
+  covariance.diagonal().tail<6>() += variances;
+  const MotionMatrix information = covariance.inverse();
+  ScanMatch best;
+  for (const MotionVector& start : LikeliestErrors(trajectory, correction, window)) {
+    const MotionVector error = Refine(trajectory, information, kTurnLevel, start);
+    ScanMatch match = MatchMoved(trajectory, 0, nullptr, error);
+    if (match.num_near > best.num_near) best = std::move(match);
+  }
+  return best;
+}
+
 int ScanMatcher::num_points() const {
   int num = 0;
   for (const Line& line : lines_) {

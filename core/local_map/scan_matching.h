@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -43,6 +44,13 @@ struct ScanMatch {
 // Beams of a scan, by scan line and beam.
 using BeamMask = std::vector<std::vector<bool>>;
 
+// How far from where it is believed to be a scan is searched for, to all sides.
+struct SearchWindow {
+  double position_m = 1.0;
+  double turn_rad = 40.0 * M_PI / 180.0;
+  size_t num_places = 3;  // that are followed
+};
+
 // ScanMatcher holds the rig to a local map of what it saw lately, surface or not.
 class ScanMatcher {
  public:
@@ -81,6 +89,13 @@ class ScanMatcher {
   // whose error has this covariance: first by the likeliest of several turns, then from coarse
   // cells to fine ones. Returns the match there.
   ScanMatch Register(const Trajectory& trajectory, const MotionMatrix& covariance) const;
+  // Moves a scan of a rig that moves in the plane to where the local map has what it shows,
+  // from anywhere in a window about the trajectory's poses as they are once a correction moves
+  // the world: the poses of a grid that most points agree with, each followed from coarse
+  // cells to fine ones (correlative matching). Returns the match of the best.
+  ScanMatch Search(const Trajectory& trajectory,
+                   const Rigid3d& correction,
+                   const SearchWindow& window) const;
   // The instants of the scan's first and last point; there has to be a point.
   int64_t begin_ns() const { return begin_ns_; }
   int64_t end_ns() const { return end_ns_; }
@@ -117,6 +132,10 @@ class ScanMatcher {
                        int level,
                        const BeamMask* chosen,
                        const MotionVector& error) const;
+  // The errors that most points of a few beams agree with, the best first.
+  std::vector<MotionVector> LikeliestErrors(const Trajectory& trajectory,
+                                            const Rigid3d& correction,
+                                            const SearchWindow& window) const;
   // The error that the likeliest turn means.
   MotionVector BestTurn(const Trajectory& trajectory, const MotionMatrix& covariance) const;
   // Gauss-Newton steps from an error on, from coarse cells to fine ones.

@@ -1,5 +1,7 @@
 #include "core/tracking/tracker.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -14,8 +16,10 @@
 #include "core/tracking/scan_on_planes.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "core/util/error.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 #include "factors/linear_algebra/symmetric_inverse.h"
+#include "factors/spline/so3.h"
 
 namespace plumbline {
 namespace {
@@ -228,6 +232,44 @@ std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_match
   return match;
 }
 
+bool Tracker::WheelsDeny(const Rigid3d& predicted,
+                         const Matrix6d& covariance,
+                         int64_t scan_end_ns) const {
+  if (!planar_ || state_->odometry == nullptr || scan_s_ == 0.0 ||
+      !state_->odometry->Covers(scan_end_ns - NanosecondsFromSeconds(scan_s_), scan_end_ns)) {
+    return false;
+  }
+  const Rigid3d estimated = state_->trajectory.WorldFromBody(scan_end_ns);
+  const Eigen::Vector3d shift = estimated.translation - predicted.translation;
+  const Eigen::Vector3d error(
+      Log(estimated.rotation * predicted.rotation.conjugate()).z(), shift.x(), shift.y());
+  const Eigen::Matrix3d in_plane = covariance.block<3, 3>(2, 2);
+  return error.dot(in_plane.ldlt().solve(error)) > Chi2Quantile(3, kSignificantStddevs);
+}
+
+std::optional<ScanMatch> Tracker::SearchElsewhere(const ScanMatcher& scan_matcher,
+                                                  const Rigid3d& predicted,
+                                                  int64_t scan_end_ns) const {
+  // Where nearly all points that the local map knows lie well, they hardly can elsewhere.
+  const ScanMatch here = scan_matcher.Match(state_->trajectory, 0, nullptr);
+  if (here.KnownShare() > kMinKnownShare && here.NearShare() > 1.0 - kMaxLoss) {
+    return std::nullopt;
+  }
+  const Rigid3d correction =
+      predicted * state_->trajectory.WorldFromBody(scan_end_ns).Inverse();
+  ScanMatch match = scan_matcher.Search(state_->trajectory, correction, SearchWindow());
+  VLOG(1) << "search at " << SecondsBetween(state_->origin_time_ns, scan_end_ns)
+          << " s: " << correction.translation.transpose() << " m "
+          << Log(correction.rotation).z() * 180.0 / M_PI << " deg; near " << here.num_near
+          << " against " << match.num_near << " of " << match.num_known << " known of "
+          << match.num_points;
+  if (match.KnownShare() < kMinKnownShare || match.NearShare() < kMinNearShare ||
+      here.num_near > (1.0 - kMaxLoss) * match.num_near) {
+    return std::nullopt;
+  }
+  return match;
+}
+
 bool Tracker::AgreesWithPoints(const ScanMatcher& scan_matcher,
                                const ScanMatch& by_points) const {
   const ScanMatch match = scan_matcher.Match(state_->trajectory, 0, nullptr);
@@ -337,12 +379,14 @@ void Tracker::Track(int first_observation,
   if (has_new_control_points) {
     pose_uncertainty_ = PoseUncertainty(first(), Covariance(Predict().information));
   }
+  const int64_t scan_end_ns =
+      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
+  const Rigid3d by_wheels = state_->trajectory.WorldFromBody(scan_end_ns);
+  const Matrix6d wheels_covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   std::optional<ScanMatch> by_points;
   const bool bridges = bridges_by_motion_ && is_open_;
   if (scan_matcher != nullptr && needs_points_ && !bridges && scan_matcher->num_points() > 0)
     by_points = EstimateByPoints(*scan_matcher);
-  const int64_t scan_end_ns =
-      state_->observations[static_cast<size_t>(last_observation)].end_time_ns();
   const Eigen::Vector3d predicted = state_->trajectory.WorldFromBody(scan_end_ns).translation;
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   scan_s_ = last_scan_ns_ == 0 ? 0.0 : SecondsBetween(last_scan_ns_, scan_end_ns);
@@ -368,6 +412,18 @@ void Tracker::Track(int first_observation,
     constraints = by_points->constraints;
     estimate = EstimateWithout(all, first_observation, last_observation, constraints);
     share_on_no_plane = 1.0;
+  }
+  if (scan_matcher != nullptr && scan_matcher->num_points() > 0 &&
+      WheelsDeny(by_wheels, wheels_covariance, scan_end_ns)) {
+    if (const auto match = SearchElsewhere(*scan_matcher, by_wheels, scan_end_ns)) {
+      std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
+      std::iota(all.begin(), all.end(), first_observation);
+      constraints = match->constraints;
+      Loosen();
+      prior_ = PosePrior(gaussian_, planar_);
+      estimate = EstimateWithout(all, first_observation, last_observation, constraints);
+      share_on_no_plane = 1.0;
+    }
   }
   const std::vector<int> withheld =
       thin_evidence_.Withhold(*state_,

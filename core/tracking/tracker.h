@@ -88,6 +88,16 @@ class Tracker {
   // prediction, and returns how they then agree with the local map; nothing where it knows too
   // little of them or they lie elsewhere.
   std::optional<ScanMatch> EstimateByPoints(const ScanMatcher& scan_matcher);
+  // Whether the wheels deny that the rig is where it is now estimated: it is not where the
+  // motion before and they predict it, by far more than both may be off.
+  bool WheelsDeny(const Rigid3d& predicted,
+                  const Matrix6d& covariance,
+                  int64_t scan_end_ns) const;
+  // Looks for the scan in the local map from where it is predicted on. Where its points lie
+  // better there than by the present estimate, returns what they say; the poses stay.
+  std::optional<ScanMatch> SearchElsewhere(const ScanMatcher& scan_matcher,
+                                           const Rigid3d& predicted,
+                                           int64_t scan_end_ns) const;
   // Whether the points lie where the local map has them as nearly as by_points says.
   bool AgreesWithPoints(const ScanMatcher& scan_matcher, const ScanMatch& by_points) const;
 

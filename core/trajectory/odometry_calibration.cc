@@ -53,9 +53,15 @@ void OdometryCalibration::Ratio::Add(double stated, double estimated, double amo
 }
 
 void OdometryCalibration::Ratio::AddResidual(double residual, double amount) {
-  const double most = kMaxDeviation * Noise();
-  const double share = std::min(std::abs(residual) / amount, most);
-  squares += share * share;
+  // Clipped at one and a half of its own standard deviations: a third of the residuals may be
+  // slips, or poses that are wrong, before they carry it away. Of a normal variable the share
+  // `left` of the variance remains.
+  const double clip = 0.5 * kMaxDeviation;
+  const double left = std::erf(clip / std::sqrt(2.0)) +
+                      clip * clip * std::erfc(clip / std::sqrt(2.0)) -
+                      clip * std::sqrt(2.0 / M_PI) * std::exp(-0.5 * clip * clip);
+  const double share = std::min(std::abs(residual) / amount, clip * Noise());
+  squares += share * share / left;
   weight += 1.0;
 }
 

@@ -81,6 +81,27 @@ TEST_F(ScanMatchingTest, FindsALargeTurn) {
   EXPECT_LT(rotation.angularDistance(truth.rotation), 1.0 * kDegree);
 }
 
+// Farther than any covariance: the search knows but a window.
+TEST_F(ScanMatchingTest, SearchesAWindow) {
+  Remember(90);
+  const Rigid3d truth = walk_.WorldFromBody(walk_.now_ns());
+  matcher_.Take(walk_.Take());
+  for (const double side : {-1.0, 1.0}) {
+    const Trajectory predicted =
+        Predicted(side * 30.0 * kDegree, Eigen::Vector3d(0.7, -0.6 * side, 0.0));
+    const ScanMatch match = matcher_.Search(predicted, Rigid3d(), SearchWindow());
+    const Eigen::Quaterniond& rotation = match.constraints.front().measurement.world_from_body;
+    EXPECT_LT(PositionError(match, truth), 0.05);
+    EXPECT_LT(rotation.angularDistance(truth.rotation), 1.0 * kDegree);
+    // The same about where a correction takes the scan.
+    const Rigid3d half = {Eigen::Quaterniond(Eigen::AngleAxisd(-side * 15.0 * kDegree,
+                                                               Eigen::Vector3d::UnitZ())),
+                          Eigen::Vector3d::Zero()};
+    const ScanMatch about = matcher_.Search(predicted, half, SearchWindow());
+    EXPECT_LT(PositionError(about, truth), 0.05);
+  }
+}
+
 TEST_F(ScanMatchingTest, OnlyTheChosenBeamsCount) {
   Remember(90);
   const Trajectory truth = Predicted(0.0, Eigen::Vector3d::Zero());

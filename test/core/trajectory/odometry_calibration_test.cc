@@ -79,6 +79,16 @@ TEST_F(OdometryCalibrationTest, SlippingWheelsDoNotMakeTheScale) {
   EXPECT_GT(calibration_.length_scale(), 0.98);
 }
 
+// Where the scans have slipped, it is not the wheels that have the noise.
+TEST_F(OdometryCalibrationTest, TheNoiseIsThatOfMostMotions) {
+  for (int i = 0; i < 200; ++i) {
+    TakeIn(8, 1.0, 1.0, 0.05);
+    TakeIn(2, 1.0, 1.0, 1.0);
+  }
+  EXPECT_LT(calibration_.turn_noise(), 0.1);
+  EXPECT_LT(calibration_.length_noise(), 0.1);
+}
+
 TEST_F(OdometryCalibrationTest, TheScalesStandardDeviationIsThatOfItsError) {
   // Errors of the scale over what is stated, of 200 wheels: RMS 1 to 5 %, three sigmas.
   double squares = 0.0;
