@@ -114,11 +114,14 @@ MapResult EstimatePart(const Rig& rig,
     }
   }
   for (const MapGap& gap : result.state.gaps) {
+    const std::shared_ptr<const Odometry>& wheels = result.state.odometry;
+    const bool by_wheels = wheels != nullptr && wheels->Covers(gap.start_ns, gap.end_ns);
     result.warnings.push_back(
         "nothing is mapped from " +
         FormatSeconds(SecondsBetween(recording->start_ns(), gap.start_ns)) + " to " +
         FormatSeconds(SecondsBetween(recording->start_ns(), gap.end_ns)) + " (" + gap.reason +
-        "); what follows has its place by the surfaces that both show");
+        "); what follows has its place by " +
+        (by_wheels ? "the wheels" : "the surfaces that both show"));
   }
   if (result.batch.drift_m) {
     char drift[32];

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/association/plane_merging.h"
+#include "core/geometry/planar_pose.h"
 #include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
 #include "core/joining/part_matching.h"
@@ -222,6 +223,26 @@ Eigen::Vector3d Foreseen(const FollowedPart& part, double time_s) {
   return part.state.trajectory.WorldFromBody(end_ns).translation + time_s * linear;
 }
 
+// Returns the pose of the later part in the frame of the earlier one by the wheels, of a rig that
+// moves in the plane; nothing where they do not cover the time between them.
+std::optional<PartPose> PoseByWheels(const FollowedPart& earlier, const FollowedPart& later) {
+  const MapState& state = earlier.state;
+  if (state.odometry == nullptr) return std::nullopt;
+  const int64_t end_ns = earlier.scan_times_ns.back();
+  const int64_t start_ns = later.scan_times_ns.front();
+  const std::optional<PlanarMotion> stated = state.odometry->Between(end_ns, start_ns);
+  if (!stated) return std::nullopt;
+  const OdometryMeasurement motion = state.odometry_calibration.Measure(*stated);
+  const PlanarPose start = FromAbove(state.trajectory.WorldFromBody(end_ns)) *
+                           PlanarPose{motion.turn, motion.translation};
+  const PlanarPose frame =
+      start * FromAbove(later.state.trajectory.WorldFromBody(start_ns)).Inverse();
+  PartPose pose;
+  pose.yaw_rad = frame.heading;
+  pose.translation = frame.position;
+  return pose;
+}
+
 // Returns the pose of the later part in the frame of the earlier one, or in words why it is
 // not known.
 std::optional<Rigid3d> PoseOf(const Rig& rig,
@@ -231,6 +252,9 @@ std::optional<Rigid3d> PoseOf(const Rig& rig,
                               std::string* reason) {
   const int64_t start_ns = later.scan_times_ns.front();
   const double time_s = SecondsBetween(earlier.scan_times_ns.back(), start_ns);
+  const std::optional<PartPose> by_wheels =
+      planar ? PoseByWheels(earlier, later) : std::nullopt;
+  if (by_wheels) return ToFrame(*by_wheels, 0.0);
   if (time_s > kMaxForeseen) {
     *reason = "it is not known how the rig came there in " + FormatSeconds(time_s);
     return std::nullopt;

@@ -331,8 +331,10 @@ void ScanFollower::CheckNotLost(int64_t now_ns) {
     last_known_scan_ = scan_times_ns_.size() - 1;
     return;
   }
-  // A few blind scans may be bridged, just as missing ones.
+  // A few blind scans may be bridged, just as missing ones; and any number while wheels say
+  // how the rig goes, to what they know of it.
   if (SecondsBetween(last_known_ns_, now_ns) < options_.max_gap_s) return;
+  if (planar_ && odometry_ != nullptr && odometry_->Covers(last_known_ns_, now_ns)) return;
   char text[200];
   std::snprintf(text,
                 sizeof(text),
