@@ -85,7 +85,7 @@ std::optional<double> CorrectDrift(const Rig& rig,
                                    MapState* state) {
   const std::vector<PlacedScan> scans = PlaceScans(rig, state->trajectory, recording);
   const std::vector<Visit> visits = CutIntoVisits(scans, state->trajectory);
-  const PlacedVisits placed = PlaceVisits(visits);
+  const PlacedVisits placed = PlaceVisits(visits, state->odometry.get());
   if (placed.closures.empty() || Hold(placed.closures, visits)) return std::nullopt;
   const auto num_found = static_cast<double>(placed.closures.size()) + placed.num_contradicted;
   if (placed.num_contradicted > kMaxContradictedShare * num_found) {

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "core/revisits/place_groups.h"
 #include "core/revisits/visit_grid.h"
 #include "core/revisits/visit_matching.h"
 #include "core/revisits/visit_surface.h"
@@ -49,7 +51,9 @@ Eigen::Vector3d InverseSquares(double position, double heading) {
   return {1.0 / (position * position), 1.0 / (position * position), 1.0 / (heading * heading)};
 }
 
-PoseGraphEdge MotionEdge(const std::vector<Visit>& visits, size_t from) {
+PoseGraphEdge MotionEdge(const std::vector<Visit>& visits,
+                         const Odometry* wheels,
+                         size_t from) {
   PoseGraphEdge edge;
   edge.from = from;
   edge.to = from + 1;
@@ -58,9 +62,32 @@ PoseGraphEdge MotionEdge(const std::vector<Visit>& visits, size_t from) {
   const double turn = std::remainder(edge.from_from_to.heading, 2.0 * M_PI);
   edge.from_from_to.heading = turn;
   const double way_m = visits[from + 1].way_m - visits[from].way_m;
-  edge.information =
-      InverseSquares(kPositionDrift * way_m, kHeadingDrift + kTurnDrift * std::abs(turn))
-          .asDiagonal();
+  double position_drift = kPositionDrift * way_m;
+  double heading_drift = kHeadingDrift + kTurnDrift * std::abs(turn);
+  const std::optional<PlanarMotion> stated =
+      wheels == nullptr ? std::nullopt
+                        : wheels->Between(visits[from].time_ns, visits[from + 1].time_ns);
+  if (stated) {
+    // On the spot a rig turns by far more than it has turned in the end.
+    double all_turns = 0.0;
+    const int64_t step_ns = NanosecondsFromSeconds(0.2);
+    for (int64_t t = visits[from].time_ns; t + step_ns < visits[from + 1].time_ns;
+         t += step_ns) {
+      all_turns += std::abs(wheels->Between(t, t + step_ns)->turn);
+    }
+    heading_drift = kHeadingDrift + kTurnDrift * std::max(all_turns, std::abs(turn));
+    const double off_m = (edge.from_from_to.position - stated->translation).norm();
+    const double off_rad = std::remainder(turn - stated->turn, 2.0 * M_PI);
+    // One of the two has slipped: more often the scans, which know no limit to it.
+    if (std::hypot(off_m / position_drift, off_rad / heading_drift) > kMaxDeviation) {
+      edge.from_from_to = {turn - off_rad, stated->translation};
+      position_drift = std::hypot(position_drift, off_m);
+      heading_drift = std::hypot(heading_drift, off_rad);
+      VLOG(1) << "from " << visits[from].way_m << " m on the wheels deny " << off_m
+              << " m and " << off_rad * 180.0 / M_PI << " deg of the motion";
+    }
+  }
+  edge.information = InverseSquares(position_drift, heading_drift).asDiagonal();
   return edge;
 }
 
@@ -87,14 +114,19 @@ PoseGraphEdge ClosureEdge(size_t earlier,
   return edge;
 }
 
+// Whether the place of an earlier visit has been left since.
+bool IsAgain(const Visit& earlier, const Visit& later) {
+  return SecondsBetween(earlier.time_ns, later.time_ns) >= kMinAbsence &&
+         later.way_m - earlier.way_m >= kMinWay;
+}
+
 // Earlier visits that may show the place of a later one, nearest first.
 std::vector<size_t> CandidatesFor(const std::vector<Visit>& visits,
                                   const std::vector<PlanarPose>& poses,
                                   size_t later) {
   std::vector<std::pair<double, size_t>> candidates;
   for (size_t i = 0; i < later; ++i) {
-    if (SecondsBetween(visits[i].time_ns, visits[later].time_ns) < kMinAbsence) continue;
-    if (visits[later].way_m - visits[i].way_m < kMinWay) continue;
+    if (!IsAgain(visits[i], visits[later])) continue;
     const double distance_m = (poses[i].position - poses[later].position).norm();
     if (distance_m < kMaxDistance) candidates.emplace_back(distance_m, i);
   }
@@ -105,46 +137,191 @@ std::vector<size_t> CandidatesFor(const std::vector<Visit>& visits,
   return nearest;
 }
 
+// Whether poses lie where an edge has them, as far as it can tell.
+bool Holds(const PoseGraphEdge& edge, const std::vector<PlanarPose>& poses) {
+  return SquaredDeviation(edge, poses) < kMaxDeviation * kMaxDeviation;
+}
+
+using Views = std::vector<std::unique_ptr<Prepared>>;
+
+// A pose graph of visits, and where it has them.
+struct VisitGraph {
+  std::vector<PoseGraphEdge> edges;
+  std::vector<PlanarPose> poses;
+};
+
+// Adds what a visit shows of earlier ones that lie near where it is believed to be.
+void CloseNear(const std::vector<Visit>& visits,
+               const Views& views,
+               size_t later,
+               VisitGraph* graph) {
+  const std::vector<size_t> candidates = CandidatesFor(visits, graph->poses, later);
+  std::vector<std::optional<VisitMatch>> matches(candidates.size());
+  tbb::parallel_for(size_t{0}, candidates.size(), [&](size_t c) {
+    const Prepared& earlier = *views[candidates[c]];
+    matches[c] = MatchVisits(earlier.grid,
+                             earlier.surface,
+                             visits[later],
+                             graph->poses[candidates[c]].Inverse() * graph->poses[later],
+                             MatchWindow());
+  });
+  bool is_new = false;
+  for (size_t c = 0; c < candidates.size(); ++c) {
+    if (!matches[c]) continue;
+    graph->edges.push_back(ClosureEdge(candidates[c], later, *matches[c], graph->poses));
+    VLOG(1) << "at " << visits[later].way_m << " m the rig is where it was at "
+            << visits[candidates[c]].way_m
+            << " m: " << std::sqrt(SquaredDeviation(graph->edges.back(), graph->poses))
+            << " standard deviations from where it was believed to be";
+    is_new = true;
+  }
+  if (is_new) SolvePoseGraph(graph->edges, &graph->poses);
+}
+
+// How far from the middle of a visit what it shows lies, whichever way it looks: shares of its
+// points, by the square root, in rings of half a metre, each with its neighbours since middles
+// of visits of one place lie up to a stride apart.
+std::vector<double> RingsOf(const Visit& visit) {
+  std::vector<double> rings(40, 0.0);
+  for (const Eigen::Vector2d& point : visit.points) {
+    const auto ring = static_cast<int>(2.0 * point.norm());
+    for (int i = std::max(0, ring - 1); i <= ring + 1; ++i) {
+      if (i < static_cast<int>(rings.size())) rings[static_cast<size_t>(i)] += 1.0;
+    }
+  }
+  double sum = 0.0;
+  for (const double count : rings) sum += count;
+  for (double& count : rings) count = std::sqrt(count / std::max(1.0, sum));
+  return rings;
+}
+
+// Pairs of visits that are believed to be of different places and look alike by their rings:
+// of every other visit the likeliest earlier ones.
+std::vector<std::pair<size_t, size_t>> AlikePairs(const std::vector<Visit>& visits,
+                                                  const std::vector<PlanarPose>& poses) {
+  std::vector<std::vector<double>> rings(visits.size());
+  tbb::parallel_for(
+      size_t{0}, visits.size(), [&](size_t i) { rings[i] = RingsOf(visits[i]); });
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (size_t later = 0; later < visits.size(); later += 2) {
+    std::vector<std::pair<double, size_t>> alike;
+    for (size_t earlier = 0; earlier < later; ++earlier) {
+      if (!IsAgain(visits[earlier], visits[later]) ||
+          (poses[earlier].position - poses[later].position).norm() < kMaxDistance) {
+        continue;
+      }
+      const double likeness = std::inner_product(
+          rings[later].begin(), rings[later].end(), rings[earlier].begin(), 0.0);
+      alike.emplace_back(-likeness, earlier);
+    }
+    std::sort(alike.begin(), alike.end());
+    if (alike.size() > 2 * kMaxTried) alike.resize(2 * kMaxTried);
+    for (const auto& [likeness, earlier] : alike) pairs.emplace_back(earlier, later);
+  }
+  return pairs;
+}
+
+// Where visits lie in others that are believed to be elsewhere.
+std::vector<PoseGraphEdge> MatchAnywhere(const std::vector<Visit>& visits,
+                                         const Views& views,
+                                         const std::vector<PlanarPose>& poses) {
+  const std::vector<std::pair<size_t, size_t>> pairs = AlikePairs(visits, poses);
+  std::vector<std::optional<VisitMatch>> matches(pairs.size());
+  tbb::parallel_for(size_t{0}, pairs.size(), [&](size_t i) {
+    const auto& [earlier, later] = pairs[i];
+    MatchWindow window =
+        WindowByDirections(views[earlier]->surface, views[later]->surface, 0.5 * kMaxDistance);
+    window.min_score *= 2.0;  // anywhere, more is alike by chance
+    matches[i] = MatchVisits(
+        views[earlier]->grid, views[earlier]->surface, visits[later], PlanarPose(), window);
+  });
+  std::vector<PoseGraphEdge> closures;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (!matches[i]) continue;
+    closures.push_back(ClosureEdge(pairs[i].first, pairs[i].second, *matches[i], poses));
+    const Eigen::Matrix3d covariance = closures.back().information.inverse();
+    // A corridor that is open along itself agrees with any.
+    const double spread = std::sqrt(covariance.topLeftCorner<2, 2>().trace());
+    if (spread > VisitGrid::kCell * VisitGrid::kCoarse) closures.pop_back();
+  }
+  return closures;
+}
+
 }  // namespace
 
-PlacedVisits PlaceVisits(const std::vector<Visit>& visits) {
+PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheels) {
   PlacedVisits placed;
   if (visits.empty()) return placed;
-  std::vector<std::unique_ptr<Prepared>> prepared(visits.size());
+  Views views(visits.size());
   tbb::parallel_for(size_t{0}, visits.size(), [&](size_t i) {
-    prepared[i] = std::make_unique<Prepared>(visits[i]);
+    views[i] = std::make_unique<Prepared>(visits[i]);
   });
-  std::vector<PlanarPose>& poses = placed.world_from_visit;
-  poses.push_back(visits[0].world_from_visit);
-  std::vector<PoseGraphEdge> edges;
+  VisitGraph graph;
+  std::vector<PoseGraphEdge> motion;
+  graph.poses.push_back(visits[0].world_from_visit);
   for (size_t later = 1; later < visits.size(); ++later) {
-    edges.push_back(MotionEdge(visits, later - 1));
-    poses.push_back(poses.back() * edges.back().from_from_to);
-    const std::vector<size_t> candidates = CandidatesFor(visits, poses, later);
-    std::vector<std::optional<VisitMatch>> matches(candidates.size());
-    tbb::parallel_for(size_t{0}, candidates.size(), [&](size_t c) {
-      const Prepared& earlier = *prepared[candidates[c]];
-      matches[c] = MatchVisits(earlier.grid,
-                               earlier.surface,
-                               visits[later],
-                               poses[candidates[c]].Inverse() * poses[later],
-                               MatchWindow());
-    });
-    bool is_new = false;
-    for (size_t c = 0; c < candidates.size(); ++c) {
-      if (!matches[c]) continue;
-      edges.push_back(ClosureEdge(candidates[c], later, *matches[c], poses));
-      VLOG(1) << "at " << visits[later].way_m << " m the rig is where it was at "
-              << visits[candidates[c]].way_m
-              << " m: " << std::sqrt(SquaredDeviation(edges.back(), poses))
-              << " standard deviations from where it was believed to be";
-      is_new = true;
-    }
-    if (is_new) SolvePoseGraph(edges, &poses);
+    motion.push_back(MotionEdge(visits, wheels, later - 1));
+    graph.edges.push_back(motion.back());
+    graph.poses.push_back(graph.poses.back() * motion.back().from_from_to);
+    CloseNear(visits, views, later, &graph);
   }
+  // Where what was found near where it was believed to be agrees, there is nothing to look for
+  // elsewhere.
+  std::vector<PoseGraphEdge> near;
+  size_t num_near = 0;
+  size_t num_contradicted = 0;
+  for (const PoseGraphEdge& edge : graph.edges) {
+    if (!edge.may_be_wrong) continue;
+    ++num_near;
+    num_contradicted += Holds(edge, graph.poses) ? 0 : 1;
+    const bool is_first = near.empty() || near.back().to != edge.to;
+    if (is_first && edge.to % 2 == 0) near.push_back(edge);
+  }
+  std::vector<PlaceGroup> groups;
+  if (4 * num_contradicted > num_near) {
+    // One near closure of each visit may contradict what is found elsewhere.
+    std::vector<PoseGraphEdge> closures = MatchAnywhere(visits, views, graph.poses);
+    closures.insert(closures.end(), near.begin(), near.end());
+    groups = ConsistentGroups(closures, motion, visits, kMinWay);
+    const auto is_known = [&](const PlaceGroup& group) {
+      return std::all_of(group.begin(), group.end(), [&](const PoseGraphEdge& closure) {
+        return Holds(closure, graph.poses);
+      });
+    };
+    groups.erase(std::remove_if(groups.begin(), groups.end(), is_known), groups.end());
+    VLOG(1) << num_contradicted << " of " << num_near << " closures are contradicted; "
+            << groups.size() << " groups of places elsewhere agree";
+  }
+  if (!groups.empty()) {
+    // They are far beyond what a loss takes for an error, so they are believed first.
+    graph = {motion, {}};
+    for (const PlaceGroup& group : groups) {
+      for (PoseGraphEdge closure : group) {
+        closure.may_be_wrong = false;
+        graph.edges.push_back(closure);
+      }
+      VLOG(1) << group.size() << " visits from " << visits[group.front().to].way_m
+              << " m on are where others were from " << visits[group.front().from].way_m
+              << " m on";
+    }
+    graph.poses.push_back(visits[0].world_from_visit);
+    for (const PoseGraphEdge& edge : motion) {
+      graph.poses.push_back(graph.poses.back() * edge.from_from_to);
+    }
+    SolvePoseGraph(graph.edges, &graph.poses);
+    for (size_t i = motion.size(); i < graph.edges.size(); ++i) {
+      graph.edges[i].may_be_wrong = true;
+    }
+    for (size_t later = 1; later < visits.size(); ++later) {
+      CloseNear(visits, views, later, &graph);
+    }
+  }
+  placed.world_from_visit = graph.poses;
+  const std::vector<PlanarPose>& poses = graph.poses;
+  const std::vector<PoseGraphEdge>& edges = graph.edges;
   for (const PoseGraphEdge& edge : edges) {
     if (!edge.may_be_wrong) continue;
-    if (SquaredDeviation(edge, poses) < kMaxDeviation * kMaxDeviation) {
+    if (Holds(edge, poses)) {
       placed.closures.push_back(edge);
     } else {
       ++placed.num_contradicted;
@@ -157,7 +334,7 @@ bool Hold(const std::vector<PoseGraphEdge>& closures, const std::vector<Visit>& 
   std::vector<PlanarPose> poses;
   for (const Visit& visit : visits) poses.push_back(visit.world_from_visit);
   return std::all_of(closures.begin(), closures.end(), [&](const PoseGraphEdge& closure) {
-    return SquaredDeviation(closure, poses) < kMaxDeviation * kMaxDeviation;
+    return Holds(closure, poses);
   });
 }
 

@@ -5,6 +5,7 @@
 #include "core/geometry/planar_pose.h"
 #include "core/revisits/pose_graph.h"
 #include "core/revisits/visit.h"
+#include "core/sensor/odometry.h"
 
 namespace plumbline {
 
@@ -17,9 +18,12 @@ struct PlacedVisits {
 
 // Finds where the rig was before, visit by visit in the order of time, and spreads what that
 // says of the drift over the way between: a pose graph of the visits, with the motion from one
-// to the next as the trajectory has it. Works on the threads of the caller's tbb::task_arena;
-// the result does not depend on their number.
-PlacedVisits PlaceVisits(const std::vector<Visit>& visits);
+// to the next as the trajectory has it. Then looks for places farther from where they are
+// believed to be than any drift, anywhere: these count where a stretch of the way agrees on
+// them (ConsistentGroups). wheels, if any: where they contradict the motion, it may have
+// slipped, and takes up what the places say first. Works on the threads of the caller's
+// tbb::task_arena; the result does not depend on their number.
+PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheels = nullptr);
 
 // Whether the visits lie where their own trajectory has them, as far as the closures can tell.
 bool Hold(const std::vector<PoseGraphEdge>& closures, const std::vector<Visit>& visits);

@@ -31,7 +31,8 @@ VisitGrid::VisitGrid(const Visit& visit) {
     AddPassing(visit.scanners[i], visit.points[i]);
   }
   for (const Eigen::Vector2d& point : visit.points) AddSurface(point);
-  FindBounds();
+  bounds_ = LargestWithin(kCoarse, 1, values_);
+  coarse_bounds_ = LargestWithin(kCoarse - 1, kCoarse, bounds_);
 }
 
 void VisitGrid::AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -60,25 +61,28 @@ void VisitGrid::AddSurface(const Eigen::Vector2d& point) {
   }
 }
 
-void VisitGrid::FindBounds() {
-  std::vector<int8_t> in_rows = values_;
+std::vector<int8_t> VisitGrid::LargestWithin(int num_steps,
+                                             int step,
+                                             const std::vector<int8_t>& values) const {
+  std::vector<int8_t> in_rows = values;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      int8_t& bound = in_rows[IndexOf(x, y)];
-      for (int next = x + 1; next <= std::min(x + kCoarse, width_ - 1); ++next) {
-        bound = std::max(bound, values_[IndexOf(next, y)]);
+      int8_t& largest = in_rows[IndexOf(x, y)];
+      for (int next = 1; next <= num_steps && x + next * step < width_; ++next) {
+        largest = std::max(largest, values[IndexOf(x + next * step, y)]);
       }
     }
   }
-  bounds_ = in_rows;
+  std::vector<int8_t> in_squares = in_rows;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      int8_t& bound = bounds_[IndexOf(x, y)];
-      for (int next = y + 1; next <= std::min(y + kCoarse, height_ - 1); ++next) {
-        bound = std::max(bound, in_rows[IndexOf(x, next)]);
+      int8_t& largest = in_squares[IndexOf(x, y)];
+      for (int next = 1; next <= num_steps && y + next * step < height_; ++next) {
+        largest = std::max(largest, in_rows[IndexOf(x, y + next * step)]);
       }
     }
   }
+  return in_squares;
 }
 
 }  // namespace plumbline

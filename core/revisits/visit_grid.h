@@ -16,7 +16,8 @@ class VisitGrid {
   explicit VisitGrid(const Visit& visit);
 
   static constexpr double kCell = 0.1;  // m
-  static constexpr int kCoarse = 4;     // cells, by which BoundAt() lets a point move
+  // Cells by which BoundAt() lets a point move; CoarseBoundAt() by their square.
+  static constexpr int kCoarse = 4;
 
   // How well a point fits: 1 on a surface, less near one, below 0 where beams passed, 0 where
   // nothing is known.
@@ -24,6 +25,12 @@ class VisitGrid {
   // At least the fit of the point, and of all that lie up to kCoarse cells from it towards
   // larger x and y.
   double BoundAt(const Eigen::Vector2d& p) const { return ValueOf(bounds_, p); }
+  double CoarseBoundAt(const Eigen::Vector2d& p) const {
+    // What lies before the grid may move into it.
+    return ValueOf(coarse_bounds_,
+                   p.cwiseMax(origin_.cwiseMin(
+                       p + Eigen::Vector2d::Constant(kCell * kCoarse * kCoarse))));
+  }
 
  private:
   size_t IndexOf(int x, int y) const {
@@ -37,13 +44,17 @@ class VisitGrid {
   }
   void AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void AddSurface(const Eigen::Vector2d& point);
-  void FindBounds();
+  // The largest of the values in a square that reaches so many steps towards larger x and y.
+  std::vector<int8_t> LargestWithin(int num_steps,
+                                    int step,
+                                    const std::vector<int8_t>& values) const;
 
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();  // the lower corner, m
   int width_ = 0;                                     // cells
   int height_ = 0;
   std::vector<int8_t> values_;  // hundredths
   std::vector<int8_t> bounds_;
+  std::vector<int8_t> coarse_bounds_;
 };
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 namespace plumbline {
@@ -13,8 +14,6 @@ using Points = std::vector<Eigen::Vector2d>;
 constexpr size_t kMaxPoints = 400;  // of the later visit, evenly taken
 constexpr size_t kMinPoints = 50;
 constexpr double kTurnStep = 0.02;  // rad, between poses that are tried
-constexpr double kMinScore =
-    0.2;  // of the mean fit of the points, below which nothing is in common
 // Shift and turn beyond which a match is at another place.
 constexpr double kElsewhere = 0.8;      // m
 constexpr double kElsewhereTurn = 0.2;  // rad
@@ -37,7 +36,7 @@ constexpr double kGuessHeadingStddev = 0.1;  // rad
 
 struct Candidate {
   double score = 0.0;  // mean fit, or a bound of it
-  int turn = 0;        // in steps from the guess
+  size_t turn = 0;     // of the window's
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
 };
 
@@ -64,10 +63,10 @@ class WindowSearch {
                const MatchWindow& window)
       : grid_(grid),
         guess_(guess),
-        num_turns_(static_cast<int>(std::ceil(window.heading_rad / kTurnStep))),
+        min_score_(window.min_score),
         num_steps_(static_cast<int>(std::ceil(window.position_m / kStep))) {
-    for (int turn = -num_turns_; turn <= num_turns_; ++turn) {
-      turned_.push_back(Turned(points, guess.heading + turn * kTurnStep));
+    for (const double turn : window.turns) {
+      turned_.push_back(Turned(points, guess.heading + turn));
     }
   }
 
@@ -76,7 +75,7 @@ class WindowSearch {
     std::vector<Candidate> found;
     double best = 0.0;
     for (const Candidate& place : CoarsePlaces()) {
-      if (place.score < std::max(kMinScore, kMaxSecondShare * best)) break;
+      if (place.score < std::max(min_score_, kMaxSecondShare * best)) break;
       found.push_back(BestNear(place));
       best = std::max(best, found.back().score);
     }
@@ -86,35 +85,54 @@ class WindowSearch {
  private:
   static constexpr double kStep = VisitGrid::kCell * VisitGrid::kCoarse;  // m
 
-  // All of them, by their bounds, best first.
+  template <typename Fit>
+  double MeanFit(size_t turn, const Eigen::Vector2d& at, const Fit& fit) const {
+    double sum = 0.0;
+    for (const Eigen::Vector2d& p : turned_[turn]) sum += fit(p + at);
+    return sum / static_cast<double>(turned_[turn].size());
+  }
+
+  // Those whose bounds allow for a fit, best first.
   std::vector<Candidate> CoarsePlaces() const {
     std::vector<Candidate> places;
-    for (int turn = -num_turns_; turn <= num_turns_; ++turn) {
-      const Points& points = turned_[static_cast<size_t>(turn + num_turns_)];
-      for (int y = -num_steps_; y <= num_steps_; ++y) {
-        for (int x = -num_steps_; x <= num_steps_; ++x) {
+    for (size_t turn = 0; turn < turned_.size(); ++turn) {
+      for (int y = -num_steps_; y <= num_steps_; y += VisitGrid::kCoarse) {
+        for (int x = -num_steps_; x <= num_steps_; x += VisitGrid::kCoarse) {
           const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
-          double sum = 0.0;
-          for (const Eigen::Vector2d& p : points) sum += grid_.BoundAt(p + at);
-          places.push_back({sum / static_cast<double>(points.size()), turn, at});
+          const double bound = MeanFit(
+              turn, at, [&](const Eigen::Vector2d& p) { return grid_.CoarseBoundAt(p); });
+          if (bound >= min_score_) AddPlaces(turn, x, y, &places);
         }
       }
     }
-    std::stable_sort(places.begin(), places.end(), [](const Candidate& a, const Candidate& b) {
-      return a.score > b.score;
+    std::sort(places.begin(), places.end(), [](const Candidate& a, const Candidate& b) {
+      const auto order = [](const Candidate& c) {
+        return std::make_tuple(-c.score, c.turn, c.position.y(), c.position.x());
+      };
+      return order(a) < order(b);
     });
     return places;
   }
 
+  // The places of a coarser one.
+  void AddPlaces(size_t turn, int from_x, int from_y, std::vector<Candidate>* places) const {
+    for (int y = from_y; y < std::min(from_y + VisitGrid::kCoarse, num_steps_ + 1); ++y) {
+      for (int x = from_x; x < std::min(from_x + VisitGrid::kCoarse, num_steps_ + 1); ++x) {
+        const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
+        const double bound =
+            MeanFit(turn, at, [&](const Eigen::Vector2d& p) { return grid_.BoundAt(p); });
+        places->push_back({bound, turn, at});
+      }
+    }
+  }
+
   Candidate BestNear(const Candidate& place) const {
-    const Points& points = turned_[static_cast<size_t>(place.turn + num_turns_)];
     Candidate best{0.0, place.turn, place.position};
     for (int y = 0; y < VisitGrid::kCoarse; ++y) {
       for (int x = 0; x < VisitGrid::kCoarse; ++x) {
         const Eigen::Vector2d at = place.position + VisitGrid::kCell * Eigen::Vector2d(x, y);
-        double sum = 0.0;
-        for (const Eigen::Vector2d& p : points) sum += grid_.At(p + at);
-        const double score = sum / static_cast<double>(points.size());
+        const double score =
+            MeanFit(place.turn, at, [&](const Eigen::Vector2d& p) { return grid_.At(p); });
         if (score > best.score) best = {score, place.turn, at};
       }
     }
@@ -123,9 +141,9 @@ class WindowSearch {
 
   const VisitGrid& grid_;
   PlanarPose guess_;
-  int num_turns_;  // in each direction
-  int num_steps_;
-  std::vector<Points> turned_;
+  double min_score_;
+  int num_steps_;               // in each direction
+  std::vector<Points> turned_;  // by turn
 };
 
 // One Gauss-Newton step of a pose; returns the Hessian without what the guess adds.
@@ -179,7 +197,57 @@ bool Fits(const VisitGrid& grid, const Points& points, const PlanarPose& pose) {
          num_hits >= kMinHitShare * num_known;
 }
 
+// How much line there is in each direction: numbers of spots, by the angle of their normals
+// modulo half a turn.
+std::vector<double> DirectionsOf(const VisitSurface& surface) {
+  const auto num_bins = static_cast<int>(M_PI / kTurnStep);
+  std::vector<double> directions(static_cast<size_t>(num_bins), 0.0);
+  for (const VisitSurface::Spot& spot : surface.spots()) {
+    if (spot.normal.isZero()) continue;
+    const double share = std::atan2(spot.normal.y(), spot.normal.x()) / M_PI + 1.0;
+    const int bin = static_cast<int>(share * num_bins) % num_bins;
+    // Neighbours, too: a line's direction is known to about a bin.
+    for (int i = bin - 1; i <= bin + 1; ++i) {
+      directions[static_cast<size_t>((i + num_bins) % num_bins)] += 1.0;
+    }
+  }
+  return directions;
+}
+
 }  // namespace
+
+std::vector<double> MatchWindow::TurnsWithin(double heading_rad) {
+  const int num_turns = static_cast<int>(std::ceil(heading_rad / kTurnStep));
+  std::vector<double> turns;
+  for (int turn = -num_turns; turn <= num_turns; ++turn) turns.push_back(turn * kTurnStep);
+  return turns;
+}
+
+MatchWindow WindowByDirections(const VisitSurface& earlier,
+                               const VisitSurface& later,
+                               double position_m) {
+  const std::vector<double> of_earlier = DirectionsOf(earlier);
+  const std::vector<double> of_later = DirectionsOf(later);
+  const size_t num_bins = of_earlier.size();
+  std::vector<double> scores(num_bins, 0.0);
+  for (size_t turn = 0; turn < num_bins; ++turn) {
+    for (size_t bin = 0; bin < num_bins; ++bin) {
+      scores[turn] += of_later[bin] * of_earlier[(bin + turn) % num_bins];
+    }
+  }
+  const double best = *std::max_element(scores.begin(), scores.end());
+  MatchWindow window;
+  window.position_m = position_m;
+  window.turns.clear();
+  for (size_t turn = 0; turn < num_bins; ++turn) {
+    if (scores[turn] < kMinHitShare * best) continue;
+    for (const double half : {0.0, M_PI}) {
+      window.turns.push_back(half +
+                             M_PI * static_cast<double>(turn) / static_cast<double>(num_bins));
+    }
+  }
+  return window;
+}
 
 std::optional<VisitMatch> MatchVisits(const VisitGrid& earlier_grid,
                                       const VisitSurface& earlier_surface,
@@ -194,7 +262,10 @@ std::optional<VisitMatch> MatchVisits(const VisitGrid& earlier_grid,
       found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
         return a.score < b.score;
       });
-  const PlanarPose start{guess.heading + best.turn * kTurnStep, best.position};
+  const auto heading_of = [&](const Candidate& candidate) {
+    return guess.heading + window.turns[candidate.turn];
+  };
+  const PlanarPose start{heading_of(best), best.position};
   VisitMatch match{start, {}};
   for (const double width_m : kWidths) {
     match.information =
@@ -203,12 +274,12 @@ std::optional<VisitMatch> MatchVisits(const VisitGrid& earlier_grid,
   const PlanarPose& pose = match.earlier_from_later;
   const auto is_elsewhere = [&](const Eigen::Vector2d& position, double heading) {
     return (position - pose.position).norm() > kElsewhere ||
-           std::abs(heading - pose.heading) > kElsewhereTurn;
+           std::abs(std::remainder(heading - pose.heading, 2.0 * M_PI)) > kElsewhereTurn;
   };
   if (is_elsewhere(start.position, start.heading)) return std::nullopt;
   for (const Candidate& other : found) {
     if (other.score > kMaxSecondShare * best.score &&
-        is_elsewhere(other.position, guess.heading + other.turn * kTurnStep)) {
+        is_elsewhere(other.position, heading_of(other))) {
       return std::nullopt;
     }
   }

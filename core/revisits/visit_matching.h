@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "core/geometry/planar_pose.h"
 #include "core/revisits/visit.h"
@@ -13,8 +14,18 @@ namespace plumbline {
 // How far from a guess a visit may lie: drift.
 struct MatchWindow {
   double position_m = 3.0;  // in x and in y
-  double heading_rad = 0.26;
+  std::vector<double> turns = TurnsWithin(0.26);  // rad, from the guess, that are tried
+  double min_score = 0.2;  // of the mean fit of the points: below it nothing is in common
+
+  // All turns up to one, as close together as matching needs them.
+  static std::vector<double> TurnsWithin(double heading_rad);
 };
+
+// The window of a visit of which nothing is known but that its middle lies within a distance:
+// the turns under which the lines of both have the same directions.
+MatchWindow WindowByDirections(const VisitSurface& earlier,
+                               const VisitSurface& later,
+                               double position_m);
 
 // Pose of a later visit in the frame of an earlier one.
 struct VisitMatch {
@@ -24,7 +35,7 @@ struct VisitMatch {
 };
 
 // Finds where the later visit lies: by all poses of a window on a grid (correlative matching,
-// Olson 2009, "Real-time correlative scan matching", with bounds from a coarser grid), then by
+// Olson 2009, "Real-time correlative scan matching", with bounds from coarser grids), then by
 // Gauss-Newton steps on distances from lines. Nothing where the two visits have little in
 // common, where beams of one pass through what the other saw, or where the same fits nearly as
 // well elsewhere in the window: along a corridor without doors no place is known again.

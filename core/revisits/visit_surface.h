@@ -19,6 +19,7 @@ class VisitSurface {
     Eigen::Vector2d position;  // m
     Eigen::Vector2d normal;    // zero where the points around it are no line
   };
+  const std::vector<Spot>& spots() const { return spots_; }
   // The nearest spot on a line within a distance of at most kReach; nullptr: there is none.
   const Spot* Nearest(const Eigen::Vector2d& p, double max_distance_m) const;
 

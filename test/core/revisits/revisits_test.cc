@@ -65,6 +65,21 @@ TEST(Revisits, DriftIsSpreadOverTheWay) {
   }
 }
 
+// A turn of 35 degrees that nobody has noticed takes the rig farther off than drift does.
+TEST(Revisits, AfterASlipPlacesAreFoundFromFarAway) {
+  const RingWay way(130.0, 0.0, 35.0 * kDegree);
+  const std::vector<Visit> visits = CutIntoVisits(way.scans(), way.trajectory());
+  std::vector<PlanarPose> believed;
+  for (const Visit& visit : visits) believed.push_back(visit.world_from_visit);
+  ASSERT_GT(LargestErrors(way, visits, believed).position_m, 8.0);
+  const Odometry wheels = way.wheels();
+  const PlacedVisits placed = PlaceVisits(visits, &wheels);
+  EXPECT_GT(placed.closures.size(), 20u);
+  const Errors errors = LargestErrors(way, visits, placed.world_from_visit);
+  EXPECT_LT(errors.position_m, 0.5);
+  EXPECT_LT(errors.heading, 3.0 * kDegree);
+}
+
 TEST(Revisits, WithoutDriftNothingIsBent) {
   const RingWay way(90.0, 0.0);
   const std::vector<Visit> visits = CutIntoVisits(way.scans(), way.trajectory());

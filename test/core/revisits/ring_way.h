@@ -8,6 +8,7 @@
 
 #include "core/geometry/planar_pose.h"
 #include "core/revisits/visit.h"
+#include "core/sensor/odometry.h"
 #include "core/trajectory/trajectory.h"
 #include "core/util/time.h"
 #include "test/testing/planar_world.h"
@@ -20,8 +21,9 @@ class RingWay {
  public:
   static constexpr double kSpacing = 0.2;  // m, between scan lines
 
-  // drift: rad per metre of the way.
-  RingWay(double length_m, double drift) {
+  // drift: rad per metre of the way. slip: rad, by which the rig once turns without believing
+  // so, half a round after its start.
+  RingWay(double length_m, double drift, double slip = 0.0) {
     world_.AddWalls({{0, 0}, {20, 0}, {20, 12}, {0, 12}, {0, 0}});
     world_.AddWalls({{2, 2}, {18, 2}, {18, 10}, {2, 10}, {2, 2}});
     // What tells one place from another: doors that stand back, and columns.
@@ -31,6 +33,12 @@ class RingWay {
              {0.3, 4.0}, {0.3, 7.2}, {19.7, 3.3}, {19.7, 5.0}, {19.7, 8.9}}) {
       world_.columns.push_back({at, 0.2});
     }
+    if (slip != 0.0) {
+      // Half a round on it must not look alike.
+      for (const double x : {4.0, 8.5, 11.0}) {
+        world_.AddWalls({{x, 1.55}, {x + 0.8, 1.55}, {x + 0.8, 2.0}, {x, 2.0}});
+      }
+    }
     constexpr double kStep = 0.01;  // m
     true_.push_back({0.0, {3.0, 1.0}});
     believed_ = true_;
@@ -38,7 +46,12 @@ class RingWay {
       const double way = kStep * static_cast<double>(true_.size());
       const double turn = Curvature(std::fmod(way, kRound)) * kStep;
       true_.push_back(true_.back() * PlanarPose{turn, {kStep, 0.0}});
-      believed_.push_back(believed_.back() * PlanarPose{turn + drift * kStep, {kStep, 0.0}});
+      const bool slips = way < 0.5 * kRound && way + kStep >= 0.5 * kRound;
+      believed_.push_back(
+          believed_.back() *
+          PlanarPose{turn + drift * kStep + (slips ? slip : 0.0), {kStep, 0.0}});
+      wheels_.push_back({NanosecondsFromSeconds(way), counted_.position, counted_.heading});
+      counted_ = counted_ * PlanarPose{turn, {kStep, 0.0}};
     }
     trajectory_.ExtendTo(NanosecondsFromSeconds(length_m - 1.0));
     for (int i = 0; i < trajectory_.num_control_points(); ++i) {
@@ -54,6 +67,8 @@ class RingWay {
   PlanarPose TruePose(int64_t time_ns) const { return At(true_, 1e-9 * double(time_ns)); }
   const std::vector<PlacedScan>& scans() const { return scans_; }
   const Trajectory& trajectory() const { return trajectory_; }
+  // Wheels that do not slip.
+  Odometry wheels() const { return Odometry(wheels_); }
 
  private:
   static constexpr double kRadius = 1.0;  // m, of the corners
@@ -104,6 +119,8 @@ class RingWay {
   }
 
   PlanarWorld world_;
+  PlanarPose counted_;
+  std::vector<OdometrySample> wheels_;
   std::vector<PlanarPose> true_;  // every centimetre
   std::vector<PlanarPose> believed_;
   Trajectory trajectory_{0, 100'000'000, Rigid3d()};
