@@ -51,9 +51,7 @@ Eigen::Vector3d InverseSquares(double position, double heading) {
   return {1.0 / (position * position), 1.0 / (position * position), 1.0 / (heading * heading)};
 }
 
-PoseGraphEdge MotionEdge(const std::vector<Visit>& visits,
-                         const Odometry* wheels,
-                         size_t from) {
+PoseGraphEdge MotionEdge(const std::vector<Visit>& visits, size_t from) {
   PoseGraphEdge edge;
   edge.from = from;
   edge.to = from + 1;
@@ -62,33 +60,69 @@ PoseGraphEdge MotionEdge(const std::vector<Visit>& visits,
   const double turn = std::remainder(edge.from_from_to.heading, 2.0 * M_PI);
   edge.from_from_to.heading = turn;
   const double way_m = visits[from + 1].way_m - visits[from].way_m;
-  double position_drift = kPositionDrift * way_m;
-  double heading_drift = kHeadingDrift + kTurnDrift * std::abs(turn);
-  const std::optional<PlanarMotion> stated =
-      wheels == nullptr ? std::nullopt
-                        : wheels->Between(visits[from].time_ns, visits[from + 1].time_ns);
-  if (stated) {
-    // On the spot a rig turns by far more than it has turned in the end.
-    double all_turns = 0.0;
-    const int64_t step_ns = NanosecondsFromSeconds(0.2);
-    for (int64_t t = visits[from].time_ns; t + step_ns < visits[from + 1].time_ns;
-         t += step_ns) {
-      all_turns += std::abs(wheels->Between(t, t + step_ns)->turn);
-    }
-    heading_drift = kHeadingDrift + kTurnDrift * std::max(all_turns, std::abs(turn));
-    const double off_m = (edge.from_from_to.position - stated->translation).norm();
-    const double off_rad = std::remainder(turn - stated->turn, 2.0 * M_PI);
-    // One of the two has slipped: more often the scans, which know no limit to it.
-    if (std::hypot(off_m / position_drift, off_rad / heading_drift) > kMaxDeviation) {
-      edge.from_from_to = {turn - off_rad, stated->translation};
-      position_drift = std::hypot(position_drift, off_m);
-      heading_drift = std::hypot(heading_drift, off_rad);
-      VLOG(1) << "from " << visits[from].way_m << " m on the wheels deny " << off_m
-              << " m and " << off_rad * 180.0 / M_PI << " deg of the motion";
-    }
-  }
-  edge.information = InverseSquares(position_drift, heading_drift).asDiagonal();
+  edge.information =
+      InverseSquares(kPositionDrift * way_m, kHeadingDrift + kTurnDrift * std::abs(turn))
+          .asDiagonal();
   return edge;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Takes the motions that wheels deny for slips, most often of the scans, which know no limit
+// to it: such a motion becomes the wheels', known to no more than the two differ. Denied is
+// what is far off by the drift and by how far the wheels are off usually (the median): some
+// drift by degrees a metre, always to one side.
+void TakeSlips(const std::vector<Visit>& visits,
+               const Odometry& wheels,
+               std::vector<PoseGraphEdge>* motion) {
+  struct Denial {
+    PoseGraphEdge* edge = nullptr;
+    PlanarMotion stated;
+    double all_turns = 0.0;  // on the spot a rig turns by far more than it has in the end
+  };
+  std::vector<Denial> compared;
+  std::vector<double> off_m;
+  std::vector<double> off_rad;
+  for (PoseGraphEdge& edge : *motion) {
+    const int64_t begin_ns = visits[edge.from].time_ns;
+    const int64_t end_ns = visits[edge.to].time_ns;
+    const std::optional<PlanarMotion> stated = wheels.Between(begin_ns, end_ns);
+    if (!stated) continue;
+    Denial& denial = compared.emplace_back();
+    denial.edge = &edge;
+    denial.stated = *stated;
+    const int64_t step_ns = NanosecondsFromSeconds(0.2);
+    for (int64_t t = begin_ns; t + step_ns < end_ns; t += step_ns) {
+      denial.all_turns += std::abs(wheels.Between(t, t + step_ns)->turn);
+    }
+    off_m.push_back((edge.from_from_to.position - stated->translation).norm());
+    off_rad.push_back(
+        std::abs(std::remainder(edge.from_from_to.heading - stated->turn, 2.0 * M_PI)));
+  }
+  if (compared.empty()) return;
+  const double usual_m = Median(off_m);
+  const double usual_rad = Median(off_rad);
+  for (size_t i = 0; i < compared.size(); ++i) {
+    PoseGraphEdge& edge = *compared[i].edge;
+    const double position_drift = std::sqrt(1.0 / edge.information(0, 0));
+    const double heading_drift = std::max(kHeadingDrift + kTurnDrift * compared[i].all_turns,
+                                          std::sqrt(1.0 / edge.information(2, 2)));
+    if (std::hypot(off_m[i] / std::hypot(position_drift, usual_m),
+                   off_rad[i] / std::hypot(heading_drift, usual_rad)) <= kMaxDeviation) {
+      continue;
+    }
+    VLOG(1) << "from " << visits[edge.from].way_m << " m on the wheels deny " << off_m[i]
+            << " m and " << off_rad[i] * 180.0 / M_PI << " deg of the motion";
+    edge.from_from_to = {std::remainder(compared[i].stated.turn, 2.0 * M_PI),
+                         compared[i].stated.translation};
+    edge.information = InverseSquares(std::hypot(position_drift, off_m[i]),
+                                      std::hypot(heading_drift, off_rad[i]))
+                           .asDiagonal();
+  }
 }
 
 // poses: as they are, with whole turns.
@@ -258,11 +292,14 @@ PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheel
   });
   VisitGraph graph;
   std::vector<PoseGraphEdge> motion;
+  for (size_t from = 0; from + 1 < visits.size(); ++from) {
+    motion.push_back(MotionEdge(visits, from));
+  }
+  if (wheels != nullptr) TakeSlips(visits, *wheels, &motion);
   graph.poses.push_back(visits[0].world_from_visit);
   for (size_t later = 1; later < visits.size(); ++later) {
-    motion.push_back(MotionEdge(visits, wheels, later - 1));
-    graph.edges.push_back(motion.back());
-    graph.poses.push_back(graph.poses.back() * motion.back().from_from_to);
+    graph.edges.push_back(motion[later - 1]);
+    graph.poses.push_back(graph.poses.back() * motion[later - 1].from_from_to);
     CloseNear(visits, views, later, &graph);
   }
   // Where what was found near where it was believed to be agrees, there is nothing to look for
