@@ -30,7 +30,7 @@ class ConfigTest : public TemporaryDirectoryTest {
 // the count of lines.
 MapperOptions UnusualOptions() {
   MapperOptions o;
-  o.trajectory = {0.0875, 2.25, 1.5, 123.0, 0.45, false, 0.25, 0.75, 33.0};
+  o.trajectory = {0.0875, 2.25, 1.5, 123.0, 0.45, 0.75, false, 0.25, 0.75, 33.0};
   o.segmentation.min_points = 9;
   o.segmentation.significance = 2.5e-5;
   o.segmentation.ambiguity_sigmas = 1.25;
@@ -56,6 +56,7 @@ TEST_F(ConfigTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.trajectory.knot_interval_s, 0.0875);
   EXPECT_EQ(read.trajectory.angular_acceleration_density_deg_s2, 123.0);
   EXPECT_EQ(read.trajectory.acceleration_correlation_s, 0.45);
+  EXPECT_EQ(read.trajectory.vertical_velocity_correlation_s, 0.75);
   EXPECT_FALSE(read.trajectory.estimate_densities);
   EXPECT_EQ(read.trajectory.bridging_acceleration_density_m_s2, 0.25);
   EXPECT_EQ(read.trajectory.initial_turn_rate_stddev_deg_s, 33.0);

@@ -105,8 +105,26 @@ TEST(MotionNoise, VerticalVelocitiesDoNotGoOn) {
   for (int i = 0; i < 4; ++i) {
     EXPECT_LT(noise.InnovationAt(trajectory, i).linear_world.norm(), 1e-9);
   }
+  // About a mean of 1 m/s, what is below it comes back.
+  noise.vertical_velocity_m_s = 1.0;
+  EXPECT_NEAR(noise.InnovationAt(trajectory, 0).linear_world.z(), -0.5 / h, 1e-9);
+  noise.vertical_velocity_m_s = 0.0;
   noise.vertical_velocity_correlation_s = 1e12;
   EXPECT_NEAR(noise.InnovationAt(trajectory, 0).linear_world.z(), (0.25 - 0.5) / h, 1e-9);
+}
+
+// Over a second about each knot; what lies beyond the ends counts as standing.
+TEST(MotionProfile, FollowsTheMeanOfTheHeight) {
+  constexpr int kNumControlPoints = 82;  // 4 s
+  Trajectory trajectory = WithOne(0, Standing(), kNumControlPoints);
+  for (int i = 40; i < kNumControlPoints; ++i) {  // climbs from 2 s on
+    trajectory.control_point(i).position = {0.0, 0.0, 0.4 * kIntervalS * (i - 40)};
+  }
+  const MotionProfile profile = MotionProfile::Uniform(Ones(), trajectory);
+  EXPECT_EQ(profile.at[20].vertical_velocity_m_s, 0.0);
+  EXPECT_NEAR(profile.at[39].vertical_velocity_m_s, 0.2, 1e-9);
+  EXPECT_NEAR(profile.at[60].vertical_velocity_m_s, 0.4, 1e-9);
+  EXPECT_NEAR(profile.at[79].vertical_velocity_m_s, 0.4 * 11.0 / 20.0, 1e-9);
 }
 
 // A jolt among calm knots is one of its own stretch: what is half a second away does not
