@@ -17,8 +17,10 @@ constexpr double kLargestDecrease = 10.0;
 // Number of innovations that the usual noise counts as much as in a stretch of the motion.
 constexpr double kUsualWeight = 4.0;
 constexpr double kHalfStretch = 0.25;  // s
-// Time over which a vertical velocity is a mean: of some steps.
-constexpr double kMeanTime = 1.0;  // s
+
+// Time over which a vertical velocity is a mean, of some steps: two stretches of the motion,
+// s.
+constexpr double MeanTime() { return 4.0 * kHalfStretch; }
 
 void Add(const MotionEvidence& evidence, MotionEvidence* sum) {
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
@@ -75,7 +77,7 @@ ByMotionKind SumByKind(const Eigen::Vector3d& linear, const Eigen::Vector3d& ang
 }
 
 int KnotsOfMean(const Trajectory& trajectory) {
-  return std::max(1, static_cast<int>(std::lround(kMeanTime / trajectory.knot_interval_s())));
+  return std::max(1, static_cast<int>(std::lround(MeanTime() / trajectory.knot_interval_s())));
 }
 
 double MeanVerticalVelocity(const Trajectory& trajectory, int first, int last) {
@@ -84,7 +86,7 @@ double MeanVerticalVelocity(const Trajectory& trajectory, int first, int last) {
   last = std::clamp(last, first, end);
   const double rise_m =
       trajectory.control_point(last).position[2] - trajectory.control_point(first).position[2];
-  return rise_m / std::max((last - first) * trajectory.knot_interval_s(), kMeanTime);
+  return rise_m / std::max((last - first) * trajectory.knot_interval_s(), MeanTime());
 }
 
 MotionNoise MotionNoise::Of(const TrajectoryOptions& options) {

@@ -129,7 +129,7 @@ class ConsistencyTest : public MappingTest {
 
 // At 0.8 m/s the rig turns at up to 180 deg/s in the corners.
 TEST_F(ConsistencyTest, ErrorsAreAsLargeAsStated) {
-  constexpr int kNumMaps = 40;
+  constexpr int kNumMaps = 60;
   Scenario scenario;
   scenario.building = PillarRoom();
   scenario.scanners = TiltedRig();
