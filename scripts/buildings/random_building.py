@@ -263,10 +263,9 @@ def crowd(numbers):
                 "walks": [room.inside(0.6, 0.8), room.inside(room.width - 0.6, room.depth - 0.6)],
                 "speed_m_s": numbers.uniform(0.3, 1.0)})
         if numbers.random() < 0.4:
-            shut = 0.0
             world.doors.append({
                 "hinge": (room.door - room.door_width / 2, room.wall_y),
-                "width_m": room.door_width, "height_m": DOOR_HEIGHT - 0.05, "shut_deg": shut,
+                "width_m": room.door_width, "height_m": DOOR_HEIGHT - 0.05, "shut_deg": 0.0,
                 "open_deg": room.side * 90.0, "period_s": numbers.uniform(6.0, 15.0)})
     world.people.append(numbers.choice((
         {"follows_m": numbers.uniform(0.9, 1.8)},
@@ -468,14 +467,10 @@ def racks(numbers):
                     "position": (place + size / 2, row), "size_m": [size, depth, height],
                     "yaw_deg": 0.0})
             place += size + 0.02
-    world.way, west = [], True
-    for row in [depth / 2 + 1.8 - aisle / 2 - depth / 2 - 0.0] + rows[:4]:
-        y = max(1.0, row) if row < rows[0] else row + (aisle + depth) / 2
-        if y > width - 0.9:
-            break
+    aisles = [1.0] + [row + (aisle + depth) / 2 for row in rows[:4]]
+    for number, y in enumerate(y for y in aisles if y <= width - 0.9):
         ends = [(1.1, y), (length - 1.0, y)]
-        world.way += ends if west else ends[::-1]
-        west = not west
+        world.way += ends[::-1] if number % 2 else ends
     if len(world.way) < 4:
         world.way += [(1.1, width - 0.9)]
     return world
