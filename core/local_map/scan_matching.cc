@@ -110,6 +110,34 @@ int NumScans(double duration_s, double scan_period_s) {
   return std::max(1, static_cast<int>(duration_s / std::max(1e-3, scan_period_s)));
 }
 
+// A turn about the end of the scan and a shift that were tried, and the beams that fit there.
+struct TriedPlace {
+  int num_near = 0;
+  double turn = 0.0;
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+};
+
+// Returns the best of the places that are apart from each other, best first.
+std::vector<TriedPlace> Peaks(std::vector<TriedPlace> places,
+                              double step_m,
+                              size_t num_peaks) {
+  std::stable_sort(places.begin(), places.end(), [](const TriedPlace& a, const TriedPlace& b) {
+    return a.num_near > b.num_near;
+  });
+  // Not the same one several times.
+  std::vector<TriedPlace> peaks;
+  for (const TriedPlace& place : places) {
+    if (peaks.size() == num_peaks) break;
+    if (std::none_of(peaks.begin(), peaks.end(), [&](const TriedPlace& peak) {
+          return std::abs(peak.turn - place.turn) < 3.5 * kTurnStep &&
+                 (peak.shift - place.shift).norm() < 1.5 * step_m;
+        })) {
+      peaks.push_back(place);
+    }
+  }
+  return peaks;
+}
+
 }  // namespace
 
 ScanMatcher::ScanMatcher(const Rig& rig,
@@ -344,12 +372,7 @@ std::vector<MotionVector> ScanMatcher::LikeliestErrors(const Trajectory& traject
                        correction * Eigen::Vector3d(motion.nodes()[1].col(2))});
     }
   }
-  struct Place {
-    int num_near = 0;
-    double turn = 0.0;
-    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-  };
-  std::vector<Place> places;
+  std::vector<TriedPlace> places;
   const int num_turns = static_cast<int>(window.turn_rad / kTurnStep);
   const int num_steps = static_cast<int>(window.position_m / step_m);
   std::vector<Beam> turned(beams.size());
@@ -361,7 +384,7 @@ std::vector<MotionVector> ScanMatcher::LikeliestErrors(const Trajectory& traject
     }
     for (int y = -num_steps; y <= num_steps; ++y) {
       for (int x = -num_steps; x <= num_steps; ++x) {
-        Place place{0, turn * kTurnStep, {x * step_m, y * step_m, 0.0}};
+        TriedPlace place{0, turn * kTurnStep, {x * step_m, y * step_m, 0.0}};
         for (const Beam& beam : turned) {
           const Eigen::Vector3d p_world = beam.end + place.shift;
           const LocalCell* cell = map.Find(p_world, beam.from + place.shift);
@@ -374,22 +397,8 @@ std::vector<MotionVector> ScanMatcher::LikeliestErrors(const Trajectory& traject
       }
     }
   }
-  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return a.num_near > b.num_near;
-  });
-  // Not the same one several times.
-  std::vector<Place> peaks;
-  for (const Place& place : places) {
-    if (peaks.size() == window.num_places) break;
-    if (std::none_of(peaks.begin(), peaks.end(), [&](const Place& peak) {
-          return std::abs(peak.turn - place.turn) < 3.5 * kTurnStep &&
-                 (peak.shift - place.shift).norm() < 1.5 * step_m;
-        })) {
-      peaks.push_back(place);
-    }
-  }
   std::vector<MotionVector> errors;
-  for (const Place& peak : peaks) {
+  for (const TriedPlace& peak : Peaks(std::move(places), step_m, window.num_places)) {
     const Rigid3d moved =
         About(about, peak.turn * Eigen::Vector3d::UnitZ(), peak.shift) * correction;
     const Eigen::Vector3d turn = Log(moved.rotation);

@@ -281,6 +281,68 @@ std::vector<PoseGraphEdge> MatchAnywhere(const std::vector<Visit>& visits,
   return closures;
 }
 
+// Finds groups of places elsewhere that agree with each other and contradict the graph. Where
+// what was found near where it was believed to be agrees, there is nothing to look for.
+std::vector<PlaceGroup> GroupsElsewhere(const std::vector<Visit>& visits,
+                                        const Views& views,
+                                        const std::vector<PoseGraphEdge>& motion,
+                                        const VisitGraph& graph) {
+  std::vector<PoseGraphEdge> near;
+  size_t num_near = 0;
+  size_t num_contradicted = 0;
+  for (const PoseGraphEdge& edge : graph.edges) {
+    if (!edge.may_be_wrong) continue;
+    ++num_near;
+    num_contradicted += Holds(edge, graph.poses) ? 0 : 1;
+    const bool is_first = near.empty() || near.back().to != edge.to;
+    if (is_first && edge.to % 2 == 0) near.push_back(edge);
+  }
+  if (4 * num_contradicted <= num_near) return {};
+  // One near closure of each visit may contradict what is found elsewhere.
+  std::vector<PoseGraphEdge> closures = MatchAnywhere(visits, views, graph.poses);
+  closures.insert(closures.end(), near.begin(), near.end());
+  std::vector<PlaceGroup> groups = ConsistentGroups(closures, motion, visits, kMinWay);
+  const auto is_known = [&](const PlaceGroup& group) {
+    return std::all_of(group.begin(), group.end(), [&](const PoseGraphEdge& closure) {
+      return Holds(closure, graph.poses);
+    });
+  };
+  groups.erase(std::remove_if(groups.begin(), groups.end(), is_known), groups.end());
+  VLOG(1) << num_contradicted << " of " << num_near << " closures are contradicted; "
+          << groups.size() << " groups of places elsewhere agree";
+  return groups;
+}
+
+// Returns the graph of the motion and of groups of places. These are far beyond what a loss
+// takes for an error, so they are believed first.
+VisitGraph GraphOf(const std::vector<PlaceGroup>& groups,
+                   const std::vector<Visit>& visits,
+                   const Views& views,
+                   const std::vector<PoseGraphEdge>& motion) {
+  VisitGraph graph = {motion, {}};
+  for (const PlaceGroup& group : groups) {
+    for (PoseGraphEdge closure : group) {
+      closure.may_be_wrong = false;
+      graph.edges.push_back(closure);
+    }
+    VLOG(1) << group.size() << " visits from " << visits[group.front().to].way_m
+            << " m on are where others were from " << visits[group.front().from].way_m
+            << " m on";
+  }
+  graph.poses.push_back(visits[0].world_from_visit);
+  for (const PoseGraphEdge& edge : motion) {
+    graph.poses.push_back(graph.poses.back() * edge.from_from_to);
+  }
+  SolvePoseGraph(graph.edges, &graph.poses);
+  for (size_t i = motion.size(); i < graph.edges.size(); ++i) {
+    graph.edges[i].may_be_wrong = true;
+  }
+  for (size_t later = 1; later < visits.size(); ++later) {
+    CloseNear(visits, views, later, &graph);
+  }
+  return graph;
+}
+
 }  // namespace
 
 PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheels) {
@@ -302,57 +364,8 @@ PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheel
     graph.poses.push_back(graph.poses.back() * motion[later - 1].from_from_to);
     CloseNear(visits, views, later, &graph);
   }
-  // Where what was found near where it was believed to be agrees, there is nothing to look for
-  // elsewhere.
-  std::vector<PoseGraphEdge> near;
-  size_t num_near = 0;
-  size_t num_contradicted = 0;
-  for (const PoseGraphEdge& edge : graph.edges) {
-    if (!edge.may_be_wrong) continue;
-    ++num_near;
-    num_contradicted += Holds(edge, graph.poses) ? 0 : 1;
-    const bool is_first = near.empty() || near.back().to != edge.to;
-    if (is_first && edge.to % 2 == 0) near.push_back(edge);
-  }
-  std::vector<PlaceGroup> groups;
-  if (4 * num_contradicted > num_near) {
-    // One near closure of each visit may contradict what is found elsewhere.
-    std::vector<PoseGraphEdge> closures = MatchAnywhere(visits, views, graph.poses);
-    closures.insert(closures.end(), near.begin(), near.end());
-    groups = ConsistentGroups(closures, motion, visits, kMinWay);
-    const auto is_known = [&](const PlaceGroup& group) {
-      return std::all_of(group.begin(), group.end(), [&](const PoseGraphEdge& closure) {
-        return Holds(closure, graph.poses);
-      });
-    };
-    groups.erase(std::remove_if(groups.begin(), groups.end(), is_known), groups.end());
-    VLOG(1) << num_contradicted << " of " << num_near << " closures are contradicted; "
-            << groups.size() << " groups of places elsewhere agree";
-  }
-  if (!groups.empty()) {
-    // They are far beyond what a loss takes for an error, so they are believed first.
-    graph = {motion, {}};
-    for (const PlaceGroup& group : groups) {
-      for (PoseGraphEdge closure : group) {
-        closure.may_be_wrong = false;
-        graph.edges.push_back(closure);
-      }
-      VLOG(1) << group.size() << " visits from " << visits[group.front().to].way_m
-              << " m on are where others were from " << visits[group.front().from].way_m
-              << " m on";
-    }
-    graph.poses.push_back(visits[0].world_from_visit);
-    for (const PoseGraphEdge& edge : motion) {
-      graph.poses.push_back(graph.poses.back() * edge.from_from_to);
-    }
-    SolvePoseGraph(graph.edges, &graph.poses);
-    for (size_t i = motion.size(); i < graph.edges.size(); ++i) {
-      graph.edges[i].may_be_wrong = true;
-    }
-    for (size_t later = 1; later < visits.size(); ++later) {
-      CloseNear(visits, views, later, &graph);
-    }
-  }
+  const std::vector<PlaceGroup> groups = GroupsElsewhere(visits, views, motion, graph);
+  if (!groups.empty()) graph = GraphOf(groups, visits, views, motion);
   placed.world_from_visit = graph.poses;
   const std::vector<PlanarPose>& poses = graph.poses;
   const std::vector<PoseGraphEdge>& edges = graph.edges;

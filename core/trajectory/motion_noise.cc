@@ -18,9 +18,8 @@ constexpr double kLargestDecrease = 10.0;
 constexpr double kUsualWeight = 4.0;
 constexpr double kHalfStretch = 0.25;  // s
 
-// Time over which a vertical velocity is a mean, of some steps: two stretches of the motion,
-// s.
-constexpr double MeanTime() { return 4.0 * kHalfStretch; }
+// Time over which a vertical velocity is a mean, of some steps: two stretches of the motion.
+constexpr double MeanTime() { return 4.0 * kHalfStretch; }  // s
 
 void Add(const MotionEvidence& evidence, MotionEvidence* sum) {
   for (size_t kind = 0; kind < kNumMotionKinds; ++kind) {
