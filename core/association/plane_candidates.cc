@@ -22,9 +22,6 @@ const double kMinTiltSine = std::sin(15.0 * M_PI / 180.0);
 const double kSteepSine = std::sin(30.0 * M_PI / 180.0);
 // A segment closer to the vertical than this does not show its wall's direction.
 const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
-// Body motion after which one scanner alone can tell a horizontal plane from a wall whose
-// segments happen to be horizontal.
-constexpr double kRevealingMotion = 0.3;  // m
 constexpr double kLargeFloor = 1.0;       // m, that shows whether it is level
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
@@ -223,6 +220,7 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
         planar_ || static_cast<int>(plane.clear_scans.size()) >= min_scans;
     return has_clear_type && variance < max_sigma * max_sigma;
   }
+  // One scanner's level segments may lie on a wall.
   if (plane.scanners.size() < 2 && !(plane.Motion() > kRevealingMotion)) return false;
   // Single traces of a gentle ramp look level; small surfaces may be level.
   const Eigen::Vector2d size =

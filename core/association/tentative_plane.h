@@ -14,6 +14,9 @@
 
 namespace plumbline {
 
+// The rig's motion after which one scanner has swept enough of a plane to tell its kind.
+inline constexpr double kRevealingMotion = 0.3;  // m
+
 // A tentative plane: segments without a landmark agree on it, and it is not trusted yet.
 struct TentativePlane {
   Landmark landmark;              // covariance given the poses

@@ -18,8 +18,7 @@ namespace {
 constexpr double kMinCuttingSine = 0.25;
 // Chi-square of the fit, over its degrees of freedom: of several surfaces it is larger.
 constexpr double kMaxMeanChi2 = 2.0;
-// The motion after which one scanner has swept enough of a plane, and two have.
-constexpr double kSweep = 0.3;       // m
+// The motion after which two scanners have swept enough of a plane.
 constexpr double kSweepOfTwo = 0.1;  // m
 // Time after which an undecided plane begins anew.
 constexpr double kMaxUndecided = 20.0;  // s
@@ -29,11 +28,10 @@ constexpr double kMinSide = 0.4;  // m
 constexpr int kMinLinesAtStart = 3;
 // Least number of traces of a floor or ceiling.
 constexpr int kMinLines = 12;
-// Least number of traces of a general plane, and the motion: a dozen traces on furniture or on
+// Least number of traces of a general plane: a dozen traces on furniture or on
 // the treads of a stair lie on a slope by chance now and then, and it draws the rig off as a
 // true one holds it.
 constexpr int kMinLinesOfGeneral = 30;
-constexpr double kSweepOfGeneral = 0.3;  // m
 
 Eigen::Vector3d ToWorld(const Rigid3d& world_from_scanner, const Eigen::Vector2d& p) {
   return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -119,7 +117,7 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   TentativePlane& seen = plane->seen;
   if (static_cast<int>(seen.scans.size()) < min_scans) return false;
   const bool by_two = seen.scanners.size() > 1;
-  if (!by_two && seen.Motion() < kSweep) return false;
+  if (!by_two && seen.Motion() < kRevealingMotion) return false;
   const PlaneThroughLines::Fit fit = seen.lines.Solve();
   if (fit.chi2 > kMaxMeanChi2 * (2 * seen.lines.num_lines() - 3)) return false;
   std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
@@ -131,7 +129,7 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
     const bool is_general = landmark->model == PlaneModel::kGeneral;
     const int min_lines = is_general ? kMinLinesOfGeneral : kMinLines;
     if (seen.lines.num_lines() < (is_start ? kMinLinesAtStart : min_lines)) return false;
-    if (!is_start && seen.Motion() < (is_general ? kSweepOfGeneral : kSweepOfTwo))
+    if (!is_start && seen.Motion() < (is_general ? kRevealingMotion : kSweepOfTwo))
       return false;
   }
   seen.landmark = std::move(*landmark);

@@ -23,13 +23,7 @@ bool IsMended(const std::vector<MountingCorrection>& corrections) {
 // The scanner that is held while the others are moved to where they agree: one that is known
 // exactly, else the first one. Held by the body's, a steep one, corrections in turns ended
 // elsewhere in 5 of 50 corridors (docs/decisions/098).
-size_t HeldScanner(const Rig& stated) {
-  const size_t body = BodyScanner(stated);
-  const ScannerUncertainty& uncertainty = stated.scanners[body].uncertainty;
-  const bool is_exact = uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
-                        uncertainty.time_s == 0.0;
-  return is_exact ? body : 0;
-}
+size_t HeldScanner(const Rig& stated) { return ExactlyPlacedScanner(stated).value_or(0); }
 
 // Returns the same rig with the body's scanner at its stated pose and clock.
 MountedRig WithBodyAsStated(MountedRig rig, const MountedRig& stated, size_t body) {

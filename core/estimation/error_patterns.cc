@@ -207,7 +207,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
     basis.scanner_load += ByScanner(nodes, k, observation.scanner_index).transpose() * load;
   }
   if (basis.scanner_column >= 0) {
-    basis.scanner_load.row(kScannerRangeAt) = rows.by_range.transpose() * root;
+    basis.scanner_load.middleRows<kNumRangeErrors>(kScannerRangeAt) =
+        rows.by_range.transpose() * root;
   }
   return basis;
 }

@@ -72,11 +72,16 @@ class PlaneTrace {
 // motion's third derivative, and the residuals use the same (factors/cost/segment_factor.h).
 class ScanMotion {
  public:
+  // range_scale: true range by measured one.
   ScanMotion(const std::array<int64_t, 3>& times_ns,
-             const std::array<Rigid3d, 3>& world_from_scanner)
+             const std::array<Rigid3d, 3>& world_from_scanner,
+             double range_scale = 1.0)
       : middle_ns_(times_ns[1]),
         half_span_ns_(std::max(1.0, static_cast<double>(times_ns[2] - times_ns[1]))) {
-    for (size_t k = 0; k < 3; ++k) nodes_[k] = PlacementOf(world_from_scanner[k]);
+    for (size_t k = 0; k < 3; ++k) {
+      nodes_[k] = PlacementOf(world_from_scanner[k]);
+      nodes_[k].leftCols<2>() *= range_scale;
+    }
     linear_ = 0.5 * (nodes_[2] - nodes_[0]);
     quadratic_ = 0.5 * (nodes_[0] + nodes_[2]) - nodes_[1];
   }

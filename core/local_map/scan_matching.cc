@@ -180,8 +180,7 @@ void ScanMatcher::Take(const Scan& scan) {
       }
       Line& line = lines_.back();
       line.beams.push_back(beam);
-      line.p_scanner.push_back((range - scanner.range_excess_m) *
-                               scan_line.BeamDirection(beam));
+      line.p_scanner.push_back(scanner.TrueRange(range) * scan_line.BeamDirection(beam));
       line.times_ns.push_back(time_ns);
     }
   }

@@ -27,6 +27,7 @@ constexpr std::array<ParameterName, kScannerBlockSize> kParameters = {{
     {"z_m", "height", 1.0},
     {"time_s", "clock", 1.0},
     {"range_m", "range bias", 1.0},
+    {"range_scale", "range scale", 1.0},
 }};
 
 const ParameterName* FindParameter(const std::string& name) {
@@ -50,7 +51,8 @@ ScannerBlock BlockBetween(const Scanner& from, const Scanner& to) {
           shift.y(),
           shift.z(),
           to.time_offset_s - from.time_offset_s,
-          to.range_bias_m - from.range_bias_m};
+          (to.range_bias_m - from.range_bias_m) * from.range_scale,
+          1.0 - to.range_scale / from.range_scale};
 }
 
 double LargestSigma(const ScannerMatrix& covariance, int first, int count) {
@@ -79,6 +81,7 @@ Calibration DescribeCalibration(const Rig& stated,
     CalibratedScanner found;
     found.name = rig.scanners[i].name;
     const ScannerBlock off = BlockBetween(stated.scanners[i], calibrated.scanners[i]);
+    const ScannerBlock start = BlockBetween(stated.scanners[i], rig.scanners[i]);
     for (size_t k = 0; k < kParameters.size(); ++k, ++row) {
       const auto& [name, words, unit] = kParameters[k];
       // Held parameters are as uncertain as the rig file states.
@@ -88,7 +91,7 @@ Calibration DescribeCalibration(const Rig& stated,
       const double sigma =
           scanner.prior_sigma[k] > 0.0 ? std::sqrt(covariance(row, row)) : prior_sigma;
       found.parameters.push_back(
-          {name, words, off[k] / unit, sigma / unit, prior_sigma / unit});
+          {name, words, off[k] / unit, sigma / unit, prior_sigma / unit, start[k] / unit});
       if (found.parameters.back().IsHeld()) continue;
       rows.push_back(row);
       to_units.push_back(1.0 / unit);
@@ -143,7 +146,9 @@ Rig CalibratedRig(const Rig& rig, const RigCalibration& calibration) {
     ScannerUncertainty& uncertainty = calibrated.scanners[i].uncertainty;
     ScannerMatrix covariance = scanner.covariance;
     if (scanner.is_body) {
-      covariance.topLeftCorner<kScannerRangeAt, kScannerRangeAt>().setZero();
+      const double of_range = covariance(kScannerRangeAt, kScannerRangeAt);
+      covariance.setZero();
+      covariance(kScannerRangeAt, kScannerRangeAt) = of_range;
     } else {
       const ScannerBlock stated = StatedSigmas(uncertainty);
       for (int k = 0; k < kScannerBlockSize; ++k) {
@@ -156,6 +161,7 @@ Rig CalibratedRig(const Rig& rig, const RigCalibration& calibration) {
     uncertainty.translation_m = LargestSigma(covariance, kScannerShiftAt, 3);
     uncertainty.time_s = LargestSigma(covariance, kScannerDelayAt, 1);
     uncertainty.range_m = LargestSigma(covariance, kScannerRangeAt, 1);
+    uncertainty.range_scale = LargestSigma(covariance, kScannerScaleAt, 1);
   }
   return calibrated;
 }

@@ -40,9 +40,10 @@ Matrix6d ScannerCovariance(const MapState& state, const Observation& observation
       angular,
       linear);
   Matrix6d covariance = by_scanner * scanner.covariance * by_scanner.transpose();
-  // A range bias of one surface is a shift along its normal, which can be any.
+  // An error of the ranges to one surface is a shift along its normal, which can be any.
+  const Eigen::Vector2d by_errors(1.0, observation.centroid().norm());
   covariance.bottomRightCorner<3, 3>().diagonal().array() +=
-      scanner.covariance(kScannerRangeAt, kScannerRangeAt);
+      by_errors.dot(scanner.covariance.bottomRightCorner<2, 2>() * by_errors);
   return covariance;
 }
 

@@ -38,7 +38,9 @@ ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
     : times_ns(node_times_ns),
       world_from_body(bodies[1]),
       world_from_scanner(bodies[1] * scanner.body_from_scanner),
-      motion(node_times_ns, OfScanner(bodies, scanner.body_from_scanner)),
+      motion(node_times_ns,
+             OfScanner(bodies, scanner.body_from_scanner),
+             1.0 - scanner.range_excess_share),
       range_excess_m(scanner.range_excess_m) {}
 
 ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,

@@ -27,7 +27,8 @@ ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty) {
           translation,
           translation,
           uncertainty.time_s,
-          uncertainty.range_m};
+          uncertainty.range_m,
+          uncertainty.range_scale};
 }
 
 bool ScannerEstimate::IsEstimated() const {
@@ -66,6 +67,7 @@ void RigCalibration::ApplyTo(Rig* rig) const {
     rig->scanners[i].body_from_scanner = {Eigen::Quaterniond(pose.rotation), pose.translation};
     rig->scanners[i].delay_s = scanner.block[kScannerDelayAt];
     rig->scanners[i].range_excess_m = scanner.block[kScannerRangeAt];
+    rig->scanners[i].range_excess_share = scanner.block[kScannerScaleAt];
   }
 }
 
@@ -77,8 +79,10 @@ Rig RigCalibration::Posed(Rig rig) const {
 Rig RigCalibration::Calibrated(Rig rig) const {
   ApplyTo(&rig);
   for (size_t i = 0; i < scanners.size(); ++i) {
-    rig.scanners[i].time_offset_s += std::exchange(rig.scanners[i].delay_s, 0.0);
-    rig.scanners[i].range_bias_m += std::exchange(rig.scanners[i].range_excess_m, 0.0);
+    Scanner& scanner = rig.scanners[i];
+    scanner.time_offset_s += std::exchange(scanner.delay_s, 0.0);
+    scanner.range_bias_m += std::exchange(scanner.range_excess_m, 0.0) / scanner.range_scale;
+    scanner.range_scale *= 1.0 - std::exchange(scanner.range_excess_share, 0.0);
   }
   return rig;
 }

@@ -28,8 +28,8 @@ struct ScannerEstimate {
 ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
 
 // RigCalibration is the part of the state that the scanners are (docs/calibration.md). The
-// body's frame and clock are those of BodyScanner, which are held. A rig that moves in the
-// plane does not show heights and tilts, which are held.
+// body's frame, clock and metre are those of BodyScanner, which are held. A rig that moves in
+// the plane does not show heights and tilts, which are held.
 struct RigCalibration {
   std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
 

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/association/range_noise.h"
 #include "core/consistency/consistency.h"
 #include "core/estimation/block_layout.h"
 #include "core/floor_plan/floor_plan_files.h"
@@ -236,6 +237,7 @@ Summary WriteResult(const Rig& rig,
   writer->WriteConfig(MapperOptionsToYaml(options));
   Summary summary = Summarise(*recording, result, points, covariance);
   for (const Scanner& scanner : rig.scanners) summary.scanners.push_back(scanner.name);
+  summary.range_noise = EstimateRangeNoise(rig, result.state);
   const Stopwatch::Running judging(judging_watch);
   Judge(rig, result, points, *recording, &summary);
   summary.planes = static_cast<int>(planes.size());

@@ -166,8 +166,8 @@ class LinePlacer {
         motion =
             ObservationPoses(NodesOfSpan(time_ns, span_end_ns), scanner, &sampler_).motion;
       }
-      const Eigen::Vector3d p_world = motion->ToWorld(
-          (range - scanner.range_excess_m) * scan_line.BeamDirection(beam), time_ns);
+      const Eigen::Vector3d p_world =
+          motion->ToWorld(scanner.TrueRange(range) * scan_line.BeamDirection(beam), time_ns);
       ++count.num_placed;
       MapPoint point;
       point.p_world = p_world.cast<float>();

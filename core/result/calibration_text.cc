@@ -115,6 +115,7 @@ std::string FormatCalibration(const Calibration& calibration) {
                             {"value", parameter.value},
                             {"sigma", parameter.sigma},
                             {"prior_sigma", parameter.prior_sigma},
+                            {"prior_value", parameter.prior_value},
                             {"observed", static_cast<bool>(observed[i][k])}});
     }
     scanners.push_back({{"name", scanner.name}, {"parameters", parameters}});

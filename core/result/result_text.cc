@@ -256,6 +256,23 @@ nlohmann::ordered_json NamedJson(const Figures& figures) {
   return named;
 }
 
+nlohmann::ordered_json BinsJson(const std::vector<NoiseBin>& bins) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const NoiseBin& bin : bins) {
+    json.push_back({{"from", bin.from}, {"to", bin.to}, {"noise_m", bin.noise_m}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json NoiseJson(const ScannerNoise& noise) {
+  return {{"scanner", noise.scanner},
+          {"stated_m", noise.stated_m},
+          {"noise_m",
+           noise.noise_m ? nlohmann::ordered_json(*noise.noise_m) : nlohmann::ordered_json()},
+          {"by_range_m", BinsJson(noise.by_range)},
+          {"by_incidence_deg", BinsJson(noise.by_incidence)}};
+}
+
 nlohmann::ordered_json PartsJson(const std::vector<PartSummary>& parts) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const PartSummary& part : parts) {
@@ -302,6 +319,10 @@ std::string FormatSummary(const Summary& summary) {
   json["weakest_directions"] = ListJson(summary.weakest_directions);
   json["motion"] = summary.motion;
   json["motion_noise"] = NamedJson(summary.motion_noise);
+  json["range_noise"] = nlohmann::ordered_json::array();
+  for (const ScannerNoise& noise : summary.range_noise) {
+    json["range_noise"].push_back(NoiseJson(noise));
+  }
   if (summary.odometry) {
     json["odometry"] = {{"length_scale", summary.odometry->length_scale},
                         {"length_scale_stddev", summary.odometry->length_scale_stddev},

@@ -154,6 +154,23 @@ struct OdometrySummary {
   int motions = 0;  // from which this is known
 };
 
+// The noise of ranges from one distance or angle of incidence to another.
+struct NoiseBin {
+  double from = 0.0;
+  double to = 0.0;
+  double noise_m = 0.0;
+};
+
+// Standard deviation of a scanner's ranges: as the rig file states it, and as its beams
+// scatter about the map's surfaces. Bins are those with enough beams.
+struct ScannerNoise {
+  std::string scanner;
+  double stated_m = 0.0;
+  std::optional<double> noise_m;       // nullopt: too few beams
+  std::vector<NoiseBin> by_range;      // m
+  std::vector<NoiseBin> by_incidence;  // degrees from the surface's normal
+};
+
 // Cause is what most likely went wrong with a map that is not consistent.
 struct Cause {
   std::string name;       // in a few words
@@ -169,6 +186,7 @@ struct CalibratedParameter {
   double value = 0.0;
   double sigma = 0.0;
   double prior_sigma = 0.0;  // of the rig file's statement
+  double prior_value = 0.0;  // where the estimation began, as the prior's mean
 
   // Whether it is the body's by definition, and so is known.
   bool IsHeld() const { return prior_sigma == 0.0; }
@@ -176,10 +194,11 @@ struct CalibratedParameter {
 
 struct CalibratedScanner {
   // Index of its first parameter.
-  enum At { kTurn = 0, kShift = 3, kTime = 6, kRange = 7 };
+  enum At { kTurn = 0, kShift = 3, kTime = 6, kRange = 7, kScale = 8 };
 
   std::string name;
-  // Turns about the body's x, y and z axes, shifts along them, the clock and the range bias.
+  // Turns about the body's x, y and z axes, shifts along them, the clock, bias and scale of
+  // the ranges.
   std::vector<CalibratedParameter> parameters;
 };
 
@@ -217,6 +236,7 @@ struct Summary {
   // Amplitude spectral densities of the recording's accelerations, which the final estimate
   // assumes: name with its unit (per square root of 1 Hz), and the value.
   std::vector<std::pair<std::string, double>> motion_noise;
+  std::vector<ScannerNoise> range_noise;
   std::optional<OdometrySummary> odometry;
   int reference_plane_id = -1;  // the wall whose normal is the x axis of the model frame
   Calibration calibration;      // stands in calibration.json

@@ -337,9 +337,10 @@ void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
   }
   const auto scanner = static_cast<size_t>(stamps[position].scanner_index);
   const auto bias = static_cast<float>(scanners[scanner].range_bias_m);
+  const auto scale = static_cast<float>(scanners[scanner].range_scale);
   for (float& range : message.ranges) {
     if (IsStatedLimit(message, range)) range = std::numeric_limits<float>::quiet_NaN();
-    range -= bias;
+    range = (range - bias) * scale;
   }
   std::swap(message.ranges, scan_line->ranges);
   scan_line->scanner_index = stamps[position].scanner_index;

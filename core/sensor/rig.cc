@@ -31,7 +31,9 @@ Rigid3d ReadRigid(const YamlNode& node) {
 
 // Uncertainty of a rig that was measured with a ruler and a protractor, its clocks being those
 // of one computer that stamps messages as they come, its ranges as data sheets state them.
-ScannerUncertainty MeasuredByHand() { return {1.0 * kRadiansPerDegree, 0.01, 0.002, 0.01}; }
+ScannerUncertainty MeasuredByHand() {
+  return {1.0 * kRadiansPerDegree, 0.01, 0.002, 0.01, 0.0};
+}
 
 ScannerUncertainty ReadUncertainty(const YamlNode& node) {
   ScannerUncertainty uncertainty = MeasuredByHand();
@@ -41,6 +43,7 @@ ScannerUncertainty ReadUncertainty(const YamlNode& node) {
   node.Optional("translation_m", &uncertainty.translation_m, 0.0, 1.0);
   node.Optional("time_s", &uncertainty.time_s, 0.0, 1.0);
   node.Optional("range_m", &uncertainty.range_m, 0.0, 1.0);
+  node.Optional("range_scale", &uncertainty.range_scale, 0.0, 0.1);
   node.RejectUnreadKeys();
   return uncertainty;
 }
@@ -75,6 +78,7 @@ Scanner ReadScanner(const YamlNode& node) {
   }
   node.Optional("time_offset_s", &scanner.time_offset_s, -10.0, 10.0);
   node.Optional("range_bias_m", &scanner.range_bias_m, -10.0, 10.0);
+  node.Optional("range_scale", &scanner.range_scale, 0.5, 2.0);
   scanner.uncertainty =
       node.Has("uncertainty") ? ReadUncertainty(node["uncertainty"]) : MeasuredByHand();
   double angle_noise_deg = scanner.angle_noise_rad / kRadiansPerDegree;
@@ -139,11 +143,13 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
       << "    time_offset_s: " << Format(scanner.time_offset_s) << "\n"
       << "    range_bias_m: " << Format(scanner.range_bias_m) << "\n"
+      << "    range_scale: " << Format(scanner.range_scale) << "\n"
       << "    uncertainty: {rotation_deg: "
       << Format(scanner.uncertainty.rotation_rad / kRadiansPerDegree)
       << ", translation_m: " << Format(scanner.uncertainty.translation_m)
       << ", time_s: " << Format(scanner.uncertainty.time_s)
-      << ", range_m: " << Format(scanner.uncertainty.range_m) << "}\n"
+      << ", range_m: " << Format(scanner.uncertainty.range_m)
+      << ", range_scale: " << Format(scanner.uncertainty.range_scale) << "}\n"
       << HeaderText(scanner) << "    beams: " << scanner.beams << "\n"
       << "    field_of_view_deg: " << Format(scanner.field_of_view_deg) << "\n"
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";
@@ -218,14 +224,19 @@ bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
   });
 }
 
-size_t BodyScanner(const Rig& rig) {
+std::optional<size_t> ExactlyPlacedScanner(const Rig& rig) {
   const auto exact =
       std::find_if(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
         const ScannerUncertainty& uncertainty = scanner.uncertainty;
         return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
                uncertainty.time_s == 0.0;
       });
-  if (exact != rig.scanners.end()) return static_cast<size_t>(exact - rig.scanners.begin());
+  if (exact == rig.scanners.end()) return std::nullopt;
+  return static_cast<size_t>(exact - rig.scanners.begin());
+}
+
+size_t BodyScanner(const Rig& rig) {
+  if (const auto exact = ExactlyPlacedScanner(rig)) return *exact;
   if (IsPlanar(rig)) return 0;
   // A level scanner sees neither floor nor ceiling, by which the body's attitude is known. Of
   // scanners that are about as steep it is the first, however a rig file is off.
@@ -243,7 +254,8 @@ bool EstimatesScanners(const Rig& rig) {
          std::any_of(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
            const ScannerUncertainty& uncertainty = scanner.uncertainty;
            return uncertainty.rotation_rad > 0.0 || uncertainty.translation_m > 0.0 ||
-                  uncertainty.time_s > 0.0 || uncertainty.range_m > 0.0;
+                  uncertainty.time_s > 0.0 || uncertainty.range_m > 0.0 ||
+                  uncertainty.range_scale > 0.0;
          });
 }
 

@@ -15,7 +15,8 @@ struct ScannerUncertainty {
   double rotation_rad = 0.0;  // rotation_deg in the file
   double translation_m = 0.0;
   double time_s = 0.0;
-  double range_m = 0.0;  // of range_bias_m
+  double range_m = 0.0;      // of range_bias_m
+  double range_scale = 0.0;  // of range_scale
 };
 
 // Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures.
@@ -33,11 +34,14 @@ struct Scanner {
   double min_range_m = 0.1;
   double max_range_m = 30.0;
   double time_offset_s = 0.0;  // beam time = stamp + index * time_increment + time_offset
-  double range_bias_m = 0.0;   // taken from the ranges as they are read
+  // range = (range of the message - range_bias) * range_scale
+  double range_bias_m = 0.0;
+  double range_scale = 1.0;
   // Estimated delay of the points after their beam times, and estimated excess of the ranges
-  // as read. Measurements stay as they are.
+  // as read, in metres and as a share of them. Measurements stay as they are.
   double delay_s = 0.0;
   double range_excess_m = 0.0;
+  double range_excess_share = 0.0;
   // By default, in a rig file, the uncertainty of a pose measured by hand.
   ScannerUncertainty uncertainty;
 
@@ -53,6 +57,10 @@ struct Scanner {
   double field_of_view_deg = 270.0;
   double scan_rate_hz = 40.0;
 
+  // The range without its estimated excess, m.
+  double TrueRange(double range_m) const {
+    return (range_m - range_excess_m) * (1.0 - range_excess_share);
+  }
   bool IsValidRange(double range) const {
     return std::isfinite(range) && range >= min_range_m && range <= max_range_m;
   }
@@ -88,6 +96,8 @@ bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 // The scanner whose pose and clock are the body's: the first that is known exactly, else of the
 // steep ones the first; of a rig that moves in the plane the first.
 size_t BodyScanner(const Rig& rig);
+// The first scanner whose pose and clock are known exactly; nullopt: there is none.
+std::optional<size_t> ExactlyPlacedScanner(const Rig& rig);
 // Whether poses, clocks or ranges of a rig's scanners are to be estimated. A lone scanner has
 // no other to be held against: its ranges would show only in how walls look at grazing
 // incidence, where those of real scanners depend on the surface.

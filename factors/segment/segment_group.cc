@@ -39,8 +39,9 @@ struct LineSystem {
     cross.setZero(kLineSize, num_plane_columns);
     sees_plane.assign(num_planes, false);
     range_with_poses.setZero();
-    range_with_planes.setZero(num_plane_columns);
-    range2 = range_gradient = 0.0;
+    range_with_planes.setZero(num_plane_columns, kNumRangeErrors);
+    range2.setZero();
+    range_gradient.setZero();
   }
 
   LineMatrix poses;
@@ -48,12 +49,12 @@ struct LineSystem {
   // Columns: planes' parameters.
   Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
   std::vector<bool> sees_plane;
-  // Terms of the range bias of the line's scanner, where that is estimated: products with the
-  // poses, with the planes' parameters, with itself and with the residuals.
-  LineVector range_with_poses;
-  Eigen::VectorXd range_with_planes;
-  double range2 = 0.0;
-  double range_gradient = 0.0;
+  // Terms of the range errors of the line's scanner, where those are estimated: products with
+  // the poses, with the planes' parameters, with each other and with the residuals.
+  Eigen::Matrix<double, kLineSize, kNumRangeErrors> range_with_poses;
+  Eigen::Matrix<double, Eigen::Dynamic, kNumRangeErrors> range_with_planes;
+  Eigen::Matrix<double, kNumRangeErrors, kNumRangeErrors> range2;
+  Eigen::Matrix<double, kNumRangeErrors, 1> range_gradient;
 };
 
 // The values that a linearisation is at, by what they are of, and what all scan lines share.
@@ -68,17 +69,17 @@ struct SegmentGroup::Values {
 
 namespace {
 
-// Adds the products of a segment's range bias to the line's system.
+// Adds the products of a segment's range errors to the line's system.
 template <int kPlaneSize>
 void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem* line) {
   if constexpr (kPlaneSize > 0) {
     const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
     const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
     line->range_with_poses += by_poses.transpose().lazyProduct(rows.by_range);
-    line->range_with_planes.template segment<kPlaneSize>(plane_column) +=
+    line->range_with_planes.template middleRows<kPlaneSize>(plane_column) +=
         by_plane.transpose().lazyProduct(rows.by_range);
-    line->range2 += rows.by_range.squaredNorm();
-    line->range_gradient += rows.by_range.dot(rows.residuals);
+    line->range2 += rows.by_range.transpose().lazyProduct(rows.by_range);
+    line->range_gradient += rows.by_range.transpose().lazyProduct(rows.residuals);
   }
 }
 
@@ -328,12 +329,12 @@ void AddScanner(const LineSystem& line,
   NodesByScanner by_nodes = line.poses * by_scanner;
   quadratic->gradient.segment<kScannerBlockSize>(row) +=
       by_scanner.transpose() * line.gradient;
-  quadratic->gradient[row + kScannerRangeAt] += line.range_gradient;
+  quadratic->gradient.segment<kNumRangeErrors>(row + kScannerRangeAt) += line.range_gradient;
   auto own = quadratic->hessian.block<kScannerBlockSize, kScannerBlockSize>(row, row);
   own += by_scanner.transpose() * by_nodes;
-  own.row(kScannerRangeAt) += line.range_with_poses.transpose() * by_scanner;
-  own(kScannerRangeAt, kScannerRangeAt) += line.range2;
-  by_nodes.col(kScannerRangeAt) += line.range_with_poses;
+  own.bottomRows<kNumRangeErrors>() += line.range_with_poses.transpose() * by_scanner;
+  own.bottomRightCorner<kNumRangeErrors, kNumRangeErrors>() += line.range2;
+  by_nodes.rightCols<kNumRangeErrors>() += line.range_with_poses;
   for (int i = 0; i < kScannerBlockSize; ++i) {
     spread.AddRow(by_nodes.col(i), row + i, &quadratic->hessian);
   }
@@ -342,8 +343,8 @@ void AddScanner(const LineSystem& line,
     for (int column = plane_offsets[i]; column < plane_offsets[i + 1]; ++column) {
       quadratic->hessian.block<kScannerBlockSize, 1>(row, column) +=
           by_scanner.transpose() * line.cross.col(column - plane_offsets[0]);
-      quadratic->hessian(row + kScannerRangeAt, column) +=
-          line.range_with_planes[column - plane_offsets[0]];
+      quadratic->hessian.block<kNumRangeErrors, 1>(row + kScannerRangeAt, column) +=
+          line.range_with_planes.row(column - plane_offsets[0]).transpose();
     }
   }
 }
@@ -447,7 +448,7 @@ void SegmentGroup::SumMembers(size_t begin,
                               LineSystem* line,
                               Quadratic* quadratic) const {
   const bool is_estimated = scan_line.estimated_scanner >= 0;
-  const double* const range_bias_m =
+  const double* const range_errors =
       is_estimated ? at.scanner_blocks[scan_line.estimated_scanner] + kScannerRangeAt
                    : nullptr;
   ScannerAtNodes scanner;
@@ -470,7 +471,7 @@ void SegmentGroup::SumMembers(size_t begin,
                     poses,
                     at.planes[plane],
                     at.plane_derivatives[plane],
-                    range_bias_m,
+                    range_errors,
                     &rows);
       quadratic->cost += Weigh(huber_width_, &rows, &quadratic->has_outliers);
       const int column = plane_offsets_[plane] - plane_offsets_.front();

@@ -29,12 +29,13 @@ struct NodePoses {
   std::array<SplinePoseJacobian, kNumSegmentNodes> splines;
 };
 
-// A scanner at the nodes of a scan line: columns x axis, y axis and origin, seen from the
-// body's position, in the world's axes.
+// A scanner at the nodes of a scan line: columns x axis, y axis, each as long as a measured
+// metre is, and origin, seen from the body's position, in the world's axes.
 using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumSegmentNodes>;
 
 inline ScannerAtNodes AtNodes(const ScannerPose& body_from_scanner, const NodePoses& poses) {
   Eigen::Matrix3d in_body = body_from_scanner.rotation;
+  in_body.leftCols<2>() *= body_from_scanner.range_scale;
   in_body.col(2) = body_from_scanner.translation;
   ScannerAtNodes nodes;
   for (size_t k = 0; k < kNumSegmentNodes; ++k) {
@@ -85,8 +86,9 @@ struct SegmentRows {
   Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor, kMaxRows, kColumns>
       jacobian;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> residuals;
-  // Derivative by the range bias of a scanner that is estimated, else empty.
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1> by_range;
+  // Derivatives by the range errors of a scanner that is estimated, else empty.
+  Eigen::Matrix<double, Eigen::Dynamic, kNumRangeErrors, 0, kMaxRows, kNumRangeErrors>
+      by_range;
 };
 
 // Terms of the bend of the surface: the normal that turns as the segment is moved, and the bow
@@ -132,13 +134,13 @@ void AddBend(const PackedSegment& measurement,
 }
 
 // What a range bias takes away (SegmentMeasurement), with its own row or without: of a surface
-// that bends a bow looks much the same. range_bias_m: nullptr: it is not estimated.
+// that bends a bow looks much the same. range_errors: nullptr: they are not estimated.
 template <bool kOwnRow, int kPlaneSize>
 void AddRangeBias(const PackedSegment& measurement,
                   const SegmentWeights& by,
-                  const double* range_bias_m,
+                  const double* range_errors,
                   SegmentRows<kPlaneSize>* rows) {
-  if (range_bias_m == nullptr) return;
+  if (range_errors == nullptr) return;
   const auto stored = measurement.rows();
   const Eigen::Index num_rows = stored.rows();
   if constexpr (kOwnRow) {
@@ -147,10 +149,12 @@ void AddRangeBias(const PackedSegment& measurement,
     rows->residuals[num_rows] = by.offset * measurement.range_offset();
     rows->jacobian.row(num_rows).setZero();
   }
-  rows->by_range.setZero(rows->residuals.size());
-  rows->by_range.head(num_rows) = -by.offset * stored.col(11).template cast<double>();
-  if constexpr (kOwnRow) rows->by_range[num_rows] = -by.offset * measurement.range_rest();
-  rows->residuals += *range_bias_m * rows->by_range;
+  const Eigen::Index num_filled = rows->by_range.rows();
+  rows->by_range.conservativeResize(rows->residuals.size(), Eigen::NoChange);
+  rows->by_range.bottomRows(rows->residuals.size() - num_filled).setZero();
+  rows->by_range.col(0).head(num_rows) = -by.offset * stored.col(11).template cast<double>();
+  if constexpr (kOwnRow) rows->by_range(num_rows, 0) = -by.offset * measurement.range_rest();
+  rows->residuals += range_errors[0] * rows->by_range.col(0);
 }
 
 // A row (a, b, c) of the compressed segment stands for c times the signed distance of one
@@ -158,19 +162,23 @@ void AddRangeBias(const PackedSegment& measurement,
 // the segment's frame in the world's axes. Turning the body by a small rotation moves v by the
 // rotation's cross product with it.
 //
+// A range scale moves v by the part of it that lies in the scan plane.
+//
 // plane_at(body's position, segment's frame): the plane that the surface is near the segment's
-// centroid at a node.
+// centroid at a node. range_errors: nullptr: they are not estimated.
 template <int kPlaneSize, typename PlaneAt>
 void DifferentiateNear(const PlaneAt& plane_at,
                        const PackedSegment& measurement,
                        const SegmentWeights& by,
                        const ScannerAtNodes& scanner,
                        const NodePoses& poses,
+                       const double* range_errors,
                        SegmentRows<kPlaneSize>* rows) {
   const auto stored = measurement.rows();
   const Eigen::Matrix3d frame = measurement.frame().Matrix();
   rows->jacobian.setZero(stored.rows(), SegmentRows<kPlaneSize>::kColumns);
   rows->residuals.setZero(stored.rows());
+  if (range_errors != nullptr) rows->by_range.setZero(stored.rows(), kNumRangeErrors);
   for (int k = 0; k < measurement.num_nodes(); ++k) {
     const Eigen::Vector3d& position = poses.position[static_cast<size_t>(k)];
     const Eigen::Matrix3d segment = scanner[static_cast<size_t>(k)] * frame;
@@ -181,7 +189,13 @@ void DifferentiateNear(const PlaneAt& plane_at,
           by.scale *
           stored.template block<1, 3>(row, 3 * k).transpose().template cast<double>();
       const Eigen::Vector3d v = segment * weights;
-      rows->residuals[row] += plane.normal.dot(v) + weights.z() * body_distance;
+      const double along_normal = plane.normal.dot(v);
+      rows->residuals[row] += along_normal + weights.z() * body_distance;
+      if (range_errors != nullptr) {
+        const double of_origin = plane.normal.dot(scanner[static_cast<size_t>(k)].col(2));
+        rows->by_range(row, 1) -=
+            (along_normal - weights.z() * of_origin) / (1.0 - range_errors[1]);
+      }
       auto jacobian = rows->jacobian.row(row);
       jacobian.template segment<3>(kNodePoseSize * k) = v.cross(plane.normal).transpose();
       jacobian.template segment<3>(kNodePoseSize * k + 3) =
@@ -197,8 +211,8 @@ void DifferentiateNear(const PlaneAt& plane_at,
   rows->residuals += by.offset * stored.col(9).template cast<double>();
 }
 
-// model, parameters: of the surface; plane: its derivatives, where it is one. range_bias_m: of
-// the scanner; nullptr: it is not estimated.
+// model, parameters: of the surface; plane: its derivatives, where it is one. range_errors: of
+// the scanner, bias (m) and scale; nullptr: they are not estimated.
 template <typename Model, int kPlaneSize>
 void Differentiate(const Model& model,
                    const PackedSegment& measurement,
@@ -207,15 +221,15 @@ void Differentiate(const Model& model,
                    const NodePoses& poses,
                    const double* parameters,
                    const PlaneDerivatives& plane,
-                   const double* range_bias_m,
+                   const double* range_errors,
                    SegmentRows<kPlaneSize>* rows) {
   if constexpr (!Model::kIsCurved) {
     const auto plane_at = [&](const Eigen::Vector3d&,
                               const Eigen::Matrix3d&) -> const PlaneDerivatives& {
       return plane;
     };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
-    AddRangeBias<true>(measurement, by, range_bias_m, rows);
+    DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
+    AddRangeBias<true>(measurement, by, range_errors, rows);
   } else {
     PlaneDerivatives near;
     const auto plane_at = [&](const Eigen::Vector3d& position,
@@ -223,9 +237,9 @@ void Differentiate(const Model& model,
       near = DerivativesNear(model, parameters, position + segment.col(2));
       return near;
     };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, rows);
+    DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
     AddBend(measurement, by, scanner, parameters[Model::kCurvatureAt], rows);
-    AddRangeBias<false>(measurement, by, range_bias_m, rows);
+    AddRangeBias<false>(measurement, by, range_errors, rows);
   }
 }
 

@@ -32,6 +32,7 @@ int ScannerNamed(const YamlNode& node, const Rig& rig) {
 ScannerFaults ReadScannerFaults(const YamlNode& node) {
   ScannerFaults faults;
   node.Optional("range_bias_m", &faults.range_bias_m, -10.0, 10.0);
+  node.Optional("range_scale", &faults.range_scale, 0.5, 2.0);
   node.Optional("clock_late_s", &faults.clock_late_s, -10.0, 10.0);
   if (node.Has("rotation_error_deg")) {
     const Eigen::Vector3d rpy =

@@ -33,7 +33,8 @@ struct Episode {
 // ScannerFaults say how one scanner differs from what the rig file says, which the recording's
 // rig.yaml goes on saying.
 struct ScannerFaults {
-  double range_bias_m = 0.0;  // added to every range
+  double range_bias_m = 0.0;  // added to every range, which is multiplied by the scale before
+  double range_scale = 1.0;
   double clock_late_s = 0.0;  // added to every stamp
   // It is mounted elsewhere: turned about the axes of the body, and moved.
   Eigen::Quaterniond rotation_error = Eigen::Quaterniond::Identity();

@@ -74,7 +74,7 @@ std::optional<ScanLine> Recorder::Record(const PerfectScanLine& perfect) {
   PerfectScanLine seen = perfect;
   MixPixels(faults_.mixed_pixels, seed_, &seen);
   for (std::optional<RayHit>& beam : seen.beams) {
-    if (beam) beam->range += faults.range_bias_m;
+    if (beam) beam->range = faults.range_scale * beam->range + faults.range_bias_m;
   }
   ScanLine line = AddNoise(seen, rig_.scanners[index], noise_, seed_);
   const bool is_random = episode && episode->kind == Episode::Kind::kRandom;

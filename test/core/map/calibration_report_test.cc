@@ -56,7 +56,24 @@ TEST_F(CalibrationReportTest, SaysWhatIsOffTheRigFileAndWhatIsShown) {
   // The first scanner is the body's, but for its ranges.
   EXPECT_TRUE(found.scanners[0].parameters[0].IsHeld());
   EXPECT_FALSE(found.scanners[0].parameters[CalibratedScanner::kRange].IsHeld());
-  EXPECT_EQ(found.covariance.rows(), 1 + kScannerBlockSize);
+  EXPECT_EQ(found.covariance.rows(), kScannerBlockSize) << "scales are not asked for";
+}
+
+TEST_F(CalibrationReportTest, MetreIsThatOfTheBodysScanner) {
+  for (Scanner& scanner : rig_.scanners) scanner.uncertainty.range_scale = 0.01;
+  RigCalibration calibration(rig_, false);
+  calibration.scanners[1].block[kScannerScaleAt] = 0.003;
+  const Calibration found =
+      DescribeCalibration(rig_, rig_, calibration, Covariance(calibration, 1e-4));
+  const CalibratedParameter& scale = found.scanners[1].parameters[CalibratedScanner::kScale];
+  EXPECT_EQ(scale.name, "range_scale");
+  EXPECT_NEAR(scale.value, 0.003, 1e-12);
+  EXPECT_EQ(scale.prior_sigma, 0.01);
+  EXPECT_TRUE(found.scanners[0].parameters[CalibratedScanner::kScale].IsHeld());
+  const Rig calibrated = CalibratedRig(rig_, calibration);
+  EXPECT_DOUBLE_EQ(calibrated.scanners[1].range_scale, 0.997);
+  EXPECT_EQ(calibrated.scanners[0].uncertainty.range_scale, 0.0);
+  EXPECT_EQ(calibrated.scanners[0].uncertainty.range_m, rig_.scanners[0].uncertainty.range_m);
 }
 
 // A rig that started elsewhere is held against what the file says.
@@ -70,6 +87,7 @@ TEST_F(CalibrationReportTest, CountsFromTheRigFileAlsoWhereTheMapStartedElsewher
       DescribeCalibration(rig_, near, calibration, Covariance(calibration, 1e-4));
   EXPECT_NEAR(found.scanners[1].parameters[CalibratedScanner::kTime].value, 0.021, 1e-12);
   EXPECT_NEAR(found.scanners[1].parameters[CalibratedScanner::kShift].value, 0.05, 1e-12);
+  EXPECT_NEAR(found.scanners[1].parameters[CalibratedScanner::kTime].prior_value, 0.02, 1e-12);
 }
 
 TEST_F(CalibrationReportTest, CalibratedRigStatesWhatIsStillUncertain) {

@@ -54,7 +54,7 @@ TEST(RigCalibration, MotionInThePlaneShowsNoHeightsAndTilts) {
 TEST(RigCalibration, CalibratedRigHasPosesClocksAndRanges) {
   const Rig rig = RigOf({kByHand, kByHand});
   RigCalibration calibration(rig, false);
-  calibration.scanners[1].block = {0, 0, M_PI / 2, 0.01, 0, 0, 0.003, 0.004};
+  calibration.scanners[1].block = {0, 0, M_PI / 2, 0.01, 0, 0, 0.003, 0.004, 0.01};
   const Rig posed = calibration.Posed(rig);
   EXPECT_EQ(posed.scanners[1].time_offset_s, 0.5);
   EXPECT_EQ(posed.scanners[1].delay_s, 0.003);
@@ -63,6 +63,9 @@ TEST(RigCalibration, CalibratedRigHasPosesClocksAndRanges) {
   const Scanner& scanner = calibrated.scanners[1];
   EXPECT_DOUBLE_EQ(scanner.time_offset_s, 0.503);
   EXPECT_DOUBLE_EQ(scanner.range_bias_m, 0.024);
+  EXPECT_DOUBLE_EQ(scanner.range_scale, 0.99);
+  EXPECT_DOUBLE_EQ((5.0 - scanner.range_bias_m) * scanner.range_scale,
+                   posed.scanners[1].TrueRange(5.0 - 0.02));
   EXPECT_EQ(scanner.delay_s, 0.0);
   EXPECT_EQ(scanner.range_excess_m, 0.0);
   EXPECT_NEAR(scanner.body_from_scanner.translation.x(), 0.11, 1e-12);

@@ -27,8 +27,13 @@ class CalibrationJoiningTest : public TemporaryDirectoryTest {
 
   // A walk that has found the left scanner's clock off by this, so well.
   Calibration Found(double time_s, double sigma_s) const {
-    RigCalibration estimate(rig_, false);
-    estimate.scanners[1].block[kScannerDelayAt] = time_s;
+    return FoundFrom(rig_, time_s, sigma_s);
+  }
+
+  // The same from a map that began with this rig.
+  Calibration FoundFrom(const Rig& start, double time_s, double sigma_s) const {
+    RigCalibration estimate(start, false);
+    estimate.scanners[1].block[kScannerDelayAt] = time_s - start.scanners[1].time_offset_s;
     Eigen::MatrixXd covariance =
         Eigen::MatrixXd::Zero(2 * kScannerBlockSize, 2 * kScannerBlockSize);
     for (int i = 0; i < 2; ++i) {
@@ -40,7 +45,7 @@ class CalibrationJoiningTest : public TemporaryDirectoryTest {
     }
     const int at = kScannerBlockSize + kScannerDelayAt;
     covariance(at, at) = sigma_s * sigma_s;
-    return DescribeCalibration(rig_, rig_, estimate, covariance);
+    return DescribeCalibration(rig_, start, estimate, covariance);
   }
 
   Rig rig_;
@@ -68,6 +73,24 @@ TEST_F(CalibrationJoiningTest, TheRigFileCountsOnce) {
               joined.scanners[1].parameters[0].prior_sigma,
               1e-9)
       << "which no walk has shown";
+}
+
+TEST_F(CalibrationJoiningTest, MapsThatStartedElsewhereAreJoined) {
+  Rig start = rig_;
+  start.scanners[1].time_offset_s = 0.02;
+  start.scanners[1].uncertainty.time_s = 0.02;
+  const Calibration joined =
+      JoinCalibrations({Found(0.0190, 0.0001), FoundFrom(start, 0.0202, 0.0001)}, {"a", "b"});
+  const CalibratedParameter& time = joined.scanners[1].parameters[CalibratedScanner::kTime];
+  // The first walk's prior of 2 ms about 0 is taken back and counts as one of 20 ms.
+  const double walk = 1.0 / (0.0001 * 0.0001);
+  const double narrow = 1.0 / (0.002 * 0.002);
+  const double wide = 1.0 / (0.02 * 0.02);
+  const double weighted = walk * 0.0190 + walk * 0.0202 - wide * 0.02;
+  EXPECT_NEAR(time.value, weighted / (2.0 * walk - narrow), 1e-9);
+  EXPECT_NEAR(time.sigma, 1.0 / std::sqrt(2.0 * walk - narrow), 1e-9);
+  EXPECT_EQ(time.prior_sigma, 0.02);
+  EXPECT_EQ(time.prior_value, 0.0);
 }
 
 TEST_F(CalibrationJoiningTest, RigGetsWhatWasFound) {

@@ -121,6 +121,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   summary.largest_correlations = {{"this with that", -0.5}};
   summary.motion = "planar";
   summary.motion_noise = {{"horizontal_m_s2", 0.5}, {"angular_deg_s2", 50.0}};
+  summary.range_noise = {{"top", 0.03, 0.02, {{2.0, 4.0, 0.01}}, {}}};
   summary.reference_plane_id = 4;
   summary.warnings = {"a \"quoted\" name", "not UTF-8: \xff"};
   const std::string text = FormatSummary(summary);
@@ -149,6 +150,7 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
                           "weakest_directions",
                           "motion",
                           "motion_noise",
+                          "range_noise",
                           "reference_plane_id",
                           "consistency",
                           "warnings"));
@@ -157,6 +159,10 @@ TEST(FormatSummaryTest, HasTheAgreedKeys) {
   EXPECT_EQ(json["residual_rms_m"], 0.0217);
   EXPECT_EQ(json["stages"].dump(), "{\"read\":0.75,\"batch\":2.0}");
   EXPECT_EQ(json["motion"], "planar");
+  EXPECT_EQ(
+      json["range_noise"].dump(),
+      "[{\"scanner\":\"top\",\"stated_m\":0.03,\"noise_m\":0.02,\"by_range_m\":[{\"from\":2.0,"
+      "\"to\":4.0,\"noise_m\":0.01}],\"by_incidence_deg\":[]}]");
   EXPECT_EQ(json["motion_noise"].dump(), "{\"horizontal_m_s2\":0.5,\"angular_deg_s2\":50.0}");
   EXPECT_EQ(json["warnings"][0], "a \"quoted\" name");
   EXPECT_EQ(json["warnings"].size(), 2u);

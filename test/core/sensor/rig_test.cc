@@ -134,6 +134,9 @@ TEST(Rig, WrittenRigReadsBack) {
     scanner.range_noise_m = 0.012;
     scanner.angle_noise_rad = 1e-3;
     scanner.time_offset_s = -0.0123;
+    scanner.range_bias_m = 0.004;
+    scanner.range_scale = 1.002;
+    scanner.uncertainty.range_scale = 0.001;
     scanner.beams = 541;
     scanner.field_of_view_deg = 190.5;
     scanner.scan_rate_hz = 25.0;
@@ -168,6 +171,9 @@ TEST(Rig, WrittenRigReadsBack) {
     EXPECT_EQ(scanner.range_noise_m, expected.range_noise_m);
     EXPECT_NEAR(scanner.angle_noise_rad, expected.angle_noise_rad, 1e-15);
     EXPECT_EQ(scanner.time_offset_s, expected.time_offset_s);
+    EXPECT_EQ(scanner.range_bias_m, expected.range_bias_m);
+    EXPECT_EQ(scanner.range_scale, expected.range_scale);
+    EXPECT_EQ(scanner.uncertainty.range_scale, expected.uncertainty.range_scale);
     EXPECT_EQ(scanner.beams, expected.beams);
     EXPECT_EQ(scanner.field_of_view_deg, expected.field_of_view_deg);
     EXPECT_EQ(scanner.scan_rate_hz, expected.scan_rate_hz);

@@ -33,7 +33,7 @@ TEST(ScannerBlock, MovesWhatIsSeenAsTheBodysMotionWould) {
                               {0.1, -0.3, 0.2}};
   const Eigen::Vector3d p_scanner(4.0, -2.5, 0.0);
   Eigen::Matrix<double, kScannerBlockSize, 1> block;
-  block << 0.2, -0.1, 0.3, 0.02, -0.03, 0.01, 0.0, 0.01;
+  block << 0.2, -0.1, 0.3, 0.02, -0.03, 0.01, 0.0, 0.01, 0.0;
   const BodyByScanner by_scanner = BodyMotionByScanner(
       kBody, PoseOfScanner(stated, block.data()), block.data(), kAngular, kLinear);
   const Eigen::Vector3d from_body = Seen(stated, block, p_scanner) - kPosition;

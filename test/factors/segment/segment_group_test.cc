@@ -133,7 +133,7 @@ struct CalibratedScene {
       scanner.estimated = true;
       Eigen::VectorXd block(kScannerBlockSize);
       block << random.Vector(0.2), random.Vector(0.1), random.Uniform(-0.003, 0.003),
-          random.Uniform(-0.5, 0.5);
+          random.Uniform(-0.5, 0.5), random.Uniform(-0.01, 0.01);
       scanner_blocks.push_back(block);
     }
   }
@@ -164,6 +164,7 @@ struct CalibratedScene {
     const double range_bias_m = scanner_block[kScannerRangeAt];
     SegmentMeasurement measurement = segment.measurement->Unpack();
     measurement.rows.col(9) -= range_bias_m * measurement.range();
+    for (int k = 0; k < 3; ++k) measurement.rows.middleCols<2>(3 * k) *= scanner.range_scale;
     const auto factor = CreateSegmentFactor(measurement,
                                             nodes,
                                             kNumControlPoints,

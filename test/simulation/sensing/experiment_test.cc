@@ -161,11 +161,11 @@ TEST_F(ExperimentText, ReadsPathFilesAndDropsTheirDoors) {
 }
 
 TEST_F(ExperimentText, ReadsWhatMovesAndFaults) {
-  ASSERT_EQ(
-      Error(all_ + "moving:\n  people: [{walks: [[1, 1], [2, 1]]}, {follows_m: 2}]\n"
-                   "  doors: [{hinge: [1, 2], shut_deg: 0, open_deg: 90, period_s: 3}]\n"
-                   "faults: {outliers: 0.1, scanners: [{name: top, range_bias_m: 0.02}]}\n"),
-      "");
+  ASSERT_EQ(Error(all_ + "moving:\n  people: [{walks: [[1, 1], [2, 1]]}, {follows_m: 2}]\n"
+                         "  doors: [{hinge: [1, 2], shut_deg: 0, open_deg: 90, period_s: 3}]\n"
+                         "faults: {outliers: 0.1, scanners: [{name: top, range_bias_m: 0.02, "
+                         "range_scale: 1.01}]}\n"),
+            "");
   ASSERT_EQ(experiment_.moving.people.size(), 2u);
   EXPECT_EQ(experiment_.moving.people[1].follows_m, 2.0);
   EXPECT_EQ(experiment_.moving.body_height_m, 1.5);
@@ -174,6 +174,7 @@ TEST_F(ExperimentText, ReadsWhatMovesAndFaults) {
   EXPECT_EQ(experiment_.faults.outliers, 0.1);
   ASSERT_EQ(experiment_.faults.scanners.size(), 3u);
   EXPECT_EQ(experiment_.faults.scanners[0].range_bias_m, 0.02);
+  EXPECT_EQ(experiment_.faults.scanners[0].range_scale, 1.01);
   EXPECT_EQ(Error(all_ + "moving:\n  people: [{speed_m_s: 1}]\n"),
             ":9: a person has one of walks, follows_m and circles_m");
 }

@@ -75,6 +75,15 @@ TEST(Faults, BiasIsAddedToEveryRange) {
   }
 }
 
+TEST(Faults, ScaleMultipliesEveryRange) {
+  const std::vector<ScanLine> right = Recorded(Hall(), 0);
+  const std::vector<ScanLine> scaled =
+      RecordedWith("scanners: [{name: left, range_scale: 1.01}]", 0);
+  for (size_t i = 0; i < scaled[5].ranges.size(); ++i) {
+    EXPECT_NEAR(scaled[5].ranges[i], 1.01 * right[5].ranges[i], 1e-3);
+  }
+}
+
 TEST(Faults, FeetAreFeet) {
   const std::vector<ScanLine> right = Recorded(Hall(), 1);
   const std::vector<ScanLine> feet = RecordedWith("scanners: [{name: right, unit: feet}]", 1);

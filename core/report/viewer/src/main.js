@@ -16,7 +16,7 @@ import { JointCovariance } from './joint_covariance.js';
 import { speeds } from './motion.js';
 import { Plan } from './plan.js';
 import { barPlot, residualPlot, timePlot } from './plots.js';
-import { drawRig } from './rig.js';
+import { drawNoise, drawRig } from './rig.js';
 import { scannerColour, css } from './colours.js';
 import style from './style.css';
 import { Surfaces } from './surfaces.js';
@@ -213,6 +213,7 @@ function drawBelow(frame, report, poses, motion, surfaces, plan, plans) {
       drawIntervals(report, frame.onTime),
     ),
     ...(report.calibration ? [drawRig(report.calibration)] : []),
+    ...(report.summary.range_noise?.length ? [drawNoise(report.summary.range_noise)] : []),
     ...(report.evaluation ? [drawEvaluation(report.evaluation)] : []),
     h('section', { id: 'surfaces' }, h('h2', {}, 'Surfaces'), surfaces.list),
     h(

@@ -1,6 +1,6 @@
 // How far the scanners are off the rig file, where they were estimated.
 import { h, table } from './dom.js';
-import { withStddev } from './format.js';
+import { millimetres, withStddev } from './format.js';
 
 // Of calibration.json, as people read them: name, unit, in the file's unit.
 const COLUMNS = {
@@ -12,6 +12,7 @@ const COLUMNS = {
   z_m: ['height', ' mm', 1000],
   time_s: ['clock', ' ms', 1000],
   range_m: ['ranges', ' mm', 1000],
+  range_scale: ['scale', ' ‰', 1000],
 };
 
 function cell(parameter) {
@@ -22,10 +23,17 @@ function cell(parameter) {
   return parameter.observed ? text : h('span', { class: 'open' }, `open: ${text}`);
 }
 
+// What is held for every scanner has no column.
+function columns(scanners) {
+  const free = scanners.flatMap(({ parameters }) => parameters.filter((one) => one.prior_sigma > 0));
+  return Object.keys(COLUMNS).filter((key) => free.some((one) => one.name === key));
+}
+
 export function drawRig({ scanners, unobserved }) {
+  const shown = columns(scanners);
   const rows = scanners.map(({ name, parameters }) => [
     name,
-    ...Object.keys(COLUMNS).map((key) => cell(parameters.find((one) => one.name === key))),
+    ...shown.map((key) => cell(parameters.find((one) => one.name === key))),
   ]);
   const open = unobserved.length
     ? `This recording does not show ${unobserved.join(', ')}: they are as the rig file has them.`
@@ -39,6 +47,32 @@ export function drawRig({ scanners, unobserved }) {
       {},
       `What the scanners are off the rig file by, about and along the body’s axes. ${open} rig_calibrated.yaml is the rig file for the next recording.`,
     ),
-    table(['scanner', ...Object.values(COLUMNS).map(([name]) => name)], rows, { class: 'rig' }),
+    table(['scanner', ...shown.map((key) => COLUMNS[key][0])], rows, { class: 'rig' }),
+  );
+}
+
+// Noise of the ranges, as the rig file states it and as the beams scatter about the surfaces.
+export function drawNoise(scanners) {
+  const list = (bins, unit) =>
+    bins.map(({ from, to, noise_m }) => `${from} to ${to}${unit}: ${millimetres(noise_m)}`).join('; ');
+  const rows = scanners.map(({ scanner, stated_m, noise_m, by_range_m, by_incidence_deg }) => [
+    scanner,
+    millimetres(stated_m),
+    noise_m === null ? 'too few beams' : millimetres(noise_m),
+    list(by_range_m, ' m'),
+    list(by_incidence_deg, '°'),
+  ]);
+  return h(
+    'section',
+    { id: 'noise' },
+    h('h2', {}, 'Noise of the ranges'),
+    h(
+      'p',
+      {},
+      'Standard deviations, as the rig file states them and as the beams scatter about the lines of their surfaces, uneven surfaces included.',
+    ),
+    table(['scanner', 'stated', 'found', 'by range', 'by angle of incidence'], rows, {
+      class: 'noise',
+    }),
   );
 }
