@@ -16,8 +16,8 @@ namespace {
 constexpr double kTile = 1.5;      // m
 constexpr int kMinSegments = 30;   // on a tile
 constexpr int kMinTiles = 12;      // of a surface
-// The third largest of all tiles: right maps have up to 5 mm, those of gentle ramps from 6.4 on.
-// A ceiling bends with its floor.
+// The third largest of all tiles: right maps have up to 5 mm, those of gentle ramps from 6.4
+// on.
 constexpr double kMaxOff = 0.006;  // m
 constexpr int kMinOff = 3;         // tiles, of all surfaces
 
@@ -82,13 +82,15 @@ BentSurfaces FindBentSurfaces(const Rig& rig, const MapState& state, int64_t sta
     surface.largest_m = std::max(surface.largest_m, std::abs(tile.mean()));
   }
   int num_off = 0;
+  int num_bent = 0;
   std::vector<bool> is_judged(state.landmarks.size(), false);
   for (const BentSurface& surface : found.surfaces) {
     if (surface.num_tiles < kMinTiles) continue;
     is_judged[static_cast<size_t>(surface.landmark_id)] = true;
     num_off += surface.num_off;
+    if (surface.num_off > 0) ++num_bent;
   }
-  if (num_off < kMinOff) return found;
+  if (num_off < kMinOff || num_bent < 2) return found;
   ForEachSegment(
       rig, state, [&](const Observation& observation, const TileId& id, const LineDeviation&) {
         if (!is_judged[static_cast<size_t>(id[0])] || !tiles[id].is_off()) return;

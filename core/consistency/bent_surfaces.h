@@ -24,7 +24,8 @@ struct BentSurfaces {
 // Finds floors and ceilings that bend. A ramp of a degree or so may be taken for level, the
 // rig being turned by as much while it is there: walls along the way do not tell. But where
 // the ramp begins, both parts are seen at the same time, and lie off the plane that both are
-// taken for.
+// taken for. A turned rig sees floor and ceiling bend; what bends alone has taken segments of
+// something that lies close to it, as the lowest board of a rack.
 BentSurfaces FindBentSurfaces(const Rig& rig, const MapState& state, int64_t start_ns);
 
 }  // namespace plumbline

@@ -46,7 +46,7 @@ SharesOverTime SegmentsWithoutPlane(const MapState& state, int64_t start_ns) {
 
 // Results of all tests, by second.
 struct Evidence {
-  SharesOverTime passages;
+  ContradictedPassages passages;
   DoubledSurfaces doubled;
   std::vector<RevisitOffset> revisits;
   std::vector<SecondOfMotion> motion;
@@ -69,7 +69,7 @@ Element At(const std::vector<Element>& elements, size_t index) {
 void LogEvidence(const Rig& rig, const MapState& state, const Evidence& evidence) {
   if (!VLOG_IS_ON(1)) return;
   for (size_t s = 0; s < evidence.without_plane.size(); ++s) {
-    const Share passages = At(evidence.passages, s);
+    const Share passages = At(evidence.passages.shares, s);
     const Share doubled = At(evidence.doubled.shares, s);
     const RevisitOffset revisit = At(evidence.revisits, s);
     const SecondOfMotion motion = At(evidence.motion, s);
@@ -137,7 +137,7 @@ Evidence Collect(const Rig& rig,
   evidence.doubled = FindDoubledSurfaces(state, sightings);
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state, start_ns);
-  evidence.jumps = FindJumps(evidence.motion, evidence.passages);
+  evidence.jumps = FindJumps(evidence.motion, evidence.passages.shares);
   evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
@@ -162,11 +162,13 @@ class Judge {
       : rig_(rig), evidence_(evidence), span_(span), first_second_(first_second) {}
 
   ConsistencyReport Report(double variance_factor) {
-    JudgeShares(evidence_.passages,
+    JudgeShares(evidence_.passages.shares,
+                evidence_.passages.without_worst,
                 kMinComparable,
                 kSlipped,
                 "beams pass through what were surfaces at other times");
     JudgeShares(evidence_.doubled.shares,
+                evidence_.doubled.shares,
                 kMinDoubled,
                 kSlipped,
                 "surfaces are doubled: seen here and, at other times, beside it");
@@ -186,7 +188,7 @@ class Judge {
     JudgeStatedDeviations();
     JudgeScanners();
     Share all;
-    for (const Share& share : evidence_.passages) {
+    for (const Share& share : evidence_.passages.shares) {
       all.contradicted += share.contradicted;
       all.comparable += share.comparable;
     }
@@ -264,7 +266,9 @@ class Judge {
     all.insert(all.end(), intervals.begin(), intervals.end());
   }
 
+  // A second is in doubt by one of the shares, or where the first makes the map contradictory.
   void JudgeShares(const SharesOverTime& shares,
+                   const SharesOverTime& of_several,
                    double min_comparable,
                    const Kind& kind,
                    const std::string& reason) {
@@ -272,9 +276,14 @@ class Judge {
     double largest = 0.0;
     for (size_t s = 0; s < shares.size(); ++s) {
       const Share smooth = Smoothed(shares, static_cast<int>(s));
+      const Share several = Smoothed(of_several, static_cast<int>(s));
       const bool counts = smooth.comparable >= min_comparable;
-      marked.push_back(counts && smooth.value() > kDoubtfulShare);
-      if (counts) largest = std::max(largest, smooth.value());
+      const bool is_marked =
+          counts &&
+          (smooth.value() > kContradictoryShare ||
+           (several.comparable >= min_comparable && several.value() > kDoubtfulShare));
+      marked.push_back(is_marked);
+      if (is_marked) largest = std::max(largest, smooth.value());
     }
     AddIntervals(
         marked, kind, reason + " (up to " + Percent(largest) + " of the surface seen again)");

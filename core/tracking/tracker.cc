@@ -367,6 +367,18 @@ PoseGaussian Tracker::BridgeByMotion(int first_observation, int last_observation
       {});
 }
 
+void Tracker::LeaveToPoints(int first_observation,
+                            int last_observation,
+                            const ScanMatch& match,
+                            ScanEstimate* estimate) {
+  std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
+  std::iota(all.begin(), all.end(), first_observation);
+  estimate->constraints = match.constraints;
+  estimate->gaussian =
+      EstimateWithout(all, first_observation, last_observation, estimate->constraints);
+  estimate->share_on_no_plane = 1.0;
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks,
@@ -391,38 +403,28 @@ void Tracker::Track(int first_observation,
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   scan_s_ = last_scan_ns_ == 0 ? 0.0 : SecondsBetween(last_scan_ns_, scan_end_ns);
   last_scan_ns_ = scan_end_ns;
-  bool unsteady = false;
-  std::vector<PoseConstraint> constraints;
-  PoseGaussian estimate = EstimateInRounds(first_observation,
-                                           last_observation,
-                                           landmarks,
-                                           by_points ? scan_matcher : nullptr,
-                                           &constraints,
-                                           &unsteady);
-  double share_on_no_plane =
-      scan_matcher == nullptr
-          ? 0.0
-          : ShareOnNoPlane(
-                *state_, first_observation, last_observation, scan_matcher->num_points());
+  ScanEstimate estimate;
+  estimate.gaussian = EstimateInRounds(first_observation,
+                                       last_observation,
+                                       landmarks,
+                                       by_points ? scan_matcher : nullptr,
+                                       &estimate.constraints,
+                                       &estimate.unsteady);
+  if (scan_matcher != nullptr) {
+    estimate.share_on_no_plane = ShareOnNoPlane(
+        *state_, first_observation, last_observation, scan_matcher->num_points());
+  }
   if (by_points && options_.rules.points_over_planes &&
       !AgreesWithPoints(*scan_matcher, *by_points)) {
     // The planes would have the rig elsewhere: most of the scan says that they are others.
-    std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
-    std::iota(all.begin(), all.end(), first_observation);
-    constraints = by_points->constraints;
-    estimate = EstimateWithout(all, first_observation, last_observation, constraints);
-    share_on_no_plane = 1.0;
+    LeaveToPoints(first_observation, last_observation, *by_points, &estimate);
   }
   if (scan_matcher != nullptr && scan_matcher->num_points() > 0 &&
       WheelsDeny(by_wheels, wheels_covariance, scan_end_ns)) {
     if (const auto match = SearchElsewhere(*scan_matcher, by_wheels, scan_end_ns)) {
-      std::vector<int> all(static_cast<size_t>(last_observation - first_observation + 1));
-      std::iota(all.begin(), all.end(), first_observation);
-      constraints = match->constraints;
       Loosen();
       prior_ = PosePrior(gaussian_, planar_);
-      estimate = EstimateWithout(all, first_observation, last_observation, constraints);
-      share_on_no_plane = 1.0;
+      LeaveToPoints(first_observation, last_observation, *match, &estimate);
     }
   }
   const std::vector<int> withheld =
@@ -433,24 +435,27 @@ void Tracker::Track(int first_observation,
                               covariance.bottomRightCorner<3, 3>(),
                               state_->trajectory.WorldFromBody(scan_end_ns).translation);
   if (options_.rules.thin_evidence && !withheld.empty()) {
-    estimate = EstimateWithout(withheld, first_observation, last_observation, constraints);
+    estimate.gaussian =
+        EstimateWithout(withheld, first_observation, last_observation, estimate.constraints);
   }
   is_open_ = IsOpen(first_observation, last_observation);
   if (bridges_by_motion_ && is_open_) {
-    constraints.clear();
-    estimate = BridgeByMotion(first_observation, last_observation);
+    estimate.constraints.clear();
+    estimate.gaussian = BridgeByMotion(first_observation, last_observation);
   }
-  usual_share_on_no_plane_ += kShareGain * (share_on_no_plane - usual_share_on_no_plane_);
+  usual_share_on_no_plane_ +=
+      kShareGain * (estimate.share_on_no_plane - usual_share_on_no_plane_);
   if (!is_open_) last_held_ns_ = scan_end_ns;
-  needs_points_ = PointsAlwaysHold() || is_open_ ||
-                  IsHeightOpen(first_observation, last_observation) ||
-                  std::max(share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
-  state_->pose_constraints.insert(
-      state_->pose_constraints.end(), constraints.begin(), constraints.end());
+  needs_points_ =
+      PointsAlwaysHold() || is_open_ || IsHeightOpen(first_observation, last_observation) ||
+      std::max(estimate.share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
+  state_->pose_constraints.insert(state_->pose_constraints.end(),
+                                  estimate.constraints.begin(),
+                                  estimate.constraints.end());
   // The scan becomes part of the prior, so that the next scan's system is as small.
-  gaussian_ = std::move(estimate);
+  gaussian_ = std::move(estimate.gaussian);
   recent_.clear();
-  if (unsteady) {
+  if (estimate.unsteady) {
     loose_until_ns_ = scan_end_ns + kLooseIntervals * state_->trajectory.knot_interval_ns();
     Loosen();
   }

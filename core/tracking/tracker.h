@@ -84,6 +84,19 @@ class Tracker {
     double length_m = 0.0;  // of the segments that have a plane
   };
 
+  // ScanEstimate is what a scan says of the newest control points, and by what.
+  struct ScanEstimate {
+    PoseGaussian gaussian;
+    std::vector<PoseConstraint> constraints;  // of its points
+    double share_on_no_plane = 0.0;
+    bool unsteady = false;
+  };
+
+  // Takes the planes from the scan: its points alone hold the pose.
+  void LeaveToPoints(int first_observation,
+                     int last_observation,
+                     const ScanMatch& match,
+                     ScanEstimate* estimate);
   // Estimates the newest control points from the points of the scan alone, on top of the
   // prediction, and returns how they then agree with the local map; nothing where it knows too
   // little of them or they lie elsewhere.
