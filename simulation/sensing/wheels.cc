@@ -17,6 +17,24 @@ double HeadingOf(const Rigid3d& pose) {
   return std::atan2(ahead.y(), ahead.x());
 }
 
+// Sends poses again in place of those that follow them.
+void MakeStale(const WheelOptions& options,
+               uint64_t seed,
+               std::vector<OdometrySample>* samples) {
+  Random random({seed, kKey, 1});
+  int64_t until_ns = samples->front().time_ns;
+  for (size_t i = 1; i < samples->size(); ++i) {
+    OdometrySample& sample = (*samples)[i];
+    const OdometrySample& before = (*samples)[i - 1];
+    if (sample.time_ns < until_ns) {
+      sample.position = before.position;
+      sample.heading = before.heading;
+    } else if (random.Uniform() < options.stale_per_s / options.rate_hz) {
+      until_ns = sample.time_ns + NanosecondsFromSeconds(options.stale_s);
+    }
+  }
+}
+
 }  // namespace
 
 WheelOptions ReadWheels(const YamlNode& node) {
@@ -37,6 +55,12 @@ WheelOptions ReadWheels(const YamlNode& node) {
     slips.RejectUnreadKeys();
   }
   node.Optional("clock_late_s", &options.clock_late_s, -10.0, 10.0);
+  if (node.Has("stale")) {
+    const YamlNode stale = node["stale"];
+    options.stale_per_s = stale["per_s"].AsDouble(0.0, 10.0);
+    stale.Optional("duration_s", &options.stale_s, 0.0, 60.0);
+    stale.RejectUnreadKeys();
+  }
   node.RejectUnreadKeys();
   return options;
 }
@@ -73,6 +97,7 @@ std::vector<OdometrySample> WheelSamples(const Path& path,
                        last.heading + options.turn_scale * turn + noise_rad});
     before = pose;
   }
+  if (options.stale_per_s > 0.0) MakeStale(options, seed, &samples);
   return samples;
 }
 

@@ -26,6 +26,9 @@ struct WheelOptions {
   double slip_share = 0.5;
   double slip_s = 0.3;
   double clock_late_s = 0.0;  // added to the stamps
+  // Number of times a second, at random, from which on a pose is sent again for stale_s.
+  double stale_per_s = 0.0;
+  double stale_s = 0.2;
 };
 
 // Reads the section "odometry" of an experiment. Throws Error with file and line.

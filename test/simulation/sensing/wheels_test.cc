@@ -116,5 +116,26 @@ TEST(WheelsTest, ErrorsNameFileAndLine) {
   EXPECT_EQ(error("slips:\n  share: 0.5\n").rfind("wheels.yaml:2", 0), 0u);
 }
 
+TEST(WheelsTest, StalePosesAreSentAgain) {
+  const Path path = Way(false);
+  WheelOptions options;
+  options.stale_per_s = 0.5;
+  options.stale_s = 0.3;
+  const std::vector<OdometrySample> right = WheelSamples(path, WheelOptions(), 1);
+  const std::vector<OdometrySample> stale = WheelSamples(path, options, 1);
+  ASSERT_EQ(stale.size(), right.size());
+  int num_stale = 0;
+  for (size_t i = 1; i < stale.size(); ++i) {
+    EXPECT_EQ(stale[i].time_ns, right[i].time_ns);
+    if (stale[i].position != right[i].position) {
+      EXPECT_EQ(stale[i].position, stale[i - 1].position);
+      ++num_stale;
+    }
+  }
+  // Half a time a second, for 15 samples: of 1000 about 130.
+  EXPECT_GT(num_stale, 50);
+  EXPECT_LT(num_stale, 300);
+}
+
 }  // namespace
 }  // namespace plumbline
