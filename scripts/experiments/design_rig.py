@@ -8,10 +8,10 @@ calibration is among the unknowns. No run is simulated: a bound takes seconds.
 
 Figures: medians over the walls of the standard deviations of distance (mm) and angle (deg), median and
 largest over the trajectory of the position's (mm), and root mean squares over the scanners of those of
-their rotations (deg) and translations (mm). "open": what no walk with this rig shows.
+their rotations (deg) and translations (mm), as far as they are observable. "open": what is not.
 
---confirm maps the three rigs with the most exact walls and the paper's, each with --seeds simulated
-runs. Results: design_rig.json and design_rig.md below --output, and a picture of tilts and azimuths,
+--confirm maps the paper's rig and the three with the most exact walls and positions that need no other
+hardware, each with --seeds simulated runs. Results: design_rig.json and design_rig.md below --output, and a picture of tilts and azimuths,
 design_rig.png.
 """
 
@@ -161,7 +161,8 @@ def row_of(directory, info):
     described = job_runner.read_json(directory / "calibration.json")
     free = calibration.free_parameters(described)
     sigmas = {kind: [entry["sigma"] for (_, parameter), entry in free.items()
-                     if parameter in calibration.KINDS[kind]] for kind in ("deg", "m")}
+                     if parameter in calibration.KINDS[kind] and entry["observed"]]
+              for kind in ("deg", "m")}
     positions = positions_mm(directory / "trajectory_covariance.csv")
     return {**info, "open": described["unobserved"],
             "wall_mm": 1e3 * statistics.median(plane["sigma_distance_m"] for plane in walls),
@@ -185,15 +186,22 @@ def confirmed_row(directory, info):
             "verdict": job_runner.read_json(directory / "summary.json")["consistency"]["verdict"]}
 
 
+def needs_other_hardware(design):
+    return any(design[key] > PAPER[key] for key in ("number", "field_of_view", "rate"))
+
+
 def best_rigs(rows):
-    """The names of the rigs with the most exact walls, by the geometric mean over the experiments of
-    the ratios to the paper's."""
+    """The names of the rigs with the most exact walls and positions, by the geometric mean over both and
+    the experiments of the ratios to the paper's, of those that need no other hardware."""
     paper = {row["experiment"]: row for row in rows if row["rig"] == "paper" and "error" not in row}
     ratios = {}
     for row in rows:
-        if "error" not in row and row["experiment"] in paper and row["rig"] != "paper":
-            ratios.setdefault(row["rig"], []).append(
-                math.log(row["wall_mm"] / paper[row["experiment"]]["wall_mm"]))
+        if "error" in row or needs_other_hardware(row["design"]):
+            continue
+        if row["experiment"] in paper and row["rig"] != "paper":
+            ratios.setdefault(row["rig"], []).append(sum(
+                math.log(row[key] / paper[row["experiment"]][key])
+                for key in ("wall_mm", "position_mm")))
     complete = {rig: statistics.fmean(values) for rig, values in ratios.items()
                 if len(values) == len(paper)}
     return sorted(complete, key=complete.get)[:NUM_BEST]
@@ -293,7 +301,7 @@ def main():
             output.write_json("confirmed.json", confirmed)
         output.write_table("design_rig", rows, table)
     print(table, end="")
-    print(f"\nmost exact walls: {', '.join(best_rigs(rows))}; picture: "
+    print(f"\nmost exact walls and positions: {', '.join(best_rigs(rows))}; picture: "
           f"{arguments.output / 'design_rig.png'}")
     return 1 if len(rows) < len(jobs) or any("error" in row for row in rows) else 0
 

@@ -76,11 +76,12 @@ class RigTest(unittest.TestCase):
 
 
 class ArithmeticTest(unittest.TestCase):
-    def test_best_rigs_are_those_with_the_most_exact_walls_in_all_experiments(self):
+    def test_best_rigs_are_the_most_exact_ones_in_all_experiments(self):
         rows = [row("paper", 2.0), row("paper", 4.0, "office"),
                 row("a", 1.0), row("a", 8.0, "office"),     # 0.5 and 2 times
                 row("b", 1.0), row("b", 4.0, "office"),     # 0.5 and 1
                 row("c", 0.1),                              # not in the office
+                row("e", 0.1, rate=80.0), row("e", 0.1, "office", rate=80.0),
                 {"rig": "d", "experiment": "corridor", "design": {}, "error": "no"}]
         self.assertEqual(design_rig.best_rigs(rows), ["b", "a"])
 
@@ -103,6 +104,8 @@ class ArithmeticTest(unittest.TestCase):
             described = {"unobserved": ["height of scanner top"], "covariance": [], "scanners": [
                 {"name": "top", "parameters": [{**parameter, "name": "roll_deg", "sigma": 0.3},
                                                {**parameter, "name": "yaw_deg", "sigma": 0.4},
+                                               {**parameter, "name": "pitch_deg", "sigma": 9.0,
+                                                "observed": False},
                                                {**parameter, "name": "x_m", "sigma": 0.002}]}]}
             (path / "calibration.json").write_text(json.dumps(described), encoding="utf-8")
             with open(path / "trajectory_covariance.csv", "w", encoding="utf-8",
