@@ -129,7 +129,7 @@ class Alternatives {
           Named(i) + " gives its ranges " + unit.words,
           "let its driver give metres: sensor_msgs/LaserScan holds nothing else")
           ->rig[i]
-          .scale = unit.scale;
+          .scale *= unit.scale;
     }
   }
 

@@ -59,11 +59,13 @@ double ReturnShare(const SurveyedSecond& second) {
 }
 
 // Whether the ranges of a topic turned out to be in another unit, by what the others see.
-bool IsRescaled(const CheckReport& report, size_t topic) {
+// stated: its scanner in the rig file, nullptr where it has none.
+bool IsRescaled(const CheckReport& report, size_t topic, const Scanner* stated) {
   if (!report.other_mounting) return false;
   const MountedRig& rig = report.other_mounting->rig;
-  return std::any_of(rig.begin(), rig.end(), [topic](const MountedScanner& scanner) {
-    return scanner.source == topic && scanner.scale != 1.0;
+  const double scale = stated == nullptr ? 1.0 : stated->range_scale;
+  return std::any_of(rig.begin(), rig.end(), [&](const MountedScanner& scanner) {
+    return scanner.source == topic && scanner.scale != scale;
   });
 }
 
@@ -288,7 +290,8 @@ void FindRangeFaults(CheckReport* report) {
   }
   for (size_t i = 0; i < report->survey.topics.size(); ++i) {
     // The stated noise can not be held against ranges of another unit.
-    const Scanner* scanner = IsRescaled(*report, i) ? nullptr : ScannerOf(*report, i);
+    const Scanner* stated = ScannerOf(*report, i);
+    const Scanner* scanner = IsRescaled(*report, i, stated) ? nullptr : stated;
     RangeJudge(report->survey.topics[i], scanner, &report->findings).Judge();
   }
 }

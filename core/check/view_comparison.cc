@@ -223,7 +223,7 @@ MountedRig AsRigFileSays(const Rig& rig, const std::vector<size_t>& sources) {
     mounted.push_back({sources[i],
                        scanner.body_from_scanner,
                        false,
-                       1.0,
+                       scanner.range_scale,
                        scanner.time_offset_s,
                        -scanner.range_bias_m});
   }

@@ -38,5 +38,19 @@ TEST(MountingFit, LevelScannersKeepTheirTiltsAndHeights) {
   }
 }
 
+TEST(MountingFit, RangesAreAsTheRigFileCorrectsThem) {
+  Rig rig = MakePaperRig();
+  const std::vector<std::vector<SampledLine>> sample = TurningRig(rig).TakeSample();
+  const auto distance = [&] {
+    double sum = 0.0;
+    const auto comparisons = CompareViews(sample, AsRigFileSays(rig, {0, 1, 2}), 0, 1, 200);
+    for (const ViewComparison& one : comparisons) sum += std::abs(one.distance_m);
+    return sum / static_cast<double>(comparisons.size());
+  };
+  const double right = distance();
+  rig.scanners[1].range_scale = 1.05;
+  EXPECT_GT(distance(), right + 0.03) << "a twentieth of a few metres";
+}
+
 }  // namespace
 }  // namespace plumbline
