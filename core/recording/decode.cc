@@ -23,6 +23,7 @@ constexpr KnownType kKnownTypes[] = {
      MessageKind::kMultiEchoLaserScan},
     {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181", MessageKind::kPointCloud2},
     {"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7", MessageKind::kOdometry},
+    {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2", MessageKind::kImu},
     {"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec", MessageKind::kTransforms},
 };
 
@@ -88,6 +89,11 @@ bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage*
   if (topic.encoding == MessageEncoding::kCarmen) return ReadCarmenOdometry(data, message);
   SerialReader reader;
   return OpenRosMessage(topic, data, &reader) && ReadOdometry(reader, message);
+}
+
+bool DecodeImu(const RecordingTopic& topic, ByteView data, ImuMessage* message) {
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadImu(reader, message);
 }
 
 bool DecodeTransforms(const RecordingTopic& topic,

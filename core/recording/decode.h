@@ -18,6 +18,7 @@ bool DecodeScanLine(const RecordingTopic& topic,
                     bool with_ranges,
                     ScanLineMessage* message);
 bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage* message);
+bool DecodeImu(const RecordingTopic& topic, ByteView data, ImuMessage* message);
 bool DecodeTransforms(const RecordingTopic& topic,
                       ByteView data,
                       std::vector<Transform>* transforms);

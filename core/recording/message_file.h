@@ -20,6 +20,7 @@ enum class MessageKind {
   kMultiEchoLaserScan,
   kPointCloud2,
   kOdometry,
+  kImu,
   kTransforms
 };
 
@@ -38,8 +39,10 @@ struct RecordingTopic {
   bool HasOdometry() const { return kind == MessageKind::kOdometry || also_has_odometry; }
   // Transforms between frames, such as those of /tf_static.
   bool HasTransforms() const { return kind == MessageKind::kTransforms; }
+  bool HasImu() const { return kind == MessageKind::kImu; }
   bool HasScanLines() const {
-    return kind != MessageKind::kOther && kind != MessageKind::kOdometry && !HasTransforms();
+    return kind != MessageKind::kOther && kind != MessageKind::kOdometry && !HasImu() &&
+           !HasTransforms();
   }
 };
 

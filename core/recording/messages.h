@@ -57,4 +57,15 @@ struct OdometryMessage {
   double Yaw() const;
 };
 
+// ImuMessage is a reading of an inertial measurement unit: sensor_msgs/Imu.
+struct ImuMessage {
+  int64_t stamp_ns = 0;  // since 1970
+  std::string frame_id;
+  std::array<double, 3> angular_velocity = {};     // rad/s, along the IMU's axes
+  std::array<double, 3> linear_acceleration = {};  // m/s^2, along them; at rest upwards
+  // Whether the driver says that it measures either.
+  bool has_angular_velocity = true;
+  bool has_linear_acceleration = true;
+};
+
 }  // namespace plumbline

@@ -34,6 +34,7 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   };
   ScanLineMessage scan_line;
   OdometryMessage odometry;
+  ImuMessage imu;
   std::vector<Transform> transforms;
   SegmentJoiner joiner([&](const std::vector<MessageRef>& parts, const ScanLineMessage& line) {
     const MessageRef& first = parts.front();
@@ -51,6 +52,10 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     if (decoded && topic.HasOdometry() && visitor.odometry != nullptr) {
       decoded = DecodeOdometry(topic, data, &odometry);
       if (decoded) visitor.odometry(message, odometry);
+    }
+    if (topic.HasImu() && visitor.imu != nullptr) {
+      decoded = DecodeImu(topic, data, &imu);
+      if (decoded) visitor.imu(message, imu);
     }
     if (topic.HasTransforms() && visitor.transforms != nullptr) {
       decoded = DecodeTransforms(topic, data, &transforms);

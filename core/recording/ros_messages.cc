@@ -80,4 +80,22 @@ bool ReadOdometry(SerialReader reader, OdometryMessage* message) {
          reader.Take(&covariance) && reader.IsAtEnd();
 }
 
+bool ReadImu(SerialReader reader, ImuMessage* message) {
+  std::array<double, 4> orientation;
+  std::array<double, 9> covariance_of_orientation;
+  std::array<double, 9> covariance_of_velocity;
+  std::array<double, 9> covariance_of_acceleration;
+  if (!reader.TakeHeader(&message->stamp_ns, &message->frame_id) ||
+      !reader.Take(&orientation) || !reader.Take(&covariance_of_orientation) ||
+      !reader.Take(&message->angular_velocity) || !reader.Take(&covariance_of_velocity) ||
+      !reader.Take(&message->linear_acceleration) ||
+      !reader.Take(&covariance_of_acceleration) || !reader.IsAtEnd()) {
+    return false;
+  }
+  // The message's definition: -1 says that there is no such measurement.
+  message->has_angular_velocity = covariance_of_velocity[0] != -1.0;
+  message->has_linear_acceleration = covariance_of_acceleration[0] != -1.0;
+  return true;
+}
+
 }  // namespace plumbline

@@ -14,5 +14,6 @@ bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessa
 // A tf2_msgs/TFMessage.
 bool ReadTransforms(SerialReader reader, std::vector<Transform>* transforms);
 bool ReadOdometry(SerialReader reader, OdometryMessage* message);
+bool ReadImu(SerialReader reader, ImuMessage* message);
 
 }  // namespace plumbline

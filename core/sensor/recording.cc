@@ -15,6 +15,7 @@
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
+#include "core/util/time.h"
 
 namespace plumbline {
 
@@ -71,6 +72,10 @@ std::string Shown(const std::string& text) { return OnOneLine(text, kMaxQuotedBy
 
 std::string Quoted(const std::string& text) { return "'" + Shown(text) + "'"; }
 
+bool IsImu(const Rig& rig, const RecordingTopic& topic) {
+  return rig.imu && topic.HasImu() && topic.name == rig.imu->topic;
+}
+
 std::string ReceiptText(uint64_t receipt_ns) {
   char text[64];
   std::snprintf(text,
@@ -101,12 +106,13 @@ struct LostMessages {
   void Add(const MessageRef& message) {
     if (count++ == 0) first_receipt_ns = message.receipt_ns;
   }
-  // Adds a sentence, if there are any; why: "that can not be decoded".
-  void WarnOf(const std::string& scanner,
+  // Adds a sentence, if there are any; whose: "scanner 'left'", why: "that can not be
+  // decoded".
+  void WarnOf(const std::string& whose,
               const std::string& why,
               std::vector<std::string>* warnings) const {
     if (count == 0) return;
-    warnings->push_back("scanner " + Quoted(scanner) + ": " + std::to_string(count) +
+    warnings->push_back(whose + ": " + std::to_string(count) +
                         (count == 1 ? " message is lost " : " messages are lost ") + why +
                         ", the first recorded at " + ReceiptText(first_receipt_ns));
   }
@@ -133,6 +139,10 @@ struct RecordingReader::Impl {
   std::string odometry_fault;
   std::vector<std::string> odometry_mended;  // what has been, in sentences
   int num_odometry_lost = 0;  // messages that can not be decoded
+  std::vector<ImuSample> imu_samples;
+  std::shared_ptr<const ImuReadings> imu;
+  std::string imu_fault;
+  LostMessages imu_lost;  // that can not be decoded
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -146,6 +156,7 @@ struct RecordingReader::Impl {
   void CheckTopics(const Rig& rig);
   void IndexMessages(const Rig& rig, const RecordingObserver& observer);
   void TakeOdometry(const Rig& rig);
+  void TakeImu(const Rig& rig);
   void SortByReceipt();
   void CollectWarnings(const Rig& rig);
   std::string DamageText() const;
@@ -213,7 +224,13 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   visitor.with_ranges = observer.scan_line != nullptr;
   visitor.wants = [&](const RecordingTopic& topic) {
     return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
-           (topic.HasOdometry() && topic.name == rig.odometry_topic);
+           (topic.HasOdometry() && topic.name == rig.odometry_topic) || IsImu(rig, topic);
+  };
+  visitor.imu = [&](const MessageRef&, const ImuMessage& message) {
+    if (!message.has_angular_velocity || !message.has_linear_acceleration) return;
+    imu_samples.push_back({message.stamp_ns + NanosecondsFromSeconds(rig.imu->time_offset_s),
+                           Eigen::Vector3d(message.angular_velocity.data()),
+                           Eigen::Vector3d(message.linear_acceleration.data())});
   };
   visitor.odometry = [&](const MessageRef& ref, const OdometryMessage& message) {
     if (source->topics()[ref.topic_index].name == rig.odometry_topic) wheels.Add(message);
@@ -241,7 +258,9 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
                       static_cast<int64_t>(ref.receipt_ns)});
   };
   visitor.undecodable = [&](const MessageRef& ref) {
-    if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
+    if (IsImu(rig, source->topics()[ref.topic_index])) {
+      imu_lost.Add(ref);
+    } else if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
       ++num_odometry_lost;
     } else {
       undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
@@ -253,6 +272,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   source->Visit(visitor);
   CheckTopics(rig);
   TakeOdometry(rig);
+  TakeImu(rig);
   SortByReceipt();
   order = OrderScanLines(rig, stamps, unusable_reasons);
   orders.assign(stamps.size(), -1);
@@ -275,6 +295,23 @@ void RecordingReader::Impl::TakeOdometry(const Rig& rig) {
   }
   odometry_fault = wheels.Fault();
   odometry = wheels.Finish(&odometry_mended);
+}
+
+// The topic that the rig names must be there and carry an IMU's messages.
+void RecordingReader::Impl::TakeImu(const Rig& rig) {
+  if (!rig.imu) return;
+  std::set<std::string> topics;
+  for (const RecordingTopic& topic : source->topics()) {
+    if (topic.HasImu()) topics.insert(topic.name);
+  }
+  if (topics.count(rig.imu->topic) == 0) {
+    throw Error(path() + ": has no sensor_msgs/Imu in topic " + Shown(rig.imu->topic) +
+                " that the rig names; topics with IMUs in this recording:" +
+                TopicsText(topics) + DamageText());
+  }
+  auto readings = std::make_shared<const ImuReadings>(std::move(imu_samples), *rig.imu);
+  imu_fault = readings->Fault();
+  if (imu_fault.empty()) imu = std::move(readings);
 }
 
 // Recorders write what they receive in turn, but tools that cut and join bags need not.
@@ -302,9 +339,10 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   warnings = source->warnings();
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const std::string& name = rig.scanners[i].name;
-    undecodable[i].WarnOf(name, "that can not be decoded", &warnings);
+    const std::string scanner = "scanner " + Quoted(name);
+    undecodable[i].WarnOf(scanner, "that can not be decoded", &warnings);
     off_plane[i].WarnOf(
-        name, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
+        scanner, "whose points do not lie in one scan plane, z = 0 in their frame", &warnings);
     if (num_without_times[i] == 0) continue;
     warnings.push_back("scanner '" + OnOneLine(name) + "': time_increment is 0 in " +
                        std::to_string(num_without_times[i]) +
@@ -321,6 +359,8 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
                        (num_odometry_lost == 1 ? " message is lost" : " messages are lost") +
                        " that can not be decoded");
   }
+  if (!imu_fault.empty()) warnings.push_back("the IMU is left out: " + imu_fault);
+  imu_lost.WarnOf("the IMU", "that can not be decoded", &warnings);
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
   std::string reasons;
@@ -419,6 +459,8 @@ std::shared_ptr<const Odometry> RecordingReader::odometry() const { return impl_
 void RecordingReader::DelayOdometry(double seconds) {
   impl_->odometry = std::make_shared<const Odometry>(impl_->odometry->Later(seconds));
 }
+
+std::shared_ptr<const ImuReadings> RecordingReader::imu() const { return impl_->imu; }
 
 double RecordingReader::scan_period_s() const { return impl_->order.scan_period_s; }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor/imu.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
@@ -55,7 +56,10 @@ class RecordingReader {
   // where its messages say nothing of the motion, of which a warning tells: no orientation, or
   // a pose that never changes while the velocities say otherwise.
   std::shared_ptr<const Odometry> odometry() const;
-  // Takes it to be so much later.
+  // Returns the readings of the rig file's IMU; nullptr where it has none, or where they can
+  // not be an IMU's, of which a warning tells.
+  std::shared_ptr<const ImuReadings> imu() const;
+  // Takes the odometry to be so much later.
   void DelayOdometry(double seconds);
   // Sentences about what is damaged or missing and about scan lines that were passed over or
   // look wrong, for the user and summary.json.

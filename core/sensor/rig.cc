@@ -155,6 +155,101 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    scan_rate_hz: " << Format(scanner.scan_rate_hz) << "\n";
 }
 
+// A key with the errors of a gyroscope or an accelerometer, and its unit in rad/s or m/s^2.
+struct InertialUnit {
+  const char* name;
+  double size;
+};
+
+struct InertialUnits {
+  InertialUnit noise, bias_instability, bias, range;
+};
+
+const InertialUnits kGyroscopeUnits = {{"noise_deg_s_sqrt_hz", kRadiansPerDegree},
+                                       {"bias_instability_deg_h", kRadiansPerDegree / 3600.0},
+                                       {"bias_deg_s", kRadiansPerDegree},
+                                       {"range_deg_s", kRadiansPerDegree}};
+const InertialUnits kAccelerometerUnits = {{"noise_ug_sqrt_hz", 1e-6 * kStandardGravity},
+                                           {"bias_instability_ug", 1e-6 * kStandardGravity},
+                                           {"bias_mg", 1e-3 * kStandardGravity},
+                                           {"range_g", kStandardGravity}};
+const std::string kScaleError = "scale_error";
+
+// errors: what stands for keys that are missing; the noise has to be there.
+InertialErrors ReadInertialErrors(const YamlNode& node,
+                                  const InertialUnits& units,
+                                  InertialErrors errors) {
+  const auto read = [&](const InertialUnit& unit, double* value) {
+    if (node.Has(unit.name)) *value = node[unit.name].AsDouble(0.0, 1e6) * unit.size;
+  };
+  errors.noise = node[units.noise.name].AsDouble(1e-9, 1e6) * units.noise.size;
+  read(units.bias_instability, &errors.bias_instability);
+  read(units.bias, &errors.bias);
+  read(units.range, &errors.range);
+  node.Optional(kScaleError, &errors.scale, 0.0, 0.5);
+  node.RejectUnreadKeys();
+  return errors;
+}
+
+// Of sensors that cost some dollars, once they are soldered.
+InertialErrors CheapGyroscope() {
+  return {0.0, 20.0 / 3600.0 * kRadiansPerDegree, 5.0 * kRadiansPerDegree, 0.03};
+}
+InertialErrors CheapAccelerometer() {
+  return {0.0, 1e-4 * kStandardGravity, 0.05 * kStandardGravity, 0.03};
+}
+
+Imu ReadImu(const YamlNode& node) {
+  Imu imu;
+  imu.topic = node["topic"].AsString();
+  imu.body_from_imu = ReadRigid(node["body_from_imu"]);
+  imu.gyroscope = ReadInertialErrors(node["gyroscope"], kGyroscopeUnits, CheapGyroscope());
+  imu.accelerometer =
+      ReadInertialErrors(node["accelerometer"], kAccelerometerUnits, CheapAccelerometer());
+  node.Optional("time_offset_s", &imu.time_offset_s, -10.0, 10.0);
+  ScannerUncertainty uncertainty = MeasuredByHand();
+  if (node.Has("uncertainty")) {
+    uncertainty = ReadUncertainty(node["uncertainty"]);
+    if (node["uncertainty"].Has("range_m")) {
+      node["uncertainty"]["range_m"].Fail("an IMU measures no ranges");
+    }
+  }
+  imu.rotation_rad = uncertainty.rotation_rad;
+  imu.translation_m = uncertainty.translation_m;
+  imu.time_s = uncertainty.time_s;
+  node.RejectUnreadKeys();
+  return imu;
+}
+
+std::string InertialErrorsText(const InertialErrors& errors, const InertialUnits& units) {
+  std::string text;
+  const auto add = [&text](const std::string& name, double value) {
+    text += (text.empty() ? "{" : ", ") + name + ": " + Format(value);
+  };
+  add(units.noise.name, errors.noise / units.noise.size);
+  add(units.bias_instability.name, errors.bias_instability / units.bias_instability.size);
+  add(units.bias.name, errors.bias / units.bias.size);
+  add(kScaleError, errors.scale);
+  if (std::isfinite(errors.range)) add(units.range.name, errors.range / units.range.size);
+  return text + "}";
+}
+
+void WriteImu(const Imu& imu, std::ostream& out) {
+  out << "imu:\n"
+      << "  topic: " << Quote(imu.topic) << "\n"
+      << "  body_from_imu:\n"
+      << "    translation: " << Format(imu.body_from_imu.translation) << "\n"
+      << "    rotation_rpy_deg: " << Format(RollPitchYawDegrees(imu.body_from_imu.rotation))
+      << "\n"
+      << "  gyroscope: " << InertialErrorsText(imu.gyroscope, kGyroscopeUnits) << "\n"
+      << "  accelerometer: " << InertialErrorsText(imu.accelerometer, kAccelerometerUnits)
+      << "\n"
+      << "  time_offset_s: " << Format(imu.time_offset_s) << "\n"
+      << "  uncertainty: {rotation_deg: " << Format(imu.rotation_rad / kRadiansPerDegree)
+      << ", translation_m: " << Format(imu.translation_m) << ", time_s: " << Format(imu.time_s)
+      << "}\n";
+}
+
 // The angle between a scan plane and the horizontal one of the body.
 double Tilt(const Scanner& scanner) {
   const Eigen::Vector3d normal_body =
@@ -191,6 +286,7 @@ Rig ReadRig(const std::string& path) {
     }
     odometry.RejectUnreadKeys();
   }
+  if (root.Has("imu")) rig.imu = ReadImu(root["imu"]);
   if (rig.scanners.empty()) root["scanners"].Fail("the rig has no scanner");
   root.RejectUnreadKeys();
   return rig;
@@ -207,6 +303,7 @@ void WriteRig(const Rig& rig, const std::string& path) {
       out << "  time_offset_s: " << Format(*rig.odometry_time_offset_s) << "\n";
     }
   }
+  if (rig.imu) WriteImu(*rig.imu, out);
   WriteFileAtomically(path, out.str());
 }
 

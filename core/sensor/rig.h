@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/rigid3.h"
+#include "core/sensor/imu.h"
 
 namespace plumbline {
 
@@ -79,6 +80,7 @@ struct Rig {
   // turn together.
   std::string odometry_topic;
   std::optional<double> odometry_time_offset_s;
+  std::optional<Imu> imu;  // none: the rig has no IMU
 };
 
 // Reads a rig file (docs/inputs.md). Throws Error with file and line.

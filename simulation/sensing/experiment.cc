@@ -213,6 +213,12 @@ Experiment ReadExperiment(const std::string& path) {
       experiment.path.height_m - (experiment.path.walk ? 0.0 : floor_height);
   if (root.Has("odometry")) experiment.wheels = ReadWheels(root["odometry"]);
   experiment.rig.odometry_topic = experiment.wheels ? experiment.wheels->topic : "";
+  if (root.Has("imu")) {
+    if (!experiment.rig.imu) root["imu"].Fail("the rig file has no imu");
+    experiment.inertial = ReadInertial(root["imu"]);
+  } else {
+    experiment.rig.imu.reset();
+  }
   double start_time_s = kDefaultStart;
   root.Optional("start_time_s", &start_time_s, 1.0, kLatestStart);
   experiment.path.start_ns = NanosecondsFromSeconds(start_time_s);

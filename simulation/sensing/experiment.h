@@ -7,6 +7,7 @@
 
 #include "core/sensor/rig.h"
 #include "simulation/sensing/faults.h"
+#include "simulation/sensing/inertial.h"
 #include "simulation/sensing/wheels.h"
 #include "simulation/world/building.h"
 #include "simulation/world/moving_things.h"
@@ -31,6 +32,7 @@ struct Experiment {
   FaultOptions faults;
   MovingOptions moving;
   std::optional<WheelOptions> wheels;    // none: the recording has no odometry
+  std::optional<InertialOptions> inertial;  // none: the recording has no IMU
   std::vector<double> scanner_phases_s;  // of each scanner's first scan line, after the start
 };
 

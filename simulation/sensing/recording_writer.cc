@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 
 #include <cmath>
@@ -36,6 +37,7 @@ struct RecordingWriter::Impl {
   std::vector<uint32_t> sequence;  // by scanner: number of its next message
   sensor_msgs::LaserScan message;
   nav_msgs::Odometry odometry;
+  sensor_msgs::Imu imu;
 
   [[noreturn]] void Fail(const std::exception& exception) {
     throw Error(file.path() + ": can not be written: " + exception.what());
@@ -107,6 +109,30 @@ void RecordingWriter::Write(const OdometrySample& sample) {
   message.pose.pose.orientation.w = std::cos(sample.heading / 2.0);
   try {
     impl_->bag->write(impl_->rig.odometry_topic, stamp, message);
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+  ++message.header.seq;
+}
+
+void RecordingWriter::Write(const ImuSample& sample) {
+  CHECK(impl_->bag != nullptr) << "Write() after Close()";
+  CHECK_GT(sample.time_ns, 0) << "ROS stamps begin after 0";
+  CHECK(impl_->rig.imu) << "the rig has no IMU";
+  sensor_msgs::Imu& message = impl_->imu;
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<uint64_t>(sample.time_ns));
+  message.header.stamp = stamp;
+  message.header.frame_id = "imu";
+  message.orientation_covariance[0] = -1.0;  // there is none
+  message.angular_velocity.x = sample.angular_rate.x();
+  message.angular_velocity.y = sample.angular_rate.y();
+  message.angular_velocity.z = sample.angular_rate.z();
+  message.linear_acceleration.x = sample.specific_force.x();
+  message.linear_acceleration.y = sample.specific_force.y();
+  message.linear_acceleration.z = sample.specific_force.z();
+  try {
+    impl_->bag->write(impl_->rig.imu->topic, stamp, message);
   } catch (const std::exception& exception) {
     impl_->Fail(exception);
   }

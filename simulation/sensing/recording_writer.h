@@ -3,14 +3,15 @@
 #include <memory>
 #include <string>
 
+#include "core/sensor/imu.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
 
 namespace plumbline {
 
-// Writes scan lines, and odometry, as a ROS 1 bag that ROS tools and RecordingReader open. The
-// file appears under its name when Close() has written it whole.
+// Writes scan lines, odometry and readings of an IMU as a ROS 1 bag that ROS tools and
+// RecordingReader open. The file appears under its name when Close() has written it whole.
 class RecordingWriter {
  public:
   RecordingWriter(const std::string& path, const Rig& rig);
@@ -19,6 +20,8 @@ class RecordingWriter {
   void Write(const ScanLine& scan_line);
   // In the rig's topic of odometry, as nav_msgs/Odometry without velocities and covariances.
   void Write(const OdometrySample& sample);
+  // In the topic of the rig's IMU, as sensor_msgs/Imu without an orientation.
+  void Write(const ImuSample& sample);
   void Close();
 
  private:

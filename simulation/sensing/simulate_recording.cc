@@ -96,11 +96,20 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
   std::vector<OdometrySample> wheels;
   if (experiment.wheels) wheels = WheelSamples(path, *experiment.wheels, seed);
   auto next_wheels = wheels.begin();
+  SimulatedImu imu;
+  if (experiment.inertial) {
+    imu = SimulateImu(path, *experiment.rig.imu, *experiment.inertial, seed);
+  }
+  auto next_imu = imu.samples.begin();
   int num_done = 0;
   simulator.Run([&](const PerfectScanLine& perfect) {
     for (; next_wheels != wheels.end() && next_wheels->time_ns < perfect.scan_line.stamp_ns;
          ++next_wheels) {
       writer.Write(*next_wheels);
+    }
+    for (; next_imu != imu.samples.end() && next_imu->time_ns < perfect.scan_line.stamp_ns;
+         ++next_imu) {
+      writer.Write(*next_imu);
     }
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
     const std::optional<ScanLine> recorded = recorder.Record(perfect);
@@ -116,6 +125,7 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
     progress(state);
   });
   for (; next_wheels != wheels.end(); ++next_wheels) writer.Write(*next_wheels);
+  for (; next_imu != imu.samples.end(); ++next_imu) writer.Write(*next_imu);
   writer.Close();
   WriteRig(experiment.rig, (directory / "rig.yaml").string());
   const std::vector<StampedPose> trajectory = TruthTrajectory(path);
@@ -123,6 +133,9 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
   WriteFileAtomically((directory / "truth_trajectory.tum").string(),
                       FormatTrajectory(trajectory));
   WriteFileAtomically((directory / "truth_planes.json").string(), FormatPlanes(faces));
+  if (experiment.inertial) {
+    WriteFileAtomically((directory / "truth_imu.json").string(), FormatInertialTruth(imu));
+  }
   for (size_t i = 1; i < trajectory.size(); ++i) {
     summary.path_length_m += (trajectory[i].world_from_body.translation -
                               trajectory[i - 1].world_from_body.translation)

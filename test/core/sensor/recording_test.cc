@@ -492,6 +492,67 @@ TEST_F(OdometryFaultTest, AFrozenPoseIsLeftOut) {
   EXPECT_EQ(warnings.front(), "odometry is left out: its pose never changes");
 }
 
+class ImuTopicTest : public RecordingTest {
+ protected:
+  // An IMU at rest beside a scanner's lines, whose gravity has this length.
+  void Record(double gravity) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 20; ++i) {
+      sensor_msgs::Imu message;
+      message.header.stamp.fromNSec(static_cast<uint64_t>(kStart + i * kPeriod));
+      message.angular_velocity.y = 0.01 * i;
+      message.linear_acceleration.z = gravity;
+      RecordingTest::Record(&bag, "/top_scan", MakeMessage(kStart + i * kPeriod));
+      RecordingTest::Record(&bag, "/imu", message);
+    }
+  }
+
+  Rig RigWith(const std::string& topic) {
+    Rig rig = MakeRig({"top"});
+    rig.imu.emplace();
+    rig.imu->topic = topic;
+    rig.imu->time_offset_s = 0.5;
+    return rig;
+  }
+};
+
+TEST_F(ImuTopicTest, ReadingsHaveTheRecordingsTime) {
+  Record(9.8);
+  const RecordingReader reader(path_, RigWith("/imu"));
+  EXPECT_THAT(reader.warnings(), IsEmpty());
+  ASSERT_NE(reader.imu(), nullptr);
+  EXPECT_EQ(reader.imu()->size(), 20u);
+  const int64_t third_ns = kStart + 3 * kPeriod + 500'000'000;
+  const ImuMean mean = reader.imu()->MeanOf(third_ns, third_ns + 1);
+  EXPECT_EQ(mean.num_samples, 1);
+  EXPECT_DOUBLE_EQ(mean.angular_rate.y(), 0.03);
+  EXPECT_DOUBLE_EQ(mean.specific_force.z(), 9.8);
+}
+
+TEST_F(ImuTopicTest, ReadingsInOtherUnitsAreLeftOut) {
+  Record(1.0);
+  const RecordingReader reader(path_, RigWith("/imu"));
+  EXPECT_EQ(reader.imu(), nullptr);
+  ASSERT_EQ(reader.warnings().size(), 1u);
+  EXPECT_EQ(
+      reader.warnings().front(),
+      "the IMU is left out: its accelerations are 1.00 m/s^2 as a rule, where gravity alone "
+      "is 9.81 (other units, or gravity taken off?)");
+}
+
+TEST_F(ImuTopicTest, ATopicThatIsMissingIsNamed) {
+  Record(9.8);
+  try {
+    RecordingReader reader(path_, RigWith("/imu/raw"));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              path_ +
+                  ": has no sensor_msgs/Imu in topic /imu/raw that the rig names; topics with "
+                  "IMUs in this recording: /imu");
+  }
+}
+
 // A rig file that states the time between beams puts it right.
 TEST_F(RecordingTest, BeamsWithoutTimesOfTheirOwnAreNamed) {
   sensor_msgs::LaserScan message = MakeMessage(kStart);

@@ -187,6 +187,56 @@ TEST(Rig, WrittenRigReadsBack) {
   }
 }
 
+const std::string kImu =
+    "imu:\n"
+    "  topic: /imu\n"
+    "  body_from_imu: {translation: [0.1, 0.2, 0.3], rotation_rpy_deg: [0, 0, 90]}\n"
+    "  gyroscope: {noise_deg_s_sqrt_hz: 0.005, range_deg_s: 250}\n"
+    "  accelerometer: {noise_ug_sqrt_hz: 400, bias_instability_ug: 50}\n";
+
+TEST(Rig, AnImuIsReadInTheUnitsOfDataSheets) {
+  const Rig rig = ReadText("scanners:\n" + kScanner + kImu);
+  ASSERT_TRUE(rig.imu);
+  const Imu& imu = *rig.imu;
+  EXPECT_EQ(imu.topic, "/imu");
+  EXPECT_EQ(imu.body_from_imu.translation, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_NEAR(imu.gyroscope.noise, 0.005 * M_PI / 180.0, 1e-12);
+  EXPECT_NEAR(imu.gyroscope.range, 250.0 * M_PI / 180.0, 1e-9);
+  EXPECT_NEAR(imu.gyroscope.bias_instability, 20.0 / 3600.0 * M_PI / 180.0, 1e-12);
+  EXPECT_NEAR(imu.accelerometer.noise, 400e-6 * 9.80665, 1e-12);
+  EXPECT_NEAR(imu.accelerometer.bias_instability, 50e-6 * 9.80665, 1e-12);
+  EXPECT_NEAR(imu.accelerometer.bias, 0.05 * 9.80665, 1e-12);
+  EXPECT_TRUE(std::isinf(imu.accelerometer.range));
+  EXPECT_NEAR(imu.rotation_rad, M_PI / 180.0, 1e-12);
+  EXPECT_FALSE(ReadText("scanners:\n" + kScanner).imu);
+}
+
+TEST(Rig, AnImuIsWrittenAsItWasRead) {
+  Rig rig = ReadText("scanners:\n" + kScanner + kImu);
+  rig.imu->time_offset_s = -0.012;
+  rig.imu->time_s = 0.003;
+  WriteRig(rig, TestPath());
+  const Rig read = ReadRig(TestPath());
+  ASSERT_TRUE(read.imu);
+  EXPECT_EQ(read.imu->topic, rig.imu->topic);
+  EXPECT_EQ(read.imu->time_offset_s, rig.imu->time_offset_s);
+  EXPECT_EQ(read.imu->time_s, rig.imu->time_s);
+  EXPECT_LT(read.imu->body_from_imu.rotation.angularDistance(rig.imu->body_from_imu.rotation),
+            1e-7);
+  const auto expect_same = [](const InertialErrors& a, const InertialErrors& b) {
+    EXPECT_NEAR(a.noise / b.noise, 1.0, 1e-12);
+    EXPECT_NEAR(a.bias_instability / b.bias_instability, 1.0, 1e-12);
+    EXPECT_NEAR(a.bias / b.bias, 1.0, 1e-12);
+    EXPECT_EQ(a.scale, b.scale);
+    if (std::isfinite(b.range)) {
+      EXPECT_NEAR(a.range / b.range, 1.0, 1e-12);
+    }
+    EXPECT_EQ(std::isfinite(a.range), std::isfinite(b.range));
+  };
+  expect_same(read.imu->gyroscope, rig.imu->gyroscope);
+  expect_same(read.imu->accelerometer, rig.imu->accelerometer);
+}
+
 TEST(Rig, UnwritablePathIsNamed) {
   Rig rig;
   rig.scanners.resize(1);
@@ -214,6 +264,10 @@ TEST(Rig, ErrorsNameTheLine) {
             ":8: unknown key 'colour'");
   EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + "    angle_increment_deg: 0\n"),
             ":8: angle_increment_deg must not be 0");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + kImu + "  gyro: 1\n"),
+            ":13: unknown key 'gyro'");
+  EXPECT_EQ(ErrorOf("scanners:\n" + kScanner + kImu + "  uncertainty: {range_m: 0.1}\n"),
+            ":13: an IMU measures no ranges");
   std::string swapped = kScanner;
   swapped.replace(swapped.find("max_range_m: 30"), 15, "max_range_m: .1");
   EXPECT_EQ(ErrorOf("scanners:\n" + swapped), ":6: min_range_m must be less than max_range_m");
