@@ -40,6 +40,69 @@ inline std::array<double, 4> CumulativeSplineBasisDerivative(double u) {
   return {0.0, 0.5 * (1.0 + u * (u - 2.0)), 0.5 * (1.0 + u * (2.0 - 2.0 * u)), 0.5 * u * u};
 }
 
+// How the body moves at an instant, for functors that Ceres differentiates automatically, by
+// the instant too.
+template <typename T>
+struct SplineMotion {
+  Eigen::Quaternion<T> world_from_body;
+  Eigen::Matrix<T, 3, 1> rate_body;                  // rad/s
+  Eigen::Matrix<T, 3, 1> angular_acceleration_body;  // rad/s^2
+};
+
+// The rotation and its derivatives at u, which may be a Jet and lie somewhat outside of [0,
+// 1). With the factors A_j = Exp(B_j d_j) of the rotation,
+//   w_j = A_j^-1 w_{j-1} + B_j' d_j,   a_j = A_j^-1 a_{j-1} + B_j'' d_j + w_j x B_j' d_j
+// (Sommer et al. 2020, "Efficient derivative computation for cumulative B-splines on Lie
+// groups").
+template <typename T>
+SplineMotion<T> EvaluateRotationMotion(const T* const q[4],
+                                       const T& u,
+                                       double knot_interval_s) {
+  using Quaternion = Eigen::Quaternion<T>;
+  using Vector3 = Eigen::Matrix<T, 3, 1>;
+  using ConstMap = Eigen::Map<const Quaternion>;
+  const double per_s = 1.0 / knot_interval_s;
+  const T cumulative[3] = {(5.0 + u * (3.0 + u * (u - 3.0))) / 6.0,
+                           (1.0 + u * (3.0 + u * (3.0 - 2.0 * u))) / 6.0,
+                           u * u * u / 6.0};
+  const T first[3] = {
+      0.5 * (1.0 + u * (u - 2.0)), 0.5 * (1.0 + u * (2.0 - 2.0 * u)), 0.5 * u * u};
+  const T second[3] = {u - 1.0, 1.0 - 2.0 * u, u};
+  SplineMotion<T> motion;
+  motion.world_from_body = ConstMap(q[0]);
+  motion.rate_body.setZero();
+  motion.angular_acceleration_body.setZero();
+  for (int j = 0; j < 3; ++j) {
+    const Quaternion step = ConstMap(q[j]).conjugate() * ConstMap(q[j + 1]);
+    const Vector3 d = Log(step);
+    const Vector3 turn = d * cumulative[j];
+    const Vector3 rate = d * T(first[j] * per_s);
+    const Quaternion factor = Exp(turn);
+    const Quaternion back = factor.conjugate();
+    motion.world_from_body = motion.world_from_body * factor;
+    motion.rate_body = Vector3(back * motion.rate_body) + rate;
+    motion.angular_acceleration_body = Vector3(back * motion.angular_acceleration_body) +
+                                       d * T(second[j] * per_s * per_s) +
+                                       motion.rate_body.cross(rate);
+  }
+  return motion;
+}
+
+// Acceleration of the position at u, m/s^2 in the world; u as above.
+template <typename T>
+Eigen::Matrix<T, 3, 1> EvaluateAcceleration(const T* const p[4],
+                                            const T& u,
+                                            double knot_interval_s) {
+  const double per_s2 = 1.0 / (knot_interval_s * knot_interval_s);
+  const T weights[4] = {1.0 - u, 3.0 * u - 2.0, 1.0 - 3.0 * u, u};
+  Eigen::Matrix<T, 3, 1> acceleration;
+  for (int axis = 0; axis < 3; ++axis) {
+    acceleration[axis] = per_s2 * (weights[0] * p[0][axis] + weights[1] * p[1][axis] +
+                                   weights[2] * p[2][axis] + weights[3] * p[3][axis]);
+  }
+  return acceleration;
+}
+
 // For functors that Ceres differentiates automatically: R(u) into q_out.
 template <typename T>
 void EvaluateRotation(const T* const q[4], double u, T* q_out) {
