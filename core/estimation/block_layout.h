@@ -6,11 +6,22 @@
 namespace plumbline {
 
 // The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id,
-// then scanners; every matrix of ours has its rows and columns in this order.
+// then scanners, then the IMU and its biases by time; every matrix of ours has its rows and
+// columns in this order.
 struct BlockId {
-  enum class Kind { kRotation, kPosition, kLandmark, kScanner };
-  int group = 0;  // 0: control points, 1: landmarks, 2: scanners
-  int index = 0;  // of a control point or scanner, or landmark id
+  enum class Kind {
+    kRotation,
+    kPosition,
+    kLandmark,
+    kScanner,
+    kImu,
+    kGyroscopeBias,
+    kAccelerometerBias
+  };
+  int group = 0;  // 0: control points, 1: landmarks, 2: scanners, 3: the IMU, 4: its biases
+  // Of a control point or scanner, landmark id, or of a bias the last knot interval that it
+  // has a say in.
+  int index = 0;
   Kind kind = Kind::kRotation;
 
   bool operator<(const BlockId& other) const {
@@ -31,10 +42,28 @@ inline BlockId LandmarkBlock(int id) { return {1, id, BlockId::Kind::kLandmark};
 
 inline BlockId ScannerBlockId(int scanner) { return {2, scanner, BlockId::Kind::kScanner}; }
 
+inline BlockId ImuBlockId() { return {3, 0, BlockId::Kind::kImu}; }
+inline BlockId GyroscopeBiasBlock(int last_interval) {
+  return {4, last_interval, BlockId::Kind::kGyroscopeBias};
+}
+inline BlockId AccelerometerBiasBlock(int last_interval) {
+  return {4, last_interval, BlockId::Kind::kAccelerometerBias};
+}
+
 inline bool IsLandmark(const BlockId& block) { return block.kind == BlockId::Kind::kLandmark; }
 inline bool IsScanner(const BlockId& block) { return block.kind == BlockId::Kind::kScanner; }
 inline bool IsControlPoint(const BlockId& block) {
   return block.kind == BlockId::Kind::kRotation || block.kind == BlockId::Kind::kPosition;
+}
+
+inline bool IsImu(const BlockId& block) { return block.kind == BlockId::Kind::kImu; }
+inline bool IsBias(const BlockId& block) {
+  return block.kind == BlockId::Kind::kGyroscopeBias ||
+         block.kind == BlockId::Kind::kAccelerometerBias;
+}
+// Whether nothing that begins with this control point or later depends on the block.
+inline bool IsBefore(const BlockId& block, int control_point) {
+  return (IsControlPoint(block) || IsBias(block)) && block.index < control_point;
 }
 
 // A problem's blocks and their columns, in the blocks' full tangent spaces as in

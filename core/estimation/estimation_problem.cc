@@ -77,13 +77,14 @@ void EstimationProblem::Add(std::unique_ptr<ceres::CostFunction> factor,
 }
 
 void EstimationProblem::AddFactor(std::unique_ptr<ceres::CostFunction> factor,
-                                  const std::vector<BlockId>& blocks) {
+                                  const std::vector<BlockId>& blocks,
+                                  FactorTerm::Kind kind) {
   std::vector<double*> data;
   for (const BlockId& block : blocks) {
     unknowns_.Register(block);
     data.push_back(unknowns_.Data(block));
   }
-  Add(std::move(factor), data);
+  Add(std::move(factor), data, kind);
 }
 
 void EstimationProblem::AddPoints(const Observation& observation) {

@@ -37,7 +37,7 @@ struct Prior {
 
 // A cost function and the parameter blocks that it takes, in its order.
 struct FactorTerm {
-  enum class Kind { kOther, kRotationAcceleration, kPositionAcceleration };
+  enum class Kind { kOther, kRotationAcceleration, kPositionAcceleration, kImu };
 
   std::shared_ptr<const ceres::CostFunction> factor;
   std::vector<double*> blocks;
@@ -107,7 +107,8 @@ class EstimationProblem {
   void AddOdometry(int first, const OdometryMeasurement& measurement);
   // Adds any other cost function over these blocks, in its order.
   void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
-                 const std::vector<BlockId>& blocks);
+                 const std::vector<BlockId>& blocks,
+                 FactorTerm::Kind kind = FactorTerm::Kind::kOther);
 
   // What the terms are of.
   const Unknowns& unknowns() const { return unknowns_; }

@@ -110,7 +110,8 @@ class FactorEvaluator {
   std::vector<std::pair<size_t, size_t>> order_;  // position in the layout, in the term
   std::vector<double> values_;
   std::vector<double*> by_parameters_;  // Jacobians by the blocks' ambient parameters
-  std::array<double, kScannerBlockSize * kScannerBlockSize> tangents_;  // of the largest block
+  std::array<double, Unknowns::kLargestBlock * Unknowns::kLargestBlock>
+      tangents_;  // of the largest block
   std::vector<int> columns_;
   Eigen::MatrixXd jacobian_;
   Eigen::VectorXd residuals_;

@@ -37,6 +37,12 @@ double* Unknowns::Data(const BlockId& block) const {
       return (*landmarks_)[static_cast<size_t>(block.index)].parameters.data();
     case BlockId::Kind::kScanner:
       return Estimate(block).block.data();
+    case BlockId::Kind::kImu:
+      return calibration_->imu->block.data();
+    case BlockId::Kind::kGyroscopeBias:
+      return Biases(block).gyroscope.data();
+    case BlockId::Kind::kAccelerometerBias:
+      return Biases(block).accelerometer.data();
   }
   LOG(FATAL) << "unknown block";
   return nullptr;
@@ -52,13 +58,18 @@ int Unknowns::AmbientSize(const BlockId& block) const {
       return (*landmarks_)[static_cast<size_t>(block.index)].num_parameters();
     case BlockId::Kind::kScanner:
       return kScannerBlockSize;
+    case BlockId::Kind::kImu:
+      return kImuBlockSize;
+    case BlockId::Kind::kGyroscopeBias:
+    case BlockId::Kind::kAccelerometerBias:
+      return kImuBiasSize;
   }
   LOG(FATAL) << "unknown block";
   return 0;
 }
 
 LinearPrior::Kind Unknowns::KindOf(const BlockId& block) const {
-  if (block.kind == BlockId::Kind::kPosition || IsScanner(block)) {
+  if (block.kind == BlockId::Kind::kPosition || block.group > 1) {
     return LinearPrior::Kind::kEuclidean;
   }
   if (block.kind == BlockId::Kind::kLandmark) {
@@ -83,19 +94,25 @@ void Unknowns::Register(const BlockId& block) {
   blocks_.emplace(block, MakeManifold(block));
 }
 
+const double* Unknowns::PriorSigmas(const BlockId& block) const {
+  if (IsScanner(block)) return Estimate(block).prior_sigma.data();
+  return IsImu(block) ? calibration_->imu->prior_sigma.data() : nullptr;
+}
+
 const ceres::Manifold* Unknowns::MakeManifold(const BlockId& block) {
   if (block.kind == BlockId::Kind::kRotation) return rotation_manifold_.get();
   if (block.kind == BlockId::Kind::kPosition) {
     return planar_ ? planar_position_manifold_.get() : nullptr;
   }
-  if (IsScanner(block)) {
-    const ScannerBlock& sigmas = Estimate(block).prior_sigma;
+  if (block.group > 1) {
+    const double* const sigmas = PriorSigmas(block);
+    const int size = AmbientSize(block);
     std::vector<int> held;
-    for (int i = 0; i < kScannerBlockSize; ++i) {
-      if (sigmas[static_cast<size_t>(i)] == 0.0) held.push_back(i);
+    for (int i = 0; sigmas != nullptr && i < size; ++i) {
+      if (sigmas[i] == 0.0) held.push_back(i);
     }
     if (held.empty()) return nullptr;
-    own_manifolds_.push_back(std::make_unique<ceres::SubsetManifold>(kScannerBlockSize, held));
+    own_manifolds_.push_back(std::make_unique<ceres::SubsetManifold>(size, held));
     return own_manifolds_.back().get();
   }
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
@@ -115,9 +132,10 @@ BlockLayout Unknowns::Layout() const {
     const int free_size = manifold == nullptr ? size : manifold->TangentSize();
     // A landmark that is held in part is held in its heading, a position in its height.
     const bool heading_held = IsLandmark(block) && free_size < size;
+    const double* const sigmas = PriorSigmas(block);
     for (int i = 0; i < size; ++i) {
-      if (IsScanner(block)) {
-        layout.is_free.push_back(Estimate(block).prior_sigma[static_cast<size_t>(i)] > 0.0);
+      if (sigmas != nullptr) {
+        layout.is_free.push_back(sigmas[i] > 0.0);
       } else {
         layout.is_free.push_back(heading_held ? i > 0 : i < free_size);
       }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <map>
@@ -19,8 +20,9 @@ class Manifold;
 
 namespace plumbline {
 
-// Unknowns are the parameter blocks of an estimation problem: control points, landmarks and
-// scanners where their owners have them, each with its manifold, and which of them are held.
+// Unknowns are the parameter blocks of an estimation problem: control points, landmarks,
+// scanners and IMU where their owners have them, each with its manifold, and which of them are
+// held.
 class Unknowns {
  public:
   // trajectory, landmarks and calibration hold the values and outlive the unknowns.
@@ -52,8 +54,9 @@ class Unknowns {
   // The manifold of a registered block; nullptr: its tangent is the block itself.
   const ceres::Manifold* ManifoldOf(const BlockId& block) const;
 
+  static constexpr int kLargestBlock = std::max<int>(kScannerBlockSize, kImuBlockSize);
   // Values of the unknowns, by their position in a layout.
-  using Values = std::vector<std::array<double, kScannerBlockSize>>;
+  using Values = std::vector<std::array<double, kLargestBlock>>;
   Values ValuesOf(const BlockLayout& layout) const;
   void SetValues(const BlockLayout& layout, const Values& values) const;
   // Moves the unknowns by their parts of a step, whose rows are the layout's free columns.
@@ -66,6 +69,12 @@ class Unknowns {
   ScannerEstimate& Estimate(const BlockId& scanner) const {
     return calibration_->scanners[static_cast<size_t>(scanner.index)];
   }
+  ImuBiases& Biases(const BlockId& bias) const {
+    ImuEstimate& imu = *calibration_->imu;
+    return imu.biases[static_cast<size_t>(imu.NodeOfLastInterval(bias.index))];
+  }
+  // Prior standard deviations of a block of which some numbers may be held; nullptr: none are.
+  const double* PriorSigmas(const BlockId& block) const;
   const ceres::Manifold* MakeManifold(const BlockId& block);
 
   bool planar_;

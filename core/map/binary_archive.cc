@@ -200,6 +200,25 @@ void BinaryArchive::operator()(ScannerEstimate& scanner) {
   (*this)(covariance);
 }
 
+void BinaryArchive::operator()(ImuBiases& biases) {
+  auto& [gyroscope, accelerometer, gyroscope_covariance, accelerometer_covariance] = biases;
+  (*this)(gyroscope);
+  (*this)(accelerometer);
+  (*this)(gyroscope_covariance);
+  (*this)(accelerometer_covariance);
+}
+
+// What is stated stands in the rig file.
+void BinaryArchive::operator()(ImuEstimate& imu) {
+  auto& [stated, planar, block, prior_sigma, covariance, intervals_per_bias, biases] = imu;
+  (*this)(planar);
+  (*this)(block);
+  (*this)(prior_sigma);
+  (*this)(covariance);
+  (*this)(intervals_per_bias);
+  (*this)(biases);
+}
+
 void BinaryArchive::operator()(MapState& state) {
   auto& [trajectory,
          landmarks,
@@ -211,6 +230,7 @@ void BinaryArchive::operator()(MapState& state) {
          gaps,
          odometry,  // stands in the recording
          odometry_calibration,
+         imu,  // stands in the recording
          calibration] = state;
   trajectory.VisitMembers(*this);
   (*this)(landmarks);
@@ -222,6 +242,11 @@ void BinaryArchive::operator()(MapState& state) {
   (*this)(gaps);
   odometry_calibration.VisitMembers(*this);
   (*this)(calibration.scanners);
+  bool has_imu = calibration.imu.has_value();
+  (*this)(has_imu);
+  if (!has_imu) return;
+  if (!calibration.imu) calibration.imu.emplace();
+  (*this)(*calibration.imu);
 }
 
 }  // namespace plumbline

@@ -82,6 +82,8 @@ class BinaryArchive {
   void operator()(PoseConstraint& constraint);
   void operator()(MapGap& gap);
   void operator()(ScannerEstimate& scanner);
+  void operator()(ImuBiases& biases);
+  void operator()(ImuEstimate& imu);
   void operator()(MapState& state);
 
  private:

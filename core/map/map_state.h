@@ -11,6 +11,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/map/rig_calibration.h"
+#include "core/sensor/imu.h"
 #include "core/sensor/moving_beams.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
@@ -46,7 +47,9 @@ struct MapState {
   // Odometry and its calibration; nullptr: there is none.
   std::shared_ptr<const Odometry> odometry = nullptr;
   OdometryCalibration odometry_calibration = {};
-  // The scanners, where they are estimated.
+  // What the IMU read, which is estimated in the calibration; nullptr: there is none.
+  std::shared_ptr<const ImuReadings> imu = nullptr;
+  // The scanners, where they are estimated, and the IMU.
   RigCalibration calibration = {};
 
   // Whether the trajectory covers the instant, and it lies in no gap.

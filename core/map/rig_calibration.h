@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "core/map/imu_estimate.h"
 #include "core/sensor/rig.h"
 #include "factors/segment/scanner_block.h"
 
@@ -32,6 +34,7 @@ ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
 // the plane does not show heights and tilts, which are held.
 struct RigCalibration {
   std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
+  std::optional<ImuEstimate> imu;
 
   RigCalibration() = default;
   RigCalibration(const Rig& rig, bool planar);

@@ -1,5 +1,6 @@
 #include "core/mapping/batch_estimator.h"
 
+#include <ceres/cost_function.h>
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "core/estimation/arrowhead_equations.h"
 #include "core/estimation/error_patterns.h"
 #include "core/estimation/gauss_newton_solver.h"
+#include "core/estimation/imu_terms.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/motion_noise_estimation.h"
 #include "core/estimation/odometry_terms.h"
@@ -153,6 +155,12 @@ std::unique_ptr<EstimationProblem> BatchEstimator::BuildProblem(FactorKind facto
     Calibrate(*state_, 0, num_intervals, &state_->odometry_calibration);
     AddOdometry(*state_, 0, num_intervals, problem.get());
   }
+  if (state_->imu != nullptr && factor == FactorKind::kSegment) {
+    const int num_intervals = state_->trajectory.num_control_points() - kSplineOrder + 1;
+    state_->calibration.imu->ExtendTo(num_intervals);
+    AddImuPrior(*state_->calibration.imu, problem.get());
+    AddImu(*state_, 0, num_intervals, 1, problem.get());
+  }
   std::vector<const Observation*> associated;
   ForEachAssociated(*state_, [&](const Observation& observation) {
     if (factor == FactorKind::kPoint) {
@@ -183,6 +191,9 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
                                : 0.0;
     constant += offset * offset * (segment.constant() - in_cost * in_cost);
   });
+  for (const FactorTerm& term : problem.factor_terms()) {
+    if (term.kind == FactorTerm::Kind::kImu) num_points += term.factor->num_residuals();
+  }
   const auto num_unknowns = static_cast<double>(problem.Layout().FreeColumns().size());
   return (2.0 * (cost - motion.prior_cost) + constant) /
          (num_points - num_unknowns + motion.by_prior);
@@ -246,10 +257,14 @@ MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
   }
   Eigen::Index row = 0;
   for (const BlockId& block : problem.Layout().blocks) {
-    if (!IsScanner(block)) continue;
-    state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
-        covariance.scanners().block<kScannerBlockSize, kScannerBlockSize>(row, row);
-    row += kScannerBlockSize;
+    if (IsLandmark(block) || IsControlPoint(block)) continue;
+    if (IsScanner(block)) {
+      state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
+          covariance.scanners().block<kScannerBlockSize, kScannerBlockSize>(row, row);
+    } else {
+      SetImuCovariance(block, covariance.scanners(), row, &*state_->calibration.imu);
+    }
+    row += problem.unknowns().TangentSize(block);
   }
   return covariance;
 }

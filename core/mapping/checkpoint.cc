@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-constexpr char kFormat[] = "plumbline checkpoint 1";
+constexpr char kFormat[] = "plumbline checkpoint 2";
 
 std::string ReadText(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);

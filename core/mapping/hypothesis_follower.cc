@@ -47,9 +47,10 @@ HypothesisFollower::HypothesisFollower(const Rig& rig,
                                        bool planar,
                                        const MapperOptions& options,
                                        double scan_period_s,
-                                       std::shared_ptr<const Odometry> odometry)
+                                       std::shared_ptr<const Odometry> odometry,
+                                       std::shared_ptr<const ImuReadings> imu)
     : follower_(std::make_unique<ScanFollower>(
-          rig, planar, options, scan_period_s, std::move(odometry))),
+          rig, planar, options, scan_period_s, std::move(odometry), std::move(imu))),
       is_on_(options.rules.second_hypothesis) {}
 
 void HypothesisFollower::Follow(const Scan& scan) {

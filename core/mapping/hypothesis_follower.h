@@ -25,7 +25,8 @@ class HypothesisFollower {
                      bool planar,
                      const MapperOptions& options,
                      double scan_period_s,
-                     std::shared_ptr<const Odometry> odometry = nullptr);
+                     std::shared_ptr<const Odometry> odometry = nullptr,
+                     std::shared_ptr<const ImuReadings> imu = nullptr);
 
   // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {}) {

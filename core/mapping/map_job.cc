@@ -19,6 +19,7 @@
 #include "core/floor_plan/floor_plan_files.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/calibration_report.h"
+#include "core/map/imu_report.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/checked_recording.h"
 #include "core/mapping/checkpoint.h"
@@ -115,7 +116,9 @@ void Describe(const MapResult& result, const PlaneCovariance& planes, Summary* s
   const Trajectory& trajectory = result.state.trajectory;
   for (const WeakDirection& weak : result.batch.covariance.weak_directions()) {
     std::string what = PlaneName(weak.block.index);
-    if (weak.block.kind != BlockId::Kind::kLandmark) {
+    if (IsImu(weak.block) || IsBias(weak.block)) {
+      what = "the IMU";
+    } else if (weak.block.kind != BlockId::Kind::kLandmark) {
       // A control point acts most in the middle of the four intervals it reaches.
       const double since_start_s =
           SecondsBetween(result.state.origin_time_ns, trajectory.start_ns()) +
@@ -423,11 +426,16 @@ void WriteCalibration(const CheckedRecording& checked,
                       ResultWriter* writer,
                       Summary* summary) {
   const RigCalibration& calibration = result.state.calibration;
-  if (calibration.scanners.empty()) return;
+  if (calibration.scanners.empty() && !calibration.imu) return;
   summary->calibration = DescribeCalibration(
       checked.stated, checked.rig, calibration, result.batch.covariance.scanners());
+  Rig calibrated = CalibratedRig(checked.rig, calibration);
+  if (calibration.imu) {
+    summary->calibration.imu = DescribeImu(result.state);
+    calibrated.imu = ImuAsEstimated(*calibration.imu);
+  }
   writer->WriteCalibration(summary->calibration);
-  WriteRig(CalibratedRig(checked.rig, calibration), folder + "/" + kRigCalibrated);
+  WriteRig(calibrated, folder + "/" + kRigCalibrated);
 }
 
 std::vector<PartSummary> ListParts(const std::vector<std::string>& folders,

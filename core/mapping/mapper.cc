@@ -223,6 +223,18 @@ std::vector<MapResult> EstimateParts(const Rig& rig,
   return results;
 }
 
+// The options for a rig whose IMU measures its accelerations: a prior that is so much weaker
+// than that of any rig bends no motion. One that fits the motion shrinks it by some
+// thousandths, which the IMU's scales would take for theirs.
+MapperOptions WithoutMotionPrior(MapperOptions options) {
+  constexpr double kWeaker = 30.0;
+  TrajectoryOptions& trajectory = options.trajectory;
+  trajectory.acceleration_density_m_s2 *= kWeaker;
+  trajectory.angular_acceleration_density_deg_s2 *= kWeaker;
+  trajectory.estimate_densities = false;
+  return options;
+}
+
 // The maps of the recording's parts, joined where they match. Where the scans contradict what
 // was joined, the parts stay apart.
 std::vector<MapResult> EstimateJoined(const Rig& rig,
@@ -260,13 +272,16 @@ size_t LongestPart(const std::vector<MapResult>& parts) {
 }
 
 std::vector<MapResult> MapRecording(const Rig& rig,
-                                    const MapperOptions& options,
+                                    const MapperOptions& stated_options,
                                     const ProgressCallback& progress,
                                     RecordingReader* recording,
                                     const std::function<bool()>& stop,
                                     const CheckpointFiles& checkpoint) {
-  options.Check();
+  stated_options.Check();
   const bool planar = IsPlanar(rig);
+  const bool has_imu = recording->imu() != nullptr;
+  const MapperOptions options =
+      has_imu && !planar ? WithoutMotionPrior(stated_options) : stated_options;
   if (planar) {
     LOG(INFO)
         << "planar rig: all scan planes are horizontal, so height, roll and pitch can not "
@@ -279,6 +294,8 @@ std::vector<MapResult> MapRecording(const Rig& rig,
           : ReadCheckpoint(checkpoint.inputs, checkpoint.read_from);
   for (FollowedPart& part : followed.parts) {
     if (options.odometry.enabled) part.state.odometry = recording->odometry();
+    part.state.imu = recording->imu();
+    if (part.state.calibration.imu) part.state.calibration.imu->stated = *rig.imu;
   }
   double following_s = 0.0;
   for (const auto& [stage, seconds] : stages) following_s += seconds;

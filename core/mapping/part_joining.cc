@@ -203,6 +203,7 @@ void Append(const Rig& rig, FollowedPart later, FollowedPart* earlier) {
   // The longer one has shown more of the scanners.
   if (later.scan_times_ns.size() > earlier->scan_times_ns.size()) {
     state.calibration = later.state.calibration;
+    if (state.calibration.imu) state.calibration.imu->biases.resize(1);  // of other instants
   }
   earlier->scan_times_ns.insert(
       earlier->scan_times_ns.end(), later.scan_times_ns.begin(), later.scan_times_ns.end());

@@ -80,7 +80,8 @@ std::unique_ptr<HypothesisFollower> RecordingFollower::StartWith(const Scan& sca
       planar_,
       options_,
       recording_->scan_period_s(),
-      options_.odometry.enabled ? recording_->odometry() : nullptr);
+      options_.odometry.enabled ? recording_->odometry() : nullptr,
+      recording_->imu());
   std::optional<int64_t> knot_ns;
   if (!parts_.empty()) {
     knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();

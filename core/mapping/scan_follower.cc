@@ -55,6 +55,7 @@ ScanFollower::ScanFollower(const ScanFollower& other)
       options_(other.options_),
       scan_period_s_(other.scan_period_s_),
       odometry_(other.odometry_),
+      imu_(other.imu_),
       tentative_planes_(other.tentative_planes_),
       motion_prior_(other.motion_prior_),
       state_(std::make_unique<MapState>(*other.state_)),
@@ -183,6 +184,10 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   state_->odometry = odometry_;
   state_->odometry_calibration = OdometryCalibration(options_.odometry);
   state_->calibration = RigCalibration(rig_, planar_);
+  if (imu_ != nullptr) {
+    state_->imu = imu_;
+    state_->calibration.imu.emplace(*rig_.imu, planar_, interval_s);
+  }
   state_->trajectory.ExtendTo(scan.end_ns);
   window_ = std::make_unique<Window>(rig_, planar_, options_, &motion_prior_, state_.get());
   tracker_ = std::make_unique<Tracker>(rig_, planar_, options_, &motion_prior_, state_.get());
@@ -307,7 +312,9 @@ void ScanFollower::BridgeByMotion(int64_t now_ns) {
                         landmark.Width() < kLongWall);
   }
   window_->TakeBack(is_narrow);
-  motion_prior_.Bridge(window_->start(), state_->trajectory.num_control_points());
+  if (imu_ == nullptr) {
+    motion_prior_.Bridge(window_->start(), state_->trajectory.num_control_points());
+  }
   tracker_->set_bridges_by_motion(true);
   may_found_ = false;
   SolveWindow(now_ns);
@@ -393,7 +400,7 @@ Scan ScanFollower::WithoutRepetitions(const Scan& scan) {
 void ScanFollower::FollowWhileKnown(const Scan& recorded) {
   const Scan scan = WithoutRepetitions(recorded);
   state_->trajectory.ExtendTo(scan.end_ns);
-  tracker_->FollowOdometry();
+  tracker_->FollowOwnMotion();
   const int first = static_cast<int>(state_->observations.size());
   const int scan_index = static_cast<int>(scan_times_ns_.size());
   if (scan_matcher_ != nullptr) {

@@ -13,6 +13,7 @@
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
+#include "core/sensor/imu.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_reader.h"
@@ -34,17 +35,19 @@ class LostTrack : public Error {
 // Follows the rig scan by scan: segmentation, tracking, new planes, window.
 class ScanFollower {
  public:
-  // odometry: nullptr where there is none.
+  // odometry, imu: nullptr where there is none.
   ScanFollower(const Rig& rig,
                bool planar,
                const MapperOptions& options,
                double scan_period_s,
-               std::shared_ptr<const Odometry> odometry = nullptr)
+               std::shared_ptr<const Odometry> odometry = nullptr,
+               std::shared_ptr<const ImuReadings> imu = nullptr)
       : rig_(rig),
         planar_(planar),
         options_(options),
         scan_period_s_(scan_period_s),
         odometry_(std::move(odometry)),
+        imu_(std::move(imu)),
         tentative_planes_(planar, options, MaxRangeNoise(rig)),
         motion_prior_(options.trajectory) {}
 
@@ -118,6 +121,7 @@ class ScanFollower {
   const MapperOptions& options_;
   double scan_period_s_;
   std::shared_ptr<const Odometry> odometry_;
+  std::shared_ptr<const ImuReadings> imu_;
   TentativePlanes tentative_planes_;
   MotionPrior motion_prior_;
   std::unique_ptr<MapState> state_;

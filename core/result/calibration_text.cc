@@ -49,6 +49,28 @@ Eigen::VectorXd OpenShares(const Eigen::MatrixXd& covariance,
   return solver.eigenvectors().cwiseAbs2() * is_open;
 }
 
+nlohmann::ordered_json ImuJson(const CalibratedImu& imu) {
+  nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
+  for (const CalibratedParameter& parameter : imu.parameters) {
+    parameters.push_back({{"name", parameter.name},
+                          {"value", parameter.value},
+                          {"sigma", parameter.sigma},
+                          {"prior_sigma", parameter.prior_sigma}});
+  }
+  const auto list = [](const Eigen::Vector3d& v) {
+    return std::vector<double>(v.begin(), v.end());
+  };
+  nlohmann::ordered_json biases = nlohmann::ordered_json::array();
+  for (const BiasesAt& at : imu.biases) {
+    biases.push_back({{"time_ns", at.time_ns},
+                      {"gyroscope_deg_s", list(at.gyroscope_deg_s)},
+                      {"gyroscope_sigma_deg_s", list(at.gyroscope_sigma_deg_s)},
+                      {"accelerometer_m_s2", list(at.accelerometer_m_s2)},
+                      {"accelerometer_sigma_m_s2", list(at.accelerometer_sigma_m_s2)}});
+  }
+  return {{"parameters", parameters}, {"biases", biases}};
+}
+
 }  // namespace
 
 std::vector<std::vector<bool>> ObservedParameters(const Calibration& calibration) {
@@ -125,9 +147,10 @@ std::string FormatCalibration(const Calibration& calibration) {
     const Eigen::VectorXd row = calibration.covariance.row(i);
     rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
-  const nlohmann::ordered_json json = {{"scanners", scanners},
-                                       {"unobserved", UnobservedInWords(calibration)},
-                                       {"covariance", rows}};
+  nlohmann::ordered_json json = {{"scanners", scanners},
+                                 {"unobserved", UnobservedInWords(calibration)},
+                                 {"covariance", rows}};
+  if (calibration.imu) json["imu"] = ImuJson(*calibration.imu);
   return json.dump(1) + "\n";
 }
 

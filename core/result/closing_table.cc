@@ -123,7 +123,8 @@ std::string ClosingTable(const Summary& summary,
   if (summary.parts.size() > 1) {
     AppendRow(&text, "parts", std::to_string(summary.parts.size()), "", "this is the longest");
   }
-  if (!summary.calibration.empty()) text += CalibrationLine(summary.calibration) + "\n";
+  if (!summary.calibration.scanners.empty())
+    text += CalibrationLine(summary.calibration) + "\n";
   Append(&text, "Verdict: %s", VerdictName(summary.consistency.verdict).c_str());
   if (!summary.warnings.empty()) {
     Append(&text, ", %zu warnings (summary.json)", summary.warnings.size());

@@ -202,12 +202,30 @@ struct CalibratedScanner {
   std::vector<CalibratedParameter> parameters;
 };
 
-// The estimated scanners.
+// The biases of an IMU at an instant, with standard deviations, along its axes.
+struct BiasesAt {
+  int64_t time_ns = 0;
+  Eigen::Vector3d gyroscope_deg_s;
+  Eigen::Vector3d gyroscope_sigma_deg_s;
+  Eigen::Vector3d accelerometer_m_s2;
+  Eigen::Vector3d accelerometer_sigma_m_s2;
+};
+
+struct CalibratedImu {
+  // Turns about the body's axes, shifts along them, the clock, scales of the IMU's axes, and
+  // the lean of gravity in the map.
+  std::vector<CalibratedParameter> parameters;
+  std::vector<BiasesAt> biases;  // by time; linear between
+};
+
+// The estimated scanners, and the IMU.
 struct Calibration {
   std::vector<CalibratedScanner> scanners;
   Eigen::MatrixXd covariance;  // of all their parameters that are not held, in their units
 
-  bool empty() const { return scanners.empty(); }
+  std::optional<CalibratedImu> imu;
+
+  bool empty() const { return scanners.empty() && !imu; }
 };
 
 // Summary holds the figures of summary.json.

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/estimation/imu_terms.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/odometry_terms.h"
 #include "core/estimation/pose_prior.h"
@@ -127,15 +128,23 @@ EstimationProblem Tracker::MakeProblem() const {
   for (int i = std::max(first(), known - 2); i + 2 < end; ++i) {
     problem.AddMotionPrior(i, motion_prior_->At(i));
   }
-  AddOdometry(
-      *state_, std::max(first(), known - kSplineOrder + 1), end - kSplineOrder + 1, &problem);
+  const int first_interval = std::max(first(), known - kSplineOrder + 1);
+  AddOdometry(*state_, first_interval, end - kSplineOrder + 1, &problem);
+  if (state_->calibration.imu) state_->calibration.imu->ExtendTo(end - kSplineOrder + 1);
+  // Until the window is solved again, biases err alike.
+  const double per_step = options_.window.step_s / state_->trajectory.knot_interval_s();
+  AddImu(*state_,
+         first_interval,
+         end - kSplineOrder + 1,
+         std::max(1, static_cast<int>(kImuMeansPerInterval * per_step)),
+         &problem);
   return problem;
 }
 
-void Tracker::FollowOdometry() {
+void Tracker::FollowOwnMotion() {
   const Trajectory& trajectory = state_->trajectory;
-  if (state_->odometry == nullptr || gaussian_.end() == trajectory.num_control_points())
-    return;
+  const bool knows_motion = state_->odometry != nullptr || state_->imu != nullptr;
+  if (!knows_motion || gaussian_.end() == trajectory.num_control_points()) return;
   EstimationProblem problem = MakeProblem();
   solver_->Solve(&problem);
 }
@@ -359,7 +368,7 @@ bool Tracker::IsHeightOpen(int first_observation, int last_observation) const {
 
 PoseGaussian Tracker::BridgeByMotion(int first_observation, int last_observation) {
   const int end = state_->trajectory.num_control_points();
-  motion_prior_->Bridge(end - kSplineOrder + 1, end);
+  if (state_->imu == nullptr) motion_prior_->Bridge(end - kSplineOrder + 1, end);
   return EstimateWithout(
       OnNarrowPlanes(*state_, first_observation, last_observation, kLongWall),
       first_observation,

@@ -36,9 +36,9 @@ class Tracker {
   // Goes on from where another one stands, with copies of what it works on.
   Tracker(const Tracker& other, const Rig& rig, MotionPrior* motion_prior, MapState* state);
 
-  // Moves the newest control points, if there are any that no scan has held yet, to where the
-  // wheels say that the rig went.
-  void FollowOdometry();
+  // Moves the newest control points, if there are any that no scan has held yet, to where
+  // wheels or IMU say that the rig went.
+  void FollowOwnMotion();
 
   // Associates the observations first .. last of the newest scan with the landmarks and
   // estimates its poses, in turn until the associations stand.

@@ -125,7 +125,7 @@ void InactiveLandmarks::Deactivate(const std::set<int>& landmark_ids,
     return IsLandmark(block) && landmark_ids.count(block.index) > 0;
   };
   const auto is_anchor = [&](const BlockId& block) {
-    return IsControlPoint(block) && block.index < first_control_point;
+    return IsBefore(block, first_control_point);
   };
   const NormalEquations& past = prior->equations;
   std::vector<int> leaving = RowsOf(past, is_taken);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/estimation/block_layout.h"
+#include "core/estimation/imu_terms.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/normal_equations.h"
 #include "core/estimation/odometry_terms.h"
@@ -88,6 +89,7 @@ void Window::AddStart(EstimationProblem* problem) const {
   problem->AddStartVelocityPrior(options_.trajectory);
   problem->AddOrigin(state_->origin_time_ns);
   AddScannerPriors(state_->calibration, problem);
+  if (state_->imu != nullptr) AddImuPrior(*state_->calibration.imu, problem);
 }
 
 void Window::AddPoseConstraints(int end, EstimationProblem* problem) const {
@@ -176,7 +178,7 @@ Window::OutOfView Window::EliminateOutOfView(const std::set<int>& in_view) const
   for (size_t i = 0; i < past.blocks.size(); ++i) {
     const BlockId& block = past.blocks[i];
     const bool is_active =
-        IsScanner(block) ||
+        IsScanner(block) || IsImu(block) ||
         (IsLandmark(block) ? in_view.count(block.index) > 0 : block.index >= start_);
     (is_active ? out_of_view.active_blocks : out_of_view.blocks).push_back(i);
     for (int row = past.offsets[i]; row < past.offsets[i + 1]; ++row) {
@@ -262,7 +264,10 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
   if (start_ == 0) AddStart(&problem);
   const int num_control_points = state_->trajectory.num_control_points();
   AddMotionPriors(&problem, FirstMotionPrior(), num_control_points - 3);
-  AddOdometry(*state_, start_, num_control_points - kSplineOrder + 1, &problem);
+  const int end_interval = num_control_points - kSplineOrder + 1;
+  AddOdometry(*state_, start_, end_interval, &problem);
+  if (state_->calibration.imu) state_->calibration.imu->ExtendTo(end_interval);
+  AddImu(*state_, start_, end_interval, 1, &problem);
   std::vector<const Observation*> in_window;
   for (const int index : window_) {
     in_window.push_back(&state_->observations[static_cast<size_t>(index)]);
@@ -286,6 +291,9 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     if (IsScanner(block)) {
       state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
           covariance.block<kScannerBlockSize, kScannerBlockSize>(row, row);
+    }
+    if (block.group > ScannerBlockId(0).group) {
+      SetImuCovariance(block, covariance, row, &*state_->calibration.imu);
     }
     if (!IsLandmark(block)) continue;
     SetCovariance(covariance.block(row, row, BlockSize(equations, i), BlockSize(equations, i)),
@@ -350,7 +358,7 @@ void Window::LearnMotion(const NormalEquations& equations,
 
 PoseGaussian Window::NewestPoses(const NormalEquations& equations, int newest) const {
   std::vector<int> order = RowsOf(equations, [&](const BlockId& block) {
-    return IsControlPoint(block) && block.index < newest;
+    return (IsControlPoint(block) && block.index < newest) || IsBias(block);
   });
   const auto num_older = static_cast<Eigen::Index>(order.size());
   const std::vector<int> newest_rows = RowsOf(equations, [&](const BlockId& block) {
@@ -422,6 +430,7 @@ void Window::Marginalise(int new_start) {
   if (start_ == 0) AddStart(&leaving);
   AddMotionPriors(&leaving, FirstMotionPrior(), new_start);
   AddOdometry(*state_, start_, new_start, &leaving);
+  AddImu(*state_, start_, new_start, 1, &leaving);
   std::vector<int> staying;
   const std::vector<const Observation*> gone =
       ObservationsBefore(new_start, *state_, window_, &staying);
@@ -450,7 +459,7 @@ void Window::Marginalise(int new_start) {
   AddTo(added, added.blocks, &all);
   // Control points that inactive landmarks depend on stay, as retained control points.
   const auto leaves = [&](const BlockId& block) {
-    return IsControlPoint(block) && block.index < new_start && !inactive_.DependsOn(block);
+    return IsBefore(block, new_start) && !inactive_.DependsOn(block);
   };
   std::vector<int> order = RowsOf(all, leaves);
   const auto num_leaving = static_cast<Eigen::Index>(order.size());

@@ -1,0 +1,49 @@
+#include "core/map/imu_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/angles.h"
+
+namespace plumbline {
+namespace {
+
+// From one node of the biases to the next. Cheap sensors' biases wander by less over this time
+// than the scans leave them uncertain.
+constexpr double kBiasSpacing = 5.0;  // s
+// Standard deviation of the tilt of floors.
+constexpr double kLean = 3.0 * kRadiansPerDegree;
+
+Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
+
+}  // namespace
+
+ImuEstimate::ImuEstimate(const Imu& stated, bool planar, double knot_interval_s)
+    : stated(stated), planar(planar) {
+  intervals_per_bias =
+      std::max(1, static_cast<int>(std::lround(kBiasSpacing / knot_interval_s)));
+  const auto fill = [&](int first, int count, double sigma) {
+    std::fill_n(prior_sigma.begin() + first, count, sigma);
+  };
+  fill(kImuDelayAt, 1, stated.time_s);
+  fill(kImuGyroscopeScaleAt, 3, stated.gyroscope.scale);
+  if (!planar) {
+    fill(kImuTurnAt, 3, stated.rotation_rad);
+    fill(kImuShiftAt, 3, stated.translation_m);
+    fill(kImuAccelerometerScaleAt, 3, stated.accelerometer.scale);
+    fill(kImuLeanAt, 2, kLean);
+  }
+  for (int i = 0; i < kImuBlockSize; ++i) {
+    covariance(i, i) = std::pow(prior_sigma[static_cast<size_t>(i)], 2);
+  }
+  biases.push_back(
+      {{}, {}, Isotropic(stated.gyroscope.bias), Isotropic(stated.accelerometer.bias)});
+}
+
+void ImuEstimate::ExtendTo(int knot_interval) {
+  while ((num_biases() - 1) * intervals_per_bias < knot_interval) {
+    biases.push_back(biases.back());
+  }
+}
+
+}  // namespace plumbline

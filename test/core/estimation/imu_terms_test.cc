@@ -1,0 +1,137 @@
+#include "core/estimation/imu_terms.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/estimation/estimation_problem.h"
+#include "core/estimation/linearisation.h"
+#include "core/estimation/normal_equations.h"
+#include "factors/spline/so3.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int64_t kStart = 1'000'000'000;
+constexpr int64_t kKnot = 50'000'000;
+constexpr int kNumIntervals = 100;
+
+// A trajectory that turns and accelerates steadily, and an IMU that is as stated.
+class ImuTermsTest : public testing::Test {
+ protected:
+  static constexpr double kTurnRate = 0.5;      // rad/s about z
+  static constexpr double kAcceleration = 0.3;  // m/s^2 along the world's x axis
+
+  ImuTermsTest() : state_{Trajectory(kStart, kKnot, Rigid3d()), {}, {}, kStart} {
+    state_.trajectory.ExtendTo(kStart + kNumIntervals * kKnot - 1);
+    for (int i = 0; i < state_.trajectory.num_control_points(); ++i) {
+      const double time_s = (i - 1) * 0.05;
+      ControlPoint& point = state_.trajectory.control_point(i);
+      Eigen::Map<Eigen::Quaterniond>(point.rotation.data()) =
+          Exp(Eigen::Vector3d(0.0, 0.0, kTurnRate * time_s));
+      point.position = {0.5 * kAcceleration * time_s * time_s, 0.0, 0.0};
+    }
+    imu_.gyroscope = {1e-3, 1e-4, 0.1, 0.0};
+    imu_.accelerometer = {1e-2, 1e-3, 0.5, 0.0};
+    rig_.scanners.resize(1);
+  }
+
+  // step: added to the rate about z from the middle of the time on.
+  void Read(double step = 0.0) {
+    std::vector<ImuSample> samples;
+    for (int i = 0; i < 10 * kNumIntervals; ++i) {
+      ImuSample sample;
+      sample.time_ns = kStart + i * kKnot / 10 + kKnot / 20;
+      const double time_s = 1e-9 * static_cast<double>(sample.time_ns - kStart);
+      sample.angular_rate.z() = kTurnRate + (2 * i < 10 * kNumIntervals ? 0.0 : step);
+      sample.specific_force = Exp(Eigen::Vector3d(0.0, 0.0, -kTurnRate * time_s)) *
+                              Eigen::Vector3d(kAcceleration, 0.0, kStandardGravity);
+      samples.push_back(sample);
+    }
+    state_.imu = std::make_shared<const ImuReadings>(samples, imu_);
+    state_.calibration.imu.emplace(imu_, planar_, 0.05);
+    state_.calibration.imu->ExtendTo(kNumIntervals);
+  }
+
+  EstimationProblem Problem() {
+    return {rig_, planar_, &state_.trajectory, &state_.landmarks, &state_.calibration};
+  }
+
+  bool planar_ = false;
+  Imu imu_;
+  Rig rig_;
+  MapState state_;
+};
+
+TEST_F(ImuTermsTest, PerfectReadingsOfTheTrajectoryCostNothing) {
+  Read();
+  EstimationProblem problem = Problem();
+  AddImuPrior(*state_.calibration.imu, &problem);
+  AddImu(state_, 0, kNumIntervals, 1, &problem);
+  const NormalEquations equations = LineariseDense(problem, problem.Layout());
+  EXPECT_LT(equations.cost, 1e-6);
+  // Two sensors, two means an interval, priors on the block and two biases, one walk each.
+  EXPECT_EQ(problem.factor_terms().size(), 4u * kNumIntervals + 3u + 2u);
+}
+
+TEST_F(ImuTermsTest, NothingWithoutReadings) {
+  EstimationProblem problem = Problem();
+  AddImu(state_, 0, kNumIntervals, 1, &problem);
+  EXPECT_TRUE(problem.factor_terms().empty());
+}
+
+TEST_F(ImuTermsTest, ARigInThePlaneHasItsTurnsAlone) {
+  planar_ = true;
+  Read();
+  EstimationProblem problem = Problem();
+  AddImu(state_, 0, 1, 1, &problem);
+  EXPECT_EQ(problem.factor_terms().size(), 2u + 1u);
+  const NormalEquations equations = LineariseDense(problem, problem.Layout());
+  for (const BlockId& block : equations.blocks) {
+    EXPECT_NE(block.kind, BlockId::Kind::kPosition);
+    EXPECT_NE(block.kind, BlockId::Kind::kAccelerometerBias);
+  }
+  EXPECT_LT(equations.cost, 1e-6);
+}
+
+// The readings' weight in a knot interval: J^T J of the first rotation it depends on.
+double WeightAt(const MapState& state, int interval, EstimationProblem problem) {
+  AddImu(state, interval, interval + 1, 1, &problem);
+  const NormalEquations equations = LineariseDense(problem, problem.Layout());
+  const int row = equations.offsets[FindBlock(equations, RotationBlock(interval))];
+  return equations.hessian(row + 2, row + 2);
+}
+
+TEST_F(ImuTermsTest, WhatTheSplineDoesNotFollowHasLessWeight) {
+  Read(0.5);
+  const double usual = WeightAt(state_, 10, Problem());
+  const double at_step = WeightAt(state_, kNumIntervals / 2, Problem());
+  EXPECT_LT(at_step, 0.01 * usual);
+  Read(1e-3);  // within the noise of a mean, 6e-3 rad/s
+  EXPECT_NEAR(WeightAt(state_, kNumIntervals / 2, Problem()), usual, 1e-3 * usual);
+}
+
+TEST_F(ImuTermsTest, HeldBiasesLeaveReadingsUncertain) {
+  Read();
+  EstimationProblem problem = Problem();
+  problem.HoldLandmarks();
+  const double with_bias = WeightAt(state_, 10, std::move(problem));
+  const double free = WeightAt(state_, 10, Problem());
+  // Noise of a mean: 1e-3 / sqrt(0.025); bias: 0.1 rad/s.
+  EXPECT_NEAR(with_bias / free, 4e-5 / (4e-5 + 1e-2), 2e-4);
+}
+
+TEST_F(ImuTermsTest, CovariancesGoWhereTheyBelong) {
+  Read();
+  ImuEstimate& imu = *state_.calibration.imu;
+  const Eigen::MatrixXd covariance = Eigen::VectorXd::LinSpaced(30, 1.0, 30.0).asDiagonal();
+  SetImuCovariance(ImuBlockId(), covariance, 0, &imu);
+  EXPECT_EQ(imu.covariance(2, 2), 3.0);
+  SetImuCovariance(AccelerometerBiasBlock(imu.LastIntervalOf(1)), covariance, 15, &imu);
+  EXPECT_EQ(imu.biases[1].accelerometer_covariance(0, 0), 16.0);
+}
+
+}  // namespace
+}  // namespace plumbline
