@@ -5,11 +5,13 @@
 #include <cmath>
 #include <functional>
 #include <sstream>
+#include <utility>
 
 #include "core/check/check_text.h"
 #include "core/check/svg_canvas.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -56,10 +58,7 @@ double ExtentOf(const std::vector<Eigen::Vector2d>& points) {
   std::vector<double> distances;
   for (const Eigen::Vector2d& point : points) distances.push_back(point.norm());
   if (distances.empty()) return 1.0;
-  const auto at = distances.begin() +
-                  static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), at, distances.end());
-  return std::max(0.5, 1.15 * *at);
+  return std::max(0.5, 1.15 * SampleQuantile(std::move(distances), 0.9));
 }
 
 // Takes points to a box with the origin in its middle, the first coordinate to the right and

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -40,10 +42,7 @@ template <typename Value>
 double UsualOf(const std::vector<SurveyedSecond>& seconds, const Value& value) {
   std::vector<double> values;
   for (const SurveyedSecond& second : seconds) values.push_back(value(second));
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return Median(std::move(values));
 }
 
 double StraightShare(const SurveyedSecond& second) {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -231,9 +233,7 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
       }
       const double share = std::min(1.0, static_cast<double>(near.size()) / num_lines);
       if (share < kMinShare || share <= traces.share) continue;
-      const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
-      std::nth_element(near.begin(), middle, near.end());
-      traces = {true, *middle, share};
+      traces = {true, Median(std::move(near)), share};
     }
   }
   return view;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "core/association/model_frame.h"
 #include "core/geometry/angles.h"
 #include "core/map/observation.h"
 #include "core/segmentation/segmentation.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -61,10 +63,7 @@ StartSearch FindStarts(const Rig& rig,
     const Eigen::Vector3d up = frame->world_from_body * Eigen::Vector3d::UnitZ();
     tilts_deg.push_back(std::acos(std::clamp(up.z(), -1.0, 1.0)) * kDegreesPerRadian);
   }
-  if (tilts_deg.empty()) return search;
-  const auto middle = tilts_deg.begin() + static_cast<std::ptrdiff_t>(tilts_deg.size() / 2);
-  std::nth_element(tilts_deg.begin(), middle, tilts_deg.end());
-  search.tilt_deg = *middle;
+  search.tilt_deg = Median(std::move(tilts_deg));
   return search;
 }
 

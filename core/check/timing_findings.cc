@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/check/findings.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/options/mapper_options.h"
 #include "core/util/date.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -23,20 +25,13 @@ constexpr double kSlowRate = 5.0;  // Hz
 constexpr int kMinTurns = 20;      // compared lines that show whether scanners take turns
 constexpr double kTurnsShare = 0.5;  // of these
 
-double MedianOf(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // How far the recorder's clock is ahead of the stamps, the median, s.
 double DelayOf(const TopicSurvey& topic) {
   std::vector<double> delays_s;
   for (const LineStamp& stamp : topic.stamps) {
     delays_s.push_back(SecondsBetween(stamp.stamp_ns, stamp.receipt_ns));
   }
-  return MedianOf(delays_s);
+  return Median(std::move(delays_s));
 }
 
 // A stretch without scan lines, in seconds since the recording's start.

@@ -11,6 +11,7 @@
 #include "core/consistency/scanner_agreement.h"
 #include "core/geometry/angles.h"
 #include "core/recording/messages.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -62,14 +63,6 @@ const ScanMessage& MostCommonLayout(const std::vector<ScanMessage>& messages) {
       messages.begin(), messages.end(), [&](const ScanMessage& a, const ScanMessage& b) {
         return num_alike(a) < num_alike(b);
       });
-}
-
-template <typename T>
-T QuantileOf(std::vector<T>* values, double share) {
-  if (values->empty()) return T();
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
-  std::nth_element(values->begin(), values->begin() + at, values->end());
-  return (*values)[static_cast<size_t>(at)];
 }
 
 }  // namespace
@@ -136,7 +129,7 @@ void TopicSurveyor::DecideUnit() {
       if (std::isfinite(range) && range > 0.0F) ranges.push_back(range);
     }
   }
-  const double median = QuantileOf(&ranges, 0.5);
+  const double median = Median(std::move(ranges));
   if (median > kFarMedian) survey_.metres_per_unit = median > kMillimetreMedian ? 1e-3 : 1e-2;
   const ScanMessage& first = MostCommonLayout(first_);
   layout_ = first.line;
@@ -185,8 +178,8 @@ void TopicSurveyor::CompareWithBefore(const ScanLine& line) {
     }
     if (to_before.size() >= kMinCompared) {
       ++survey_.num_compared;
-      const float one = QuantileOf(&to_before, 0.5);
-      const float two = QuantileOf(&to_two_before, 0.5);
+      const float one = Median(std::move(to_before));
+      const float two = Median(std::move(to_two_before));
       if (one > kUnlike * two) ++survey_.num_alternating;
     }
   }
@@ -302,7 +295,7 @@ void TopicSurveyor::CorrectReceipts() {
   for (const size_t index : used_) {
     delays_ns.push_back(lines_[index].stamp.receipt_ns - lines_[index].stamp.stamp_ns);
   }
-  const int64_t usual_ns = QuantileOf(&delays_ns, 0.5);
+  const int64_t usual_ns = Median(std::move(delays_ns));
   for (const size_t index : used_) {
     LineStamp& stamp = lines_[index].stamp;
     const int64_t expected_ns = stamp.stamp_ns + usual_ns;
@@ -348,7 +341,7 @@ TopicSurvey TopicSurveyor::Finish(const RecordedTopic& topic, int64_t start_rece
   }
   // Three tenths of the deviations, which edges and clutter leave alone, lie below 0.385
   // standard deviations; that of a deviation is sqrt(1.5) times a range's.
-  survey_.noise_m = QuantileOf(&deviations_m_, 0.3) / (0.3853 * std::sqrt(1.5));
+  survey_.noise_m = SampleQuantile(std::move(deviations_m_), 0.3) / (0.3853 * std::sqrt(1.5));
   return std::move(survey_);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -176,16 +177,11 @@ std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine
   for (const double angle : angles) {
     deviations.push_back(std::remainder(angle - mean, 2.0 * M_PI));
   }
-  const auto middle_of = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  const double middle = middle_of(deviations);
+  const double middle = Median(deviations);
   for (double& deviation : deviations) deviation = std::abs(deviation - middle);
   TravelDirection direction;
   direction.angle_rad = std::remainder(mean + middle, 2.0 * M_PI);
-  direction.spread_rad = middle_of(deviations);
+  direction.spread_rad = Median(deviations);
   direction.num_steps = static_cast<int>(angles.size());
   if (direction.spread_rad > kMaxSpread) return std::nullopt;
   return direction;

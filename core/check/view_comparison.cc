@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/util/quantiles.h"
+
 namespace plumbline {
 namespace {
 
@@ -260,10 +262,7 @@ std::vector<ViewComparison> CompareViews(const std::vector<std::vector<SampledLi
 double MedianDistance(const std::vector<ViewComparison>& comparisons) {
   std::vector<double> sizes;
   for (const ViewComparison& one : comparisons) sizes.push_back(std::abs(one.distance_m));
-  if (sizes.empty()) return 0.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+  return Median(std::move(sizes));
 }
 
 double ShareWithin(const std::vector<ViewComparison>& comparisons, double distance_m) {

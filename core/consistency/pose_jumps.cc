@@ -6,6 +6,7 @@
 
 #include "core/consistency/degeneracy.h"
 #include "core/map/landmark_view.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -51,15 +52,6 @@ constexpr Kinds kMinGlitch = {3.5, 1.0, 15.0, 0.5};
 constexpr int kNeighbours = 8;
 constexpr double kMinPoints = 100.0;  // in an interval
 
-// The value below which a share of them lies.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(
-      values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
-  return values[at];
-}
-
 Kinds Usual(const std::vector<SecondOfMotion>& motion) {
   Kinds usual;
   for (size_t k = 0; k < usual.size(); ++k) {
@@ -67,7 +59,7 @@ Kinds Usual(const std::vector<SecondOfMotion>& motion) {
     for (const SecondOfMotion& second : motion) {
       accelerations.push_back(second.accelerations[k]);
     }
-    usual[k] = Quantile(std::move(accelerations), kUsualShare);
+    usual[k] = SampleQuantile(std::move(accelerations), kUsualShare);
   }
   return usual;
 }
@@ -214,7 +206,7 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
     for (int j = std::max(0, i - kNeighbours); j < std::min(size, i + kNeighbours + 1); ++j) {
       near.push_back(1.0 - support[static_cast<size_t>(j)].value());
     }
-    const double usual_support = Quantile(near, 0.5);
+    const double usual_support = Median(near);
     if (1.0 - support[static_cast<size_t>(i)].value() < kGlitchSupport * usual_support) {
       is_glitch[second] = true;
     }
@@ -243,7 +235,7 @@ std::vector<bool> FindUnsupportedJumps(const Rig& rig,
   std::vector<double> usual;
   for (const SupportedAcceleration& a : accelerations) usual.push_back(a.usual_information);
   const double min_information =
-      std::min(Quantile(usual, 0.5) / (kTimesUsualStddev * kTimesUsualStddev),
+      std::min(Median(usual) / (kTimesUsualStddev * kTimesUsualStddev),
                1.0 / (kMinStddev * kMinStddev));
   std::vector<bool> is_jump;
   for (const SupportedAcceleration& a : accelerations) {

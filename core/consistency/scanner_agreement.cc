@@ -6,8 +6,10 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "core/consistency/sightings.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -175,10 +177,7 @@ class FaultFinder {
     std::vector<int64_t> counts;
     const auto [first, last] = activity_.Span();
     for (size_t s = first; s < last; ++s) counts.push_back(CountsAt(seconds, s).num_points);
-    std::nth_element(counts.begin(),
-                     counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2),
-                     counts.end());
-    const auto usual = static_cast<double>(counts[counts.size() / 2]);
+    const auto usual = static_cast<double>(Median(std::move(counts)));
     std::vector<bool> silent(first, false);
     std::vector<bool> frozen(first, false);
     for (size_t s = first; s < last; ++s) {

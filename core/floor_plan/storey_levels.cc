@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <map>
+#include <optional>
 #include <utility>
+
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
@@ -67,12 +69,7 @@ struct WayOver {
     places.emplace_back(position.head<2>());
     rig_heights_m.push_back(position.z() - HeightAt(floor, position.head<2>()));
   }
-  double RigHeight() const {
-    std::vector<double> sorted = rig_heights_m;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
-  }
+  double RigHeight() const { return Median(rig_heights_m); }
 };
 
 using Floors = std::vector<const PlanePatch*>;

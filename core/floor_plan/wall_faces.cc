@@ -6,6 +6,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "core/util/quantiles.h"
+
 namespace plumbline {
 namespace {
 
@@ -41,13 +43,6 @@ struct SurfaceHits {
   const Extent& Wall() const { return in_band >= kMinHits ? in_band_extent : extent; }
 };
 
-double Quantile(std::vector<float>* values, double share) {
-  const auto at = values->begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
-  std::nth_element(values->begin(), at, values->end());
-  return static_cast<double>(*at);
-}
-
 // Whether it reaches the ceiling, wherever it begins.
 bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
   constexpr double kBelowCeilingM = 0.15;
@@ -59,24 +54,24 @@ bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
 
 // Whether it reaches the ceiling, or from where people walk to above where they could look
 // over.
-bool IsWall(const StoreyLevel& storey, SurfaceHits* hits) {
+bool IsWall(const StoreyLevel& storey, const SurfaceHits& hits) {
   constexpr double kMaxBottomM = 1.3;  // above the floor: what is behind a kitchen is a wall
   constexpr double kMinTopM = 1.9;
   constexpr double kMaxNeededM = 2.3;
   constexpr double kBelowCeilingM = 0.5;
   constexpr double kNarrowM = 0.7;  // pillars and jambs, of which less may have been seen
   constexpr double kNarrowTopM = 1.7;
-  if (hits->heights_m.empty()) return false;
-  if (!storey.has_floor) return hits->in_band >= kMinHits;
-  const double bottom_m = Quantile(&hits->heights_m, 0.02);
-  const double top_m = Quantile(&hits->heights_m, 0.98);
-  if (IsHigh(storey, top_m, *hits)) return true;
-  if (hits->in_band < kMinHits) return false;
+  if (hits.heights_m.empty()) return false;
+  if (!storey.has_floor) return hits.in_band >= kMinHits;
+  const auto bottom_m = static_cast<double>(SampleQuantile(hits.heights_m, 0.02));
+  const auto top_m = static_cast<double>(SampleQuantile(hits.heights_m, 0.98));
+  if (IsHigh(storey, top_m, hits)) return true;
+  if (hits.in_band < kMinHits) return false;
   double needed_m = kMinTopM;
   if (storey.has_ceiling) {
-    needed_m = std::min(hits->ClearHeight() - kBelowCeilingM, kMaxNeededM);
+    needed_m = std::min(hits.ClearHeight() - kBelowCeilingM, kMaxNeededM);
   }
-  if (hits->in_band_extent.length_m() < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
+  if (hits.in_band_extent.length_m() < kNarrowM) needed_m = std::min(needed_m, kNarrowTopM);
   return bottom_m < kMaxBottomM && top_m > needed_m;
 }
 
@@ -159,7 +154,7 @@ std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
   std::vector<size_t> order;
   Eigen::AlignedBox2d box;
   for (size_t i = 0; i < planes.size(); ++i) {
-    if (!IsWall(storey, &hits[i])) continue;
+    if (!IsWall(storey, hits[i])) continue;
     order.push_back(i);
     const Extent& extent = hits[i].Wall();
     box.extend(curves[i].At(extent.first_s)).extend(curves[i].At(extent.last_s));

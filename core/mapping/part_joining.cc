@@ -17,6 +17,7 @@
 #include "core/joining/part_matching.h"
 #include "core/map/observation_poses.h"
 #include "core/mapping/part_poses.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -113,10 +114,7 @@ std::optional<double> HeightOf(const Rig& rig,
     }
   }
   if (differences.size() < kMinSegmentsOnFloors) return std::nullopt;
-  const auto middle =
-      differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  const double height_m = *middle;
+  const double height_m = Median(differences);
   const auto num_agreeing =
       std::count_if(differences.begin(), differences.end(), [height_m](double difference_m) {
         return std::abs(difference_m - height_m) < kSameHeight;

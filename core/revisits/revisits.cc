@@ -16,6 +16,7 @@
 #include "core/revisits/visit_grid.h"
 #include "core/revisits/visit_matching.h"
 #include "core/revisits/visit_surface.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -64,12 +65,6 @@ PoseGraphEdge MotionEdge(const std::vector<Visit>& visits, size_t from) {
       InverseSquares(kPositionDrift * way_m, kHeadingDrift + kTurnDrift * std::abs(turn))
           .asDiagonal();
   return edge;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Takes the motions that wheels deny for slips, most often of the scans, which know no limit
