@@ -7,12 +7,11 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/util/error.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kBoxStepM = 0.5;  // along a face, when its box is sought
 
 void Increase(uint16_t* count) {
   if (*count < std::numeric_limits<uint16_t>::max()) ++*count;
@@ -38,7 +37,7 @@ class EvidenceCollector {
         by_id_[planes[faces_[i].planes[k]].id] = {i, k};
       }
       const WallFace& face = faces_[i];
-      for (double s = face.start_m; s < face.end_m(); s += kBoxStepM) {
+      for (double s = face.start_m; s < face.end_m(); s += WallFace::kColumnM) {
         box.extend(face.curve.At(s));
       }
       box.extend(face.curve.At(face.end_m()));
@@ -139,14 +138,12 @@ class EvidenceCollector {
   void AddPassesAbove(const Eigen::Vector3d& origin,
                       const Eigen::Vector3d& hit,
                       size_t of_face) {
-    constexpr double kMinDepthM = 0.1;
-    constexpr double kSameCosine = 0.98;
     const Eigen::Vector2d normal = faces_[of_face].curve.NormalAt(hit.head<2>());
     for (size_t i = 0; i < faces_.size(); ++i) {
       WallFace& face = faces_[i];
       const double away_m = std::abs(face.curve.SignedDistance(hit.head<2>()));
-      if (away_m < kMinDepthM || away_m > WallColumn::kMaxFurnitureM || i == of_face ||
-          std::abs(face.curve.NormalAt(hit.head<2>()).dot(normal)) < kSameCosine) {
+      if (away_m < kSameM || away_m > WallColumn::kMaxFurnitureM || i == of_face ||
+          std::abs(face.curve.NormalAt(hit.head<2>()).dot(normal)) < kParallelCosine) {
         continue;
       }
       face.curve.ForEachCrossing(origin.head<2>(), hit.head<2>(), [&](double share, double s) {
@@ -196,7 +193,7 @@ class EvidenceCollector {
       if (i == own) continue;
       WallFace& face = faces_[i];
       const auto is_deep = [&face](const Eigen::Vector3d& p) {
-        return face.curve.SignedDistance(p.head<2>()) < -WallColumn::kDeepM;
+        return face.curve.SignedDistance(p.head<2>()) < -kMaxThicknessM;
       };
       face.curve.ForEachCrossing(a, b, [&](double share, double s) {
         const int column = face.ColumnOf(s);
@@ -298,7 +295,6 @@ void FreeGrid::AddBeam(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 }
 
 int FreeGrid::CountFree(int row, int from, int to) const {
-  constexpr uint16_t kMinBeams = 2;  // one may be a stray
   int count = 0;
   for (int column = from; column < to;) {
     const int end = std::min(to, (column / kBlock + 1) * kBlock);

@@ -5,14 +5,15 @@
 #include <limits>
 #include <utility>
 
+#include "core/floor_plan/plan_scales.h"
+
 namespace plumbline {
 
 FloorMap::FloorMap(std::vector<FloorArea> areas, const std::vector<Sighting>& sightings)
     : areas_(std::move(areas)) {
-  constexpr double kFinestCellM = 0.1;
   constexpr double kMaxCells = 2000.0;  // along a side: a stray far away costs no memory
   for (const Sighting& sighting : sightings) box_.extend(sighting.p);
-  cell_m_ = std::max(kFinestCellM, box_.sizes().maxCoeff() / kMaxCells);
+  cell_m_ = std::max(kSameM, box_.sizes().maxCoeff() / kMaxCells);
   num_columns_ = static_cast<int>(box_.sizes().x() / cell_m_) + 1;
   num_rows_ = static_cast<int>(box_.sizes().y() / cell_m_) + 1;
   area_of_cell_.assign(static_cast<size_t>(num_columns_) * static_cast<size_t>(num_rows_), -1);

@@ -6,18 +6,17 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/room_outlines.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kCellM = 0.1;
-
 using Cell = std::pair<int, int>;
 
 Cell CellOf(const Eigen::Vector2d& p) {
-  return {static_cast<int>(std::floor(p.x() / kCellM)),
-          static_cast<int>(std::floor(p.y() / kCellM))};
+  return {static_cast<int>(std::floor(p.x() / kSameM)),
+          static_cast<int>(std::floor(p.y() / kSameM))};
 }
 
 // Beams that ended on the floor, and beams that passed its height, by square.
@@ -27,16 +26,14 @@ class FloorBeams {
 
   // is_level: of the surface that the beam ended on.
   void Add(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, bool is_level) {
-    constexpr double kOnFloorM = 0.15;  // beyond the noise of ranges
-    constexpr double kBelowM = 0.3;     // a step down is none yet
     const double above_end = end.z() - level_.At(end.head<2>()).floor_m;
-    if (std::abs(above_end) < kOnFloorM) {
+    if (std::abs(above_end) < kBesideM) {
       if (is_level) ++counts_[KeyOf(CellOf(end.head<2>()))].hits;
       return;
     }
     const double above_origin = origin.z() - level_.At(origin.head<2>()).floor_m;
-    const bool goes_down = above_origin > 0.0 && above_end < -kBelowM;
-    const bool comes_up = above_origin < -kBelowM && above_end > 0.0;
+    const bool goes_down = above_origin > 0.0 && above_end < -2.0 * kBesideM;
+    const bool comes_up = above_origin < -2.0 * kBesideM && above_end > 0.0;
     if (!goes_down && !comes_up) return;
     const double share = above_origin / (above_origin - above_end);
     const Eigen::Vector3d p = origin + share * (end - origin);
@@ -45,7 +42,6 @@ class FloorBeams {
 
   enum class Kind { kUnknown, kFloor, kOpening };
   Kind At(const Cell& cell) const {
-    constexpr int kMinBeams = 2;  // one may be a stray
     const auto found = counts_.find(KeyOf(cell));
     if (found == counts_.end()) return Kind::kUnknown;
     const auto [hits, passes] = found->second;
@@ -111,7 +107,7 @@ class RoomCells {
 
  private:
   static Eigen::Vector2d MiddleOf(const Cell& cell) {
-    return {(cell.first + 0.5) * kCellM, (cell.second + 0.5) * kCellM};
+    return {(cell.first + 0.5) * kSameM, (cell.second + 0.5) * kSameM};
   }
   bool IsOpening(size_t at) const {
     return is_in_room_[at] && kinds_[at] == FloorBeams::Kind::kOpening;
@@ -154,8 +150,8 @@ class RoomCells {
       if (!is_seen_[at]) ++num_unseen;
       const Cell cell(first_.first + static_cast<int>(at) % columns_,
                       first_.second + static_cast<int>(at) / columns_);
-      opening.box.extend(kCellM * Eigen::Vector2d(cell.first, cell.second));
-      opening.box.extend(kCellM * Eigen::Vector2d(cell.first + 1, cell.second + 1));
+      opening.box.extend(kSameM * Eigen::Vector2d(cell.first, cell.second));
+      opening.box.extend(kSameM * Eigen::Vector2d(cell.first + 1, cell.second + 1));
       ForEachNeighbour(at, [&](size_t other) {
         if (!IsOpening(other)) {
           if (is_in_room_[other]) ++num_rim;
@@ -166,7 +162,7 @@ class RoomCells {
         waiting.push_back(other);
       });
     }
-    const double square_m2 = kCellM * kCellM;
+    const double square_m2 = kSameM * kSameM;
     opening.area_m2 = square_m2 * num_cells;
     opening.stddev_m2 = std::hypot(square_m2 * num_rim / std::sqrt(12.0),
                                    square_m2 * num_unseen / std::sqrt(12.0));
@@ -188,7 +184,6 @@ void FindFloorOpenings(const std::vector<PlanePatch>& planes,
                        const StoreyLevel& level,
                        std::vector<Room>* rooms) {
   if (!level.has_floor) return;
-  constexpr double kLevelCosine = 0.9;
   std::unordered_set<int> level_ids;
   for (const PlanePatch& plane : planes) {
     if (plane.normal.z() > kLevelCosine) level_ids.insert(plane.id);

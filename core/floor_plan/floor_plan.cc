@@ -7,6 +7,7 @@
 
 #include "core/floor_plan/beam_evidence.h"
 #include "core/floor_plan/floor_openings.h"
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/room_measures.h"
 #include "core/floor_plan/room_outlines.h"
 #include "core/floor_plan/storey_doors.h"
@@ -19,16 +20,14 @@ namespace plumbline {
 namespace {
 
 constexpr double kNoiseSigmas = 5.0;  // of a beam's range: nearer to its end it does not pass
-constexpr double kMinMarginM = 0.1;
 
 std::vector<Eigen::Vector2d> PosesIn(const StoreyLevel& level,
                                      const std::vector<StampedPose>& poses) {
-  constexpr double kLowestM = 0.2;  // of a rig above the floor
   std::vector<Eigen::Vector2d> in_storey;
   for (const StampedPose& pose : poses) {
     const Eigen::Vector3d& p = pose.world_from_body.translation;
     const StoreyHeights heights = level.At(p.head<2>());
-    if (level.has_floor && (p.z() < heights.floor_m + kLowestM || p.z() > heights.top_m)) {
+    if (level.has_floor && (p.z() < heights.floor_m + kBesideM || p.z() > heights.top_m)) {
       continue;
     }
     in_storey.push_back(p.head<2>());
@@ -63,13 +62,12 @@ bool IsRoom(const Room& room) {
 StoreyPlan PlanOf(const FloorPlanInput& input,
                   const BeamOrigins& origins,
                   const StoreyLevel& level) {
-  constexpr double kMinWayM = 0.3;
   const std::vector<PlanePatch>& planes = input.planes.planes();
   StoreyPlan plan;
   plan.level = level;
   std::vector<WallFace> faces = FindWallFaces(planes, input.points, level);
   if (faces.empty()) return plan;
-  const double margin_m = std::max(kMinMarginM, kNoiseSigmas * MaxRangeNoise(input.rig));
+  const double margin_m = std::max(kSameM, kNoiseSigmas * MaxRangeNoise(input.rig));
   const FreeGrid free =
       CollectEvidence(planes, input.points, origins, level, margin_m, &faces);
   const std::vector<Eigen::Vector2d> poses = PosesIn(level, input.poses);
@@ -81,7 +79,7 @@ StoreyPlan PlanOf(const FloorPlanInput& input,
     Room room;
     room.loops = TraceRoom(i, regions, planes, level.section_m());
     const Visit visit = VisitOf(room, poses);
-    room.entered = visit.way_m >= kMinWayM;
+    room.entered = visit.way_m >= kMinWallM;
     MeasureRoom(input.planes, level, &room);
     kept.push_back(IsRoom(room));
     if (kept.back()) {

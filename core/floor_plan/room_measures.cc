@@ -6,15 +6,11 @@
 #include <optional>
 #include <unordered_map>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/room_outlines.h"
 
 namespace plumbline {
 namespace {
-
-// Standard deviation of the place of a piece of an outline that no wall, door or bridged gap
-// shows: the RMS of what such pieces were off in the shipped buildings.
-constexpr double kUnseenStddevM = 0.1;
-constexpr double kParallelCosine = 0.995;  // 6 degrees
 
 // A straight edge of a room.
 struct Side {
@@ -81,7 +77,7 @@ void MeasureArea(const PlaneCovariance& planes, const StoreyLevel& level, Room* 
       if (&loop == &room->loops.front()) room->perimeter_m += length;
       const double unseen_m = std::max(0.0, length - loop[i].closed_m);
       room->unseen_m += unseen_m;
-      unseen_variance += std::pow(kUnseenStddevM * unseen_m, 2);
+      unseen_variance += std::pow(kSameM * unseen_m, 2);
       if (loop[i].plane_id < 0) continue;
       const PlanePatch& plane = *by_id.at(loop[i].plane_id);
       const Eigen::Vector3d middle = AtHeight(0.5 * (a + b), level.section_m());
@@ -102,13 +98,12 @@ void MeasureArea(const PlaneCovariance& planes, const StoreyLevel& level, Room* 
 
 // The point of the room that is farthest from its edges, to about 0.1 m.
 Eigen::Vector2d InnerPoint(const Room& room) {
-  constexpr double kStepM = 0.1;
   Eigen::AlignedBox2d box;
   for (const RoomEdge& edge : room.loops.front()) box.extend(edge.from);
   Eigen::Vector2d best = box.center();
   double best_distance = -1.0;
-  for (double x = box.min().x() + 0.5 * kStepM; x < box.max().x(); x += kStepM) {
-    for (double y = box.min().y() + 0.5 * kStepM; y < box.max().y(); y += kStepM) {
+  for (double x = box.min().x() + 0.5 * kSameM; x < box.max().x(); x += kSameM) {
+    for (double y = box.min().y() + 0.5 * kSameM; y < box.max().y(); y += kSameM) {
       const Eigen::Vector2d p(x, y);
       if (!IsInside(room.loops, p)) continue;
       double distance = 1e9;
@@ -137,34 +132,27 @@ const PlanePatch* LevelSurface(const std::vector<PlanePatch>& planes,
                                double direction,
                                double low_m,
                                double high_m) {
-  constexpr double kMarginM = 0.3;
   const PlanePatch* found = nullptr;
   for (const PlanePatch& plane : planes) {
     if (plane.type != PlaneType::kHorizontal || plane.normal.z() * direction < 0.0) continue;
     if (plane.centre.z() < low_m || plane.centre.z() > high_m) continue;
     if (found != nullptr && found->num_points >= plane.num_points) continue;
-    if (CoversInPlan(plane.outline, label, kMarginM)) found = &plane;
+    if (CoversInPlan(plane.outline, label, kOutlineMarginM)) found = &plane;
   }
   return found;
 }
 
 void MeasureHeight(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
-  constexpr double kFloorStepM =
-      0.6;  // largest difference of a room's floor from the storey's
-  constexpr double kMinHeightM = 1.8;
-  constexpr double kCeilingStepM = 0.5;  // above the storey's: rooms are not all as high
+  constexpr double kStepM = 0.6;  // of a room's floor or ceiling from the storey's
   if (!level.has_floor) return;
   const StoreyHeights heights = level.At(room->label);
-  const PlanePatch* floor = LevelSurface(planes.planes(),
-                                         room->label,
-                                         1.0,
-                                         heights.floor_m - kFloorStepM,
-                                         heights.floor_m + kFloorStepM);
+  const PlanePatch* floor = LevelSurface(
+      planes.planes(), room->label, 1.0, heights.floor_m - kStepM, heights.floor_m + kStepM);
   const PlanePatch* ceiling = LevelSurface(planes.planes(),
                                            room->label,
                                            -1.0,
-                                           heights.floor_m + kMinHeightM,
-                                           heights.top_m + kCeilingStepM);
+                                           heights.floor_m + kMinClearM,
+                                           heights.top_m + kStepM);
   if (floor != nullptr) room->floor_m = floor->centre.z();
   if (ceiling != nullptr) room->ceiling_m = ceiling->centre.z();
   if (floor != nullptr && ceiling != nullptr) {
@@ -217,15 +205,13 @@ std::optional<Dimension> MeasureBetween(const OppositeSides& sides, const Room& 
 
 // The pairs of opposite walls, those first that face each other on the greatest length.
 std::vector<OppositeSides> FindOppositeSides(const Room& room) {
-  constexpr double kMinSideM = 0.4;
-  constexpr double kMinOverlapM = 0.4;
   std::vector<OppositeSides> pairs;
-  const std::vector<Side> sides = SidesOf(room, kMinSideM);
+  const std::vector<Side> sides = SidesOf(room, kMinWallM);
   for (size_t i = 0; i < sides.size(); ++i) {
     for (size_t k = i + 1; k < sides.size(); ++k) {
       if (sides[i].inward.dot(sides[k].inward) > -kParallelCosine) continue;
       const Overlap overlap = OverlapOf(sides[i], sides[k]);
-      if (overlap.length() >= kMinOverlapM) pairs.push_back({sides[i], sides[k], overlap});
+      if (overlap.length() >= kMinWallM) pairs.push_back({sides[i], sides[k], overlap});
     }
   }
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
@@ -238,8 +224,6 @@ std::vector<OppositeSides> FindOppositeSides(const Room& room) {
 // on the greatest length, and others that are clearly farther from each other or nearer.
 void MeasureDimensions(const PlaneCovariance& planes, const StoreyLevel& level, Room* room) {
   constexpr int kMaxPerDirection = 2;
-  constexpr double kSameDirection = 0.9;
-  constexpr double kOtherM = 0.3;
   for (const OppositeSides& sides : FindOppositeSides(*room)) {
     std::optional<Dimension> dimension = MeasureBetween(sides, *room);
     if (!dimension) continue;
@@ -247,11 +231,11 @@ void MeasureDimensions(const PlaneCovariance& planes, const StoreyLevel& level, 
     int same = 0;
     bool is_known = false;
     for (const Dimension& other : room->dimensions) {
-      if (std::abs(direction.dot((other.to - other.from).normalized())) < kSameDirection) {
+      if (std::abs(direction.dot((other.to - other.from).normalized())) < kParallelCosine) {
         continue;
       }
       ++same;
-      is_known = is_known || std::abs(other.length_m - dimension->length_m) < kOtherM;
+      is_known = is_known || std::abs(other.length_m - dimension->length_m) < kMinWallM;
     }
     if (is_known || same >= kMaxPerDirection) continue;
     dimension->stddev_m = planes.SeparationStddev(
@@ -272,12 +256,9 @@ void MeasureRoom(const PlaneCovariance& planes, const StoreyLevel& level, Room* 
 std::vector<WallPiece> FindWalls(const PlaneCovariance& planes,
                                  const StoreyLevel& level,
                                  const std::vector<Room>& rooms) {
-  constexpr double kMaxThicknessM = 0.6;
-  constexpr double kMinSideM = 0.2;
-  constexpr double kMinOverlapM = 0.2;
   std::vector<Side> sides;
   for (const Room& room : rooms) {
-    const std::vector<Side> of_room = SidesOf(room, kMinSideM);
+    const std::vector<Side> of_room = SidesOf(room, kMinWallM);
     sides.insert(sides.end(), of_room.begin(), of_room.end());
   }
   std::vector<WallPiece> walls;
@@ -287,7 +268,7 @@ std::vector<WallPiece> FindWalls(const PlaneCovariance& planes,
       const Side& b = sides[k];
       if (a.inward.dot(b.inward) > -kParallelCosine) continue;
       const Overlap overlap = OverlapOf(a, b);
-      if (overlap.length() < kMinOverlapM) continue;
+      if (overlap.length() < kMinWallM) continue;
       const Eigen::Vector2d middle = a.from + overlap.middle() * a.along;
       const double thickness = -DistanceTo(a, b, middle);  // b lies behind a
       if (thickness <= 0.0 || thickness > kMaxThicknessM) continue;

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "core/floor_plan/plan_scales.h"
+
 namespace plumbline {
 namespace {
 
-constexpr double kMaxCornerShiftM = 0.15;  // from the face's line to that of its surface
-constexpr double kSamePointM = 1e-6;
+constexpr double kSamePointM = 1e-6;  // rounding
 
 // A stretch of a loop along one line or arc.
 struct LoopRun {
@@ -59,7 +60,6 @@ class Tracer {
 bool GoesOn(const StoreyRegions& regions,
             const PlanSubdivision::HalfEdge& before,
             const PlanSubdivision::HalfEdge& edge) {
-  constexpr double kSameSine = 1e-6;
   if (before.label != edge.label) return false;
   if (edge.label >= 0 && regions.faces[static_cast<size_t>(edge.label)].curve.IsArc()) {
     return true;
@@ -69,7 +69,7 @@ bool GoesOn(const StoreyRegions& regions,
       points[static_cast<size_t>(before.target)] - points[static_cast<size_t>(before.origin)];
   const Eigen::Vector2d b =
       points[static_cast<size_t>(edge.target)] - points[static_cast<size_t>(edge.origin)];
-  return std::abs(a.x() * b.y() - a.y() * b.x()) < kSameSine * a.norm() * b.norm() &&
+  return std::abs(a.x() * b.y() - a.y() * b.x()) < kSamePointM * a.norm() * b.norm() &&
          a.dot(b) > 0.0;
 }
 
@@ -141,9 +141,8 @@ RoomLoop LoopOf(std::vector<LoopRun> runs) {
   for (size_t i = 0; i < runs.size(); ++i) {
     const LoopRun& before = runs[(i + runs.size() - 1) % runs.size()];
     corners.push_back(
-        runs.size() < 2
-            ? runs[i].points.front()
-            : Meet(before.curve, runs[i].curve, runs[i].points.front(), kMaxCornerShiftM));
+        runs.size() < 2 ? runs[i].points.front()
+                        : Meet(before.curve, runs[i].curve, runs[i].points.front(), kBesideM));
   }
   RoomLoop loop;
   for (size_t i = 0; i < runs.size(); ++i) {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/room_outlines.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kMaxThicknessM = 0.6;
 constexpr double kProbeM = 0.05;  // beside a face
 
 // The number of the room that a point lies in; 0: none.
@@ -47,8 +47,7 @@ std::vector<FaceGap> GapsOf(const StoreyRegions& regions) {
 
 // How far behind the first gap the second one lies, where it is the same door; else negative.
 double DepthBetween(const FaceGap& a, const FaceGap& b) {
-  constexpr double kOppositeCosine = -0.99;
-  if (a.normal.dot(b.normal) > kOppositeCosine) return -1.0;
+  if (a.normal.dot(b.normal) > -kParallelCosine) return -1.0;
   const Eigen::Vector2d to_b = b.Middle() - a.Middle();
   const double depth = -a.normal.dot(to_b);
   const double aside = (to_b + depth * a.normal).norm();
@@ -140,8 +139,6 @@ class SolidFinder {
 
   // Thin cells that lie behind two faces which look away from each other.
   void MarkBetweenFaces() {
-    constexpr double kMinClosed = 0.5;
-    constexpr double kOppositeCosine = -0.99;
     std::vector<std::vector<Eigen::Vector2d>> normals(solid_.size());
     for (const PlanSubdivision::HalfEdge& edge : regions_.plan.half_edges) {
       const auto cell = static_cast<size_t>(edge.cell);
@@ -154,9 +151,9 @@ class SolidFinder {
       const Eigen::Vector2d normal =
           regions_.faces[static_cast<size_t>(edge.label)].curve.NormalAt(0.5 * (a + b));
       const Eigen::Vector2d inward(-(b - a).y(), (b - a).x());
-      if (normal.dot(inward) > 0.0 || regions_.SharesOf(edge).closed < kMinClosed) continue;
+      if (normal.dot(inward) > 0.0 || regions_.SharesOf(edge).closed < kMostly) continue;
       for (const Eigen::Vector2d& other : normals[cell]) {
-        if (other.dot(normal) < kOppositeCosine) solid_[cell] = true;
+        if (other.dot(normal) < -kParallelCosine) solid_[cell] = true;
       }
       normals[cell].push_back(normal);
     }
@@ -254,7 +251,6 @@ namespace {
 
 // Of a window between two columns: both jambs with a uniform deviation.
 double WidthStddev(const WallFace& face, size_t from, size_t to) {
-  constexpr double kJambStddevM = 0.015;  // as of a door
   const auto is_wall = [&face](size_t column) {
     int hits = 0;
     for (size_t level = WallColumn::kNumLow; level < WallColumn::kNumLevels; ++level) {

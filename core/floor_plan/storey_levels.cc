@@ -7,22 +7,17 @@
 #include <optional>
 #include <utility>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kMinWayM = 2.0;      // over a floor
-constexpr double kMinStoreyM = 1.8;   // from floor to floor
-constexpr double kMinCeilingM = 1.8;  // above the floor
-constexpr double kMaxCeilingM = 8.0;
-constexpr double kDefaultCeilingM = 2.5;  // where none was seen
-constexpr double kMaxRigHeightM = 2.5;
-constexpr double kOutlineMarginM = 0.5;
+constexpr double kMinWayM = 2.0;    // over a floor
+constexpr double kMaxSwingM = 0.3;  // of the height of a rig that is carried
 
 bool IsLevel(const PlanePatch& plane, double direction) {
-  constexpr double kMinCosine = 0.97;
-  return !plane.IsCurved() && direction * plane.normal.z() > kMinCosine &&
+  return !plane.IsCurved() && direction * plane.normal.z() > kLevelCosine &&
          plane.outline.size() >= 3;
 }
 
@@ -37,7 +32,7 @@ const PlanePatch* FloorBelow(const std::vector<const PlanePatch*>& floors,
   for (const PlanePatch* floor : floors) {
     const double floor_m = HeightAt(*floor, position.head<2>());
     const double height = position.z() - floor_m;
-    if (height < 0.0 || height > kMaxRigHeightM) continue;
+    if (height < 0.0 || height > kUsualClearM) continue;
     if (below != nullptr && floor_m < HeightAt(*below, position.head<2>())) continue;
     if (CoversInPlan(floor->outline, position.head<2>(), kOutlineMarginM)) below = floor;
   }
@@ -92,12 +87,11 @@ Ways WaysOverHighest(const Floors& floors, const std::vector<StampedPose>& poses
 Ways WaysAtRigHeight(const Floors& floors,
                      const std::vector<StampedPose>& poses,
                      double rig_height_m) {
-  constexpr double kSameHeightM = 0.3;  // a rig that is carried goes up and down
   Ways ways;
   for (size_t i = 1; i < poses.size(); ++i) {
     const Eigen::Vector3d& position = poses[i].world_from_body.translation;
     const PlanePatch* best = nullptr;
-    double least = kSameHeightM;
+    double least = kMaxSwingM;
     for (const PlanePatch* floor : floors) {
       const double off =
           std::abs(position.z() - HeightAt(*floor, position.head<2>()) - rig_height_m);
@@ -130,7 +124,7 @@ std::optional<LevelOrSlope> CeilingOver(const std::vector<PlanePatch>& planes,
     Candidate candidate = {{plane.normal, plane.distance}, 0.0, 0};
     for (const Eigen::Vector2d& p : places) {
       const double clear_m = HeightAt(plane, p) - floor.HeightAt(p);
-      if (clear_m < kMinCeilingM || clear_m > kMaxCeilingM) continue;
+      if (clear_m < kMinClearM || clear_m > kMaxClearM) continue;
       if (!CoversInPlan(plane.outline, p, 0.0)) continue;
       ++candidate.num_places;
       candidate.clear_m += clear_m;
@@ -157,7 +151,6 @@ void MapFloors(const std::vector<PlanePatch>& planes,
                const Floors& members,
                const std::vector<CloudPoint>& points,
                StoreyLevel* storey) {
-  constexpr double kMinStepM = 0.1;  // height above the floor from which walls count
   std::vector<FloorArea> areas;
   std::map<int, size_t> area_of_plane;
   bool is_level = true;
@@ -169,7 +162,7 @@ void MapFloors(const std::vector<PlanePatch>& planes,
     area.floor = {floor->normal, floor->distance};
     area.ceiling = CeilingOver(planes, area.floor, way->second.places);
     for (const Eigen::Vector2d& p : way->second.places) {
-      is_level = is_level && std::abs(HeightAt(*floor, p) - storey->floor_m) < kMinStepM;
+      is_level = is_level && std::abs(HeightAt(*floor, p) - storey->floor_m) < kSameM;
     }
   }
   if (is_level) return;
@@ -191,8 +184,7 @@ StoreyHeights StoreyLevel::At(const Eigen::Vector2d& p) const {
   const FloorArea& area = floors->At(p);
   heights.floor_m = area.floor.HeightAt(p);
   heights.has_ceiling = area.ceiling.has_value();
-  heights.top_m =
-      area.ceiling ? area.ceiling->HeightAt(p) : heights.floor_m + kDefaultCeilingM;
+  heights.top_m = area.ceiling ? area.ceiling->HeightAt(p) : heights.floor_m + kUsualClearM;
   return heights;
 }
 
@@ -240,7 +232,7 @@ std::vector<StoreyLevel> FindStoreys(const std::vector<PlanePatch>& planes,
   for (const PlanePatch* floor : floors) {
     const double z = floor->centre.z();
     const auto fits = [z](const PlanePatch* other) {
-      return std::abs(other->centre.z() - z) < kMinStoreyM;
+      return std::abs(other->centre.z() - z) < kMinClearM;
     };
     Storey* nearest = nullptr;
     for (Storey& storey : found) {
@@ -262,7 +254,7 @@ std::vector<StoreyLevel> FindStoreys(const std::vector<PlanePatch>& planes,
     StoreyLevel only;
     only.has_floor = false;
     if (!poses.empty()) only.floor_m = poses.front().world_from_body.translation.z();
-    only.top_m = only.floor_m + kDefaultCeilingM;
+    only.top_m = only.floor_m + kUsualClearM;
     return {only};
   }
   std::sort(found.begin(), found.end(), [](const Storey& a, const Storey& b) {
@@ -272,11 +264,11 @@ std::vector<StoreyLevel> FindStoreys(const std::vector<PlanePatch>& planes,
   for (size_t i = 0; i < found.size(); ++i) {
     StoreyLevel& storey = found[i].level;
     const double limit_m =
-        i + 1 < found.size() ? found[i + 1].level.floor_m : storey.floor_m + kMaxCeilingM;
-    const PlanePatch* ceiling = CeilingBetween(planes, storey.floor_m + kMinCeilingM, limit_m);
+        i + 1 < found.size() ? found[i + 1].level.floor_m : storey.floor_m + kMaxClearM;
+    const PlanePatch* ceiling = CeilingBetween(planes, storey.floor_m + kMinClearM, limit_m);
     storey.has_ceiling = ceiling != nullptr;
     storey.top_m = ceiling != nullptr ? ceiling->centre.z()
-                                      : std::min(limit_m, storey.floor_m + kDefaultCeilingM);
+                                      : std::min(limit_m, storey.floor_m + kUsualClearM);
     MapFloors(planes, at_rig_height, found[i].floors, points, &storey);
     storeys.push_back(std::move(storey));
   }

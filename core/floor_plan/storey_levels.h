@@ -5,6 +5,7 @@
 
 #include "core/floor_plan/floor_map.h"
 #include "core/floor_plan/map_cloud.h"
+#include "core/floor_plan/plan_scales.h"
 #include "core/result/result_types.h"
 
 namespace plumbline {
@@ -39,6 +40,9 @@ struct StoreyLevel : StoreyHeights {
 std::vector<StoreyLevel> FindStoreys(const std::vector<PlanePatch>& planes,
                                      const std::vector<StampedPose>& poses,
                                      const std::vector<CloudPoint>& points);
+
+// Distance by which a level surface may go on beyond what was seen of it, m.
+inline constexpr double kOutlineMarginM = 0.5;
 
 // True where the point lies inside the polygon in plan, or within margin_m of it.
 bool CoversInPlan(const std::vector<Eigen::Vector3d>& outline,

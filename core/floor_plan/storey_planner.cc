@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/region_labels.h"
 
 namespace plumbline {
@@ -12,9 +13,8 @@ namespace {
 
 constexpr int kFrameLabel = -1;  // of the box of all that is solid, and of one round it
 constexpr int kEndLabel = -2;    // of lines across the ends of free-standing walls
+// By how much a chord leaves its arc, and a line goes beyond the face that it has to meet.
 constexpr double kMaxSagittaM = 0.001;
-constexpr double kArcExtensionM = 0.5;
-constexpr double kEndDepthM = 1.0;  // how far behind a face its end's line goes
 
 void AddFrame(const Eigen::AlignedBox2d& box, std::vector<PlanSegment>* segments) {
   const Eigen::Vector2d low = box.min();
@@ -29,7 +29,6 @@ void AddFrame(const Eigen::AlignedBox2d& box, std::vector<PlanSegment>* segments
 // with it lie within.
 Eigen::AlignedBox2d BoxOfWalls(const std::vector<WallFace>& faces,
                                const std::vector<Stretches>& stretches) {
-  constexpr double kMarginM = 0.05;
   Eigen::AlignedBox2d box;
   for (size_t i = 0; i < faces.size(); ++i) {
     for (const SolidRun& run : SolidRuns(faces[i], stretches[i])) {
@@ -39,7 +38,7 @@ Eigen::AlignedBox2d BoxOfWalls(const std::vector<WallFace>& faces,
       box.extend(faces[i].curve.At(run.to_m));
     }
   }
-  const Eigen::Vector2d margin(kMarginM, kMarginM);
+  const Eigen::Vector2d margin(WallFace::kColumnM, WallFace::kColumnM);
   if (box.isEmpty()) return box;
   return {Eigen::Vector2d(box.min() - margin), Eigen::Vector2d(box.max() + margin)};
 }
@@ -52,8 +51,8 @@ void AddArc(const WallFace& face,
   const std::vector<SolidRun> runs = SolidRuns(face, stretches);
   if (runs.empty()) return;
   const double half_turn = M_PI * face.curve.radius_m();
-  const double from = std::max(-half_turn, runs.front().from_m - kArcExtensionM);
-  const double to = std::min(half_turn, runs.back().to_m + kArcExtensionM);
+  const double from = std::max(-half_turn, runs.front().from_m - kLongWallM);
+  const double to = std::min(half_turn, runs.back().to_m + kLongWallM);
   const double chord = 2.0 * std::sqrt(2.0 * kMaxSagittaM * face.curve.radius_m());
   const int count = std::max(1, static_cast<int>(std::ceil((to - from) / chord)));
   const Eigen::Vector2d begin = face.curve.At(from);
@@ -75,8 +74,6 @@ void AddEnds(size_t at,
              const std::vector<WallFace>& faces,
              const Stretches& stretches,
              std::vector<PlanSegment>* segments) {
-  constexpr double kSameM = 0.1;         // a line that crosses is there already
-  constexpr double kOvershootM = 0.001;  // so that the line surely meets the face's
   const WallFace& face = faces[at];
   const std::vector<FaceCrossing> crossings = CrossingsOf(at, faces);
   for (const SolidRun& run : SolidRuns(face, stretches)) {
@@ -93,7 +90,7 @@ void AddEnds(size_t at,
       }
       const Eigen::Vector2d p = face.curve.At(s);
       const Eigen::Vector2d normal = face.curve.NormalAt(p);
-      segments->push_back({p + kOvershootM * normal, p - kEndDepthM * normal, kEndLabel});
+      segments->push_back({p + kMaxSagittaM * normal, p - kLongWallM * normal, kEndLabel});
     }
   }
 }
@@ -190,11 +187,10 @@ class SquareMap {
 std::vector<bool> OutdoorCells(const PlanSubdivision& plan,
                                const std::vector<bool>& rig_in_cell,
                                const std::vector<double>& inside_m) {
-  constexpr double kMinWallM = 1.0;  // less are the jambs of windows
   std::vector<bool> outdoors(plan.cells.size(), false);
   for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
     const auto cell = static_cast<size_t>(edge.cell);
-    if (edge.label == kFrameLabel) outdoors[cell] = inside_m[cell] < kMinWallM;
+    if (edge.label == kFrameLabel) outdoors[cell] = inside_m[cell] < kLongWallM;
   }
   for (size_t i = 0; i < outdoors.size(); ++i) {
     if (rig_in_cell[i]) outdoors[i] = false;
@@ -267,7 +263,6 @@ void LabelCells(const FreeGrid& free,
 
 // Joins free cells to rooms where no closed edge separates them.
 void JoinRooms(StoreyRegions* regions) {
-  constexpr double kMinClosed = 0.5;
   const PlanSubdivision& plan = regions->plan;
   std::vector<std::vector<int>> neighbours(plan.cells.size());
   for (const PlanSubdivision::HalfEdge& edge : plan.half_edges) {
@@ -276,7 +271,7 @@ void JoinRooms(StoreyRegions* regions) {
         !regions->is_free[static_cast<size_t>(other)]) {
       continue;
     }
-    if (regions->SharesOf(edge).closed >= kMinClosed) continue;
+    if (regions->SharesOf(edge).closed >= kMostly) continue;
     neighbours[static_cast<size_t>(edge.cell)].push_back(other);
   }
   regions->room_of_cell.assign(plan.cells.size(), -1);

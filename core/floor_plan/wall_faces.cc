@@ -6,15 +6,13 @@
 #include <limits>
 #include <unordered_map>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-constexpr size_t kMinHits = 50;      // within the band, of a surface that is to be a wall
-constexpr double kMaxNormalZ = 0.9;  // flatter is a roof that the plan does not cut
-constexpr double kMarginM = 1.0;     // of columns beyond the box of all walls
-constexpr double kSameFaceM = 0.05;  // surfaces within this distance are one face
+constexpr size_t kMinHits = 50;  // within the band, of a surface that is to be a wall
 constexpr double kSameFaceCosine = 0.9994;  // 2 degrees
 
 // A stretch along a surface, m.
@@ -45,11 +43,8 @@ struct SurfaceHits {
 
 // Whether it reaches the ceiling, wherever it begins.
 bool IsHigh(const StoreyLevel& storey, double top_m, const SurfaceHits& hits) {
-  constexpr double kBelowCeilingM = 0.15;
-  constexpr double kMinLengthM = 0.4;
   return storey.has_ceiling && hits.heights_m.size() >= kMinHits &&
-         top_m > hits.ClearHeight() - kBelowCeilingM &&
-         hits.extent.length_m() >= kMinLengthM;
+         top_m > hits.ClearHeight() - kBesideM && hits.extent.length_m() >= kMinWallM;
 }
 
 // Whether it reaches the ceiling, or from where people walk to above where they could look
@@ -80,7 +75,7 @@ bool Continues(const WallFace& face, const WallCurve& curve, const SurfaceHits& 
   if (face.curve.IsArc() != curve.IsArc()) return false;
   for (const double s : {hits.Wall().first_s, hits.Wall().last_s}) {
     const Eigen::Vector2d p = curve.At(s);
-    if (std::abs(face.curve.SignedDistance(p)) > kSameFaceM) return false;
+    if (std::abs(face.curve.SignedDistance(p)) > WallFace::kColumnM) return false;
     if (face.curve.NormalAt(p).dot(curve.NormalAt(p)) < kSameFaceCosine) return false;
   }
   return true;
@@ -117,9 +112,8 @@ void AddColumns(const Eigen::AlignedBox2d& box, WallFace* face) {
 StoreyHeights HeightsBefore(const WallCurve& curve,
                             const Eigen::Vector2d& p,
                             const StoreyLevel& storey) {
-  constexpr double kBeforeM = 0.15;  // beyond the noise of points on the face
   if (storey.floors == nullptr) return storey;
-  return storey.At(p + kBeforeM * curve.NormalAt(p));
+  return storey.At(p + kBesideM * curve.NormalAt(p));
 }
 
 std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
@@ -128,7 +122,7 @@ std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
   std::unordered_map<int, size_t> index_of_id;
   std::vector<WallCurve> curves(planes.size());
   for (size_t i = 0; i < planes.size(); ++i) {
-    if (std::abs(planes[i].normal.z()) > kMaxNormalZ) continue;
+    if (std::abs(planes[i].normal.z()) > kLevelCosine) continue;
     index_of_id[planes[i].id] = i;
     curves[i] = WallCurve(planes[i], storey.section_m());
   }
@@ -176,7 +170,7 @@ std::vector<WallFace> FindWallFaces(const std::vector<PlanePatch>& planes,
     }
   }
   if (faces.empty()) return faces;
-  const Eigen::Vector2d margin(kMarginM, kMarginM);
+  const Eigen::Vector2d margin(kLongWallM, kLongWallM);
   const Eigen::AlignedBox2d wide(box.min() - margin, box.max() + margin);
   for (WallFace& face : faces) AddColumns(wide, &face);
   return faces;

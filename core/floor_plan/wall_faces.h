@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/floor_plan/map_cloud.h"
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/storey_levels.h"
 #include "core/floor_plan/wall_curve.h"
 
@@ -27,8 +28,7 @@ struct WallColumn {
   static constexpr double kMaxFurnitureM = 0.8;
   std::array<uint16_t, kNumHigh> high_hits = {};
   std::array<uint16_t, kNumHigh> high_passes = {};
-  // Number of passes that came from or went more than kDeepM behind the face.
-  static constexpr double kDeepM = 0.6;
+  // Number of passes that came from or went more than kMaxThicknessM behind the face.
   uint16_t deep_passes = 0;
   // Number of the deep passes that ended on a ceiling: what lies behind the face is indoors.
   uint16_t ceiling_passes = 0;
@@ -37,7 +37,6 @@ struct WallColumn {
   // Whether it ends below the ceiling, before a wall: a cupboard, say. From some height up to
   // the ceiling, more beams pass it than hit it.
   bool EndsBelowCeiling() const {
-    constexpr int kMinBeams = 2;  // one may be a stray
     int hit = 0;
     int passed = 0;
     for (size_t i = kNumHigh; i-- > 0;) {
@@ -50,7 +49,6 @@ struct WallColumn {
 
   // Whether beams say only what is above the band: something stands before it.
   bool IsSeenAboveOnly() const {
-    constexpr int kMinBeams = 2;
     bool in_band = false;
     for (size_t i = 0; i < kNumLevels; ++i) in_band |= hits[i] + passes[i] > 0;
     return !in_band && hits_above >= kMinBeams && !EndsBelowCeiling();

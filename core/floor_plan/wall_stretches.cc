@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/floor_plan/plan_scales.h"
+
 namespace plumbline {
 namespace {
 
 constexpr double kMinDoorM = 0.6;
 constexpr double kMaxDoorM = 1.5;
-constexpr double kMaxLintelM = 8.0;  // wider ones are none
-constexpr double kMaxHiddenM = 5.0;  // what no beam passed is bridged up to here
 constexpr double kNearM = 0.25;      // of a crossing: a wall's columns there tell of its end
 constexpr double kMinCrossingSine = 0.34;  // 20 degrees
 
@@ -31,7 +31,6 @@ struct CrossingWall {
 };
 
 ColumnState Judge(const WallColumn& column, bool* is_window) {
-  constexpr int kMinBeams = 2;  // one may be a stray
   int solid[2] = {0, 0};        // low, high
   int open[2] = {0, 0};
   for (size_t level = 0; level < WallColumn::kNumLevels; ++level) {
@@ -67,9 +66,6 @@ double SolidShare(const WallFace& face, const Stretches& stretches, double from,
 std::vector<CrossingWall> WallsAcross(size_t at,
                                       const std::vector<WallFace>& faces,
                                       const std::vector<Stretches>& stretches) {
-  constexpr double kGoesOnFromM = 0.2;  // beyond it a wall is no jamb
-  constexpr double kGoesOnToM = 0.8;
-  constexpr double kGoesOnShare = 0.5;
   std::vector<CrossingWall> walls;
   const WallCurve& curve = faces[at].curve;
   for (const FaceCrossing& crossing : CrossingsOf(at, faces)) {
@@ -80,9 +76,9 @@ std::vector<CrossingWall> WallsAcross(size_t at,
     const Eigen::Vector2d p = curve.At(crossing.s);
     const Eigen::Vector2d normal = curve.NormalAt(p);
     const bool before =
-        SolidShare(other, of_other, s - kGoesOnToM, s - kGoesOnFromM) > kGoesOnShare;
+        SolidShare(other, of_other, s - WallColumn::kMaxFurnitureM, s - kBesideM) > kMostly;
     const bool behind =
-        SolidShare(other, of_other, s + kGoesOnFromM, s + kGoesOnToM) > kGoesOnShare;
+        SolidShare(other, of_other, s + kBesideM, s + WallColumn::kMaxFurnitureM) > kMostly;
     if (!before && !behind) continue;  // a jamb
     CrossingWall& wall = walls.emplace_back();
     wall.s = crossing.s;
@@ -125,32 +121,21 @@ struct Gap {
   bool is_between = false;  // stretches of the face on both sides are no pillars
 
   double width_m() const { return to_m - from_m; }
-  bool IsOpen() const {
-    constexpr double kMinOpen = 0.4;
-    return open >= kMinOpen;
-  }
+  bool IsOpen() const { return open >= kMostly; }
   // As wide as a door, and beams pass.
   bool MayBeDoor() const {
     return width_m() >= kMinDoorM && width_m() <= kMaxDoorM && IsOpen();
   }
   // The wall goes on below it.
   bool HasSill() const {
-    constexpr int kMinBeams = 2;
     const bool is_seen = low_hits >= kMinBeams || (is_beside_window && open > 0.0);
     return is_seen && low_hits >= low_passes && !rig_passed;
   }
   bool ReachesFloor() const {
-    constexpr int kMinBeams = 2;
     return rig_passed || (low_passes >= kMinBeams && low_passes > low_hits);
   }
-  bool LeadsIndoors() const {
-    constexpr int kMinBeams = 2;
-    return rig_passed || ceiling_passes >= kMinBeams;
-  }
-  bool HasLintel() const {
-    constexpr double kMinLintel = 0.5;
-    return lintel >= kMinLintel;
-  }
+  bool LeadsIndoors() const { return rig_passed || ceiling_passes >= kMinBeams; }
+  bool HasLintel() const { return lintel >= kMostly; }
 };
 
 // The gaps of one face, closed where they do not stay open.
@@ -176,7 +161,6 @@ class GapCloser {
     const std::vector<GapEnd> runs = ends;
     for (const CrossingWall& wall : walls_) {
       // At the end of a stretch, that end is the gap's.
-      constexpr double kSameM = 0.1;
       const bool is_known = std::any_of(runs.begin(), runs.end(), [&](const GapEnd& run) {
         return wall.s > run.from_m - kSameM && wall.s < run.to_m + kSameM;
       });
@@ -235,10 +219,8 @@ class GapCloser {
   }
 
   void CloseGap(const Gap& gap) {
-    constexpr double kMaxHiddenOpen = 0.15;
-    constexpr double kMinFurniture = 0.5;
-    if (gap.furniture >= kMinFurniture) return;
-    if (gap.HasSill() && gap.open > 0.0 && gap.width_m() <= kMaxLintelM) {
+    if (gap.furniture >= kMostly) return;
+    if (gap.HasSill() && gap.open > 0.0 && gap.width_m() <= kMaxClearM) {
       CloseAs(gap, ColumnState::kBridged);
       MarkWindow(gap);
       return;
@@ -256,11 +238,11 @@ class GapCloser {
     // A wide opening below a lintel that nobody went through ends a room, too: a window.
     constexpr double kMinWideLintel = 0.8;
     if (gap.width_m() > kMaxDoorM && gap.lintel >= kMinWideLintel && !gap.rig_passed &&
-        gap.width_m() <= kMaxLintelM) {
+        gap.width_m() <= kMaxClearM) {
       CloseAs(gap, ColumnState::kDoor);
       return;
     }
-    const bool is_hidden = gap.open <= kMaxHiddenOpen && gap.width_m() <= kMaxHiddenM;
+    const bool is_hidden = gap.open <= kHardly && gap.width_m() <= kMaxClearM;
     if (gap.width_m() <= kMaxDoorM || is_hidden || IsRecess(gap)) {
       // A gap that is narrower than a door, and leads out of doors, is a pane beside a post.
       if (gap.IsOpen() && gap.width_m() < kMinDoorM && !gap.LeadsIndoors()) MarkWindow(gap);
@@ -271,21 +253,18 @@ class GapCloser {
   // Whether all beams end shortly behind the face, on something that is no wall: on the frame
   // of a window.
   bool IsRecess(const Gap& gap) const {
-    constexpr double kMaxDeep = 0.15;
-    constexpr double kSameCosine = 0.99;
-    constexpr double kMinWall = 0.3;
-    if (gap.deep > kMaxDeep || gap.width_m() > kMaxLintelM) return false;
+    if (gap.deep > kHardly || gap.width_m() > kMaxClearM) return false;
     const Eigen::Vector2d from = face_.curve.At(gap.from_m);
     const Eigen::Vector2d to = face_.curve.At(gap.to_m);
     const Eigen::Vector2d middle = 0.5 * (from + to);
     for (size_t i = 0; i < faces_.size(); ++i) {
       const WallCurve& other = faces_[i].curve;
       const double ahead = other.SignedDistance(middle);
-      if (i == at_ || ahead < 0.0 || ahead > WallColumn::kDeepM) continue;
-      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) < kSameCosine) continue;
+      if (i == at_ || ahead < 0.0 || ahead > kMaxThicknessM) continue;
+      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) < kParallelCosine) continue;
       const double a = other.Parameter(from);
       const double b = other.Parameter(to);
-      if (SolidShare(faces_[i], seen_[i], std::min(a, b), std::max(a, b)) > kMinWall) {
+      if (SolidShare(faces_[i], seen_[i], std::min(a, b), std::max(a, b)) > kMostly) {
         return false;
       }
     }
@@ -293,15 +272,14 @@ class GapCloser {
   }
 
   bool HasDoorOpposite(const Gap& gap, const std::vector<Stretches>& closed) const {
-    constexpr double kMaxThicknessM = 0.6;
-    constexpr double kOppositeCosine = -0.99;
     const Eigen::Vector2d middle =
         0.5 * (face_.curve.At(gap.from_m) + face_.curve.At(gap.to_m));
     for (size_t i = 0; i < faces_.size(); ++i) {
       const WallCurve& other = faces_[i].curve;
       const double behind = -other.SignedDistance(middle);
       if (behind <= 0.0 || behind > kMaxThicknessM) continue;
-      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) > kOppositeCosine) continue;
+      if (other.NormalAt(middle).dot(face_.curve.NormalAt(middle)) > -kParallelCosine)
+        continue;
       const double s = other.Parameter(middle);
       for (const DoorGap& door : closed[i].doors) {
         if (s > door.from_m && s < door.to_m) return true;
@@ -322,11 +300,9 @@ class GapCloser {
   }
 
   // A jamb lies between the last beam that hit the face and the first one that passed: in the
-  // middle, with the deviation of a uniform distribution. Beams that hit the jamb's own side
-  // are taken for hits of the face where they end within its noise, and those at the face's
-  // end for none of it, so that a jamb is not known better than to 1.5 cm.
+  // middle, with the deviation of a uniform distribution, and never known better than
+  // kJambStddevM.
   DoorGap DoorIn(const Gap& gap) const {
-    constexpr double kJambStddevM = 0.015;
     Stretch passed;
     for (size_t i = gap.first; i < gap.last; ++i) {
       if (stretches_.states[i] != ColumnState::kOpen) continue;
@@ -384,13 +360,12 @@ std::vector<FaceCrossing> CrossingsOf(size_t face, const std::vector<WallFace>& 
 }
 
 std::vector<SolidRun> SolidRuns(const WallFace& face, const Stretches& stretches) {
-  constexpr size_t kMinColumns = 2;  // one may be a stray
   std::vector<SolidRun> runs;
   for (size_t i = 0; i < stretches.states.size();) {
     size_t end = i;
     while (end < stretches.states.size() && stretches.states[end] == ColumnState::kSolid)
       ++end;
-    if (end - i >= kMinColumns) {
+    if (end - i >= size_t{kMinBeams}) {
       // A wall ends within the next column, where beams hit a part of it and pass the rest;
       // before that may be columns that were hardly seen.
       const auto was_hit = [&face](size_t column) { return !face.hit_ends[column].IsEmpty(); };

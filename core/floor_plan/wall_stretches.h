@@ -3,12 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/floor_plan/plan_scales.h"
 #include "core/floor_plan/wall_faces.h"
 
 namespace plumbline {
-
-// Stretches of a face that are shorter than this are pillars or posts, and no walls, m.
-inline constexpr double kMinWallM = 0.3;
 
 // The kind of a column of a wall's face.
 enum class ColumnState {
@@ -46,9 +44,9 @@ struct Stretches {
 // Else the gap has to be one between two stretches of the face that are at least 0.3 m long,
 // and must not be as wide as a room: bounded on both sides by walls that go on. Wider gaps (up
 // to 8 m) are closed in the same way where the face was hit above nearly all of them. Shorter
-// gaps are bridged, and so are wider ones that no beam passed (up to 5 m), or that beams
-// passed only to end within 0.6 m on what is no wall (up to 8 m: windows, with what stands in
-// their recess). A gap below which more beams hit the face than passed it, up to 0.8 m above
+// gaps are bridged, and so are wider ones, up to 8 m, that no beam passed, or that beams
+// passed only to end within 0.6 m on what is no wall: windows, with what stands in their
+// recess. A gap below which more beams hit the face than passed it, up to 0.8 m above
 // the floor, has a sill: it is a window, whatever its width, unless the rig went through. So
 // is what is narrower than a door, where beams pass and meet no ceiling: a pane beside a post.
 // Other gaps stay open, and so does where furniture ends below the ceiling.
