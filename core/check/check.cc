@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/check/findings.h"
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
@@ -11,12 +12,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMinNoise = 0.005;  // m, for segmentation: surfaces are no better
-
 // Whether one scanner's correction makes most of its places agree that did not.
 bool IsMended(const std::vector<MountingCorrection>& corrections) {
   return std::any_of(corrections.begin(), corrections.end(), [](const auto& one) {
-    return one.moved_share > 0.5 && one.moved_share > one.near_share + 0.25;
+    return one.moved_share > 0.5 && one.moved_share > one.near_share + 1.0 - kMost;
   });
 }
 
@@ -43,9 +42,8 @@ bool IsExplainedByMounting(const OtherHeader& header,
                            const Rig& stated,
                            const MountedRig& rig,
                            const std::vector<std::string>& names) {
-  constexpr double kMore = 0.025;  // of the places
   const std::optional<OtherMounting> other = FindOtherMounting(sample, rig, names);
-  if (other && NearShareOfAll(sample, other->rig) > header.share_so + kMore) return true;
+  if (other && NearShareOfAll(sample, other->rig) > header.share_so + kHardlyAny) return true;
   if (EstimatesScanners(stated)) {
     // Scanners that are not known exactly are off, headers hardly ever, and then those of all
     // scanners of a kind. So the header of one scanner has to explain more than scanners that
@@ -66,7 +64,7 @@ bool IsExplainedByMounting(const OtherHeader& header,
     if (corrections[i].num_compared == 0) continue;
     MountedRig corrected = rig;
     corrected[i] = corrections[i].corrected;
-    if (NearShareOfAll(sample, corrected) > header.share_so + kMore) return true;
+    if (NearShareOfAll(sample, corrected) > header.share_so + kHardlyAny) return true;
   }
   return false;
 }

@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "core/check/levels.h"
+
 namespace plumbline {
 namespace {
 
-constexpr size_t kNumLines = 200;     // of a topic, that are compared
 constexpr int64_t kMinBeams = 200;    // with a return in both, that say anything
 constexpr double kCopiedShare = 0.5;  // of these; chance leaves a few per cent of ranges in mm
-constexpr double kSameDirection = 0.1;  // of an increment
 
 // The line whose stamp is nearest.
 const ScanLine& NearestOf(const std::vector<ScanLine>& lines, int64_t stamp_ns) {
@@ -34,7 +34,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
       if (lines[a].empty() || lines[b].empty()) continue;
       int64_t num_both = 0;
       int64_t num_same = 0;
-      const size_t stride = 1 + lines[b].size() / kNumLines;
+      const size_t stride = 1 + lines[b].size() / size_t{kMinBeams};
       for (size_t i = 0; i < lines[b].size(); i += stride) {
         const ScanLine& copy = lines[b][i];
         const ScanLine& original = NearestOf(lines[a], copy.stamp_ns);
@@ -42,7 +42,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
           const double at =
               (copy.BeamAngle(beam) - original.angle_min) / original.angle_increment;
           const double nearest = std::round(at);
-          if (std::abs(at - nearest) > kSameDirection || nearest < 0.0 ||
+          if (std::abs(at - nearest) > kSome || nearest < 0.0 ||
               nearest >= original.num_beams()) {
             continue;
           }

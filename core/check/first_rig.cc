@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/roll_pitch_yaw.h"
@@ -12,9 +13,6 @@
 
 namespace plumbline {
 namespace {
-
-constexpr double kRigShare = 0.8;   // of the lines, near returns in the same beam
-constexpr double kMinNoise = 0.01;  // m; walls and mountings are hardly better
 
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
@@ -38,7 +36,7 @@ std::string NameFor(const std::string& topic, std::set<std::string>* names) {
 double MinRangeOf(const TopicSurvey& topic) {
   double min_range_m = std::max(0.1, topic.metres_per_unit * topic.stated_min_range_m);
   for (const BeamCounts& beam : topic.beams) {
-    if (beam.num_near <= kRigShare * beam.num_lines) continue;
+    if (beam.num_near <= kMost * beam.num_lines) continue;
     min_range_m = std::max(min_range_m, 1.05 * static_cast<double>(beam.farthest_near_m));
   }
   return std::ceil(100.0 * min_range_m) / 100.0;

@@ -6,19 +6,18 @@
 #include <functional>
 #include <utility>
 
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
 using Sample = std::vector<std::vector<SampledLine>>;
 
-constexpr int kLinesToCompare = 1500;  // of each pair
-// A header is accepted if the share of places that agree grows by kMinGain, and by kMinSigmas
-// of its standard deviations: neighbouring lines share their errors.
-constexpr double kMinGain = 0.025;
-constexpr double kMinSigmas = 3.0;
+// A header is accepted if the share of places that agree grows by kHardlyAny, and by
+// kSignificantStddevs of its standard deviations: neighbouring lines share their errors.
 // time_increment is another where it differs by this much from that of a scanner which turns
 // once per scan line.
 constexpr double kOtherTime = 0.2;
@@ -32,7 +31,7 @@ Places CompareAll(const Sample& sample, const MountedRig& rig) {
   std::vector<ViewComparison> all;
   for (size_t a = 0; a < rig.size(); ++a) {
     for (size_t b = a + 1; b < rig.size(); ++b) {
-      const auto some = CompareViews(sample, rig, a, b, kLinesToCompare, kOnePlace);
+      const auto some = CompareViews(sample, rig, a, b, kComparedLines, kOnePlace);
       all.insert(all.end(), some.begin(), some.end());
     }
   }
@@ -141,7 +140,7 @@ double NearShareOfAll(const Sample& sample, const MountedRig& rig) {
 
 double SignificantDifference(double share_a, double share_b, size_t num_places) {
   const double variance = share_a * (1.0 - share_a) + share_b * (1.0 - share_b);
-  return kMinSigmas * std::sqrt(variance / static_cast<double>(num_places));
+  return kSignificantStddevs * std::sqrt(variance / static_cast<double>(num_places));
 }
 
 std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
@@ -152,7 +151,7 @@ std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
   if (stated.num == 0) return std::nullopt;
   const double variance =  // of the share
       stated.near_share * (1.0 - stated.near_share) / static_cast<double>(stated.num);
-  const double min_gain = std::max(kMinGain, kMinSigmas * std::sqrt(variance));
+  const double min_gain = std::max(kHardlyAny, kSignificantStddevs * std::sqrt(variance));
   std::optional<OtherHeader> best;
   std::vector<std::vector<size_t>> groups(1);  // all at once, and each
   for (size_t i = 0; i < rig.size(); ++i) {
@@ -183,7 +182,7 @@ std::optional<OtherHeader> FindOtherHeader(const Sample& sample,
       other.share_as_stated = stated.near_share;
       other.share_so = so.near_share;
       if (so.num < stated.num / 2 || so.near_share - stated.near_share < min_gain) continue;
-      if (best && so.near_share <= best->share_so + kMinGain) continue;
+      if (best && so.near_share <= best->share_so + kHardlyAny) continue;
       const bool is_same = std::all_of(
           advice.begin(), advice.end(), [&](const auto& one) { return one == advice[0]; });
       other.words = of_first[k].words + ", of " + Enumerate(who);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/check/levels.h"
 #include "core/geometry/angles.h"
 #include "factors/spline/so3.h"
 
@@ -15,22 +16,16 @@ namespace {
 using Vector8d = Eigen::Matrix<double, 8, 1>;  // rotation, translation, time, range
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-constexpr int kLinesForFit = 1500;  // of each pair
-constexpr int kMinCompared = 20;    // places that say anything
 // Scales of Cauchy's loss, one for each step: what is far off is to be caught first.
 constexpr double kLossScales[] = {0.4, 0.4, 0.2, 0.2, 0.1, 0.05, 0.05, 0.05};  // m
 // Standard deviations of the prior about the rig file.
-constexpr double kPriorTurn = 0.2;    // rad
-constexpr double kPriorShift = 0.2;   // m
+constexpr double kPriorPose = 0.2;    // rad and m
 constexpr double kPriorTime = 0.1;    // s
 constexpr double kPriorRange = 0.05;  // m
-// Turns (rad) and shifts (m) with a larger standard deviation are unobservable and held at
-// zero; so are those whose standard deviation is kOpenRatio times that of the best axis: they
-// are determined by the noise of the surfaces' directions.
-constexpr double kOpenTurn = 1.0 * kRadiansPerDegree;
-constexpr double kOpenShift = 0.05;  // m
-constexpr double kOpenTime = 0.01;   // s
-constexpr double kOpenRange = 0.01;  // m
+// What keeps more than this share of the prior's standard deviation is unobservable and held
+// at zero; so are turns and shifts whose standard deviation is kOpenRatio times that of the
+// best axis: they are determined by the noise of the surfaces' directions.
+constexpr double kOpenShare = 0.125;
 constexpr double kOpenRatio = 5.0;
 constexpr double kHeld = 1e12;  // information about what is held
 
@@ -54,7 +49,7 @@ class MountingFit {
         rig_(rig),
         scanner_(scanner),
         stated_(stated),
-        prior_(Stacked(kPriorTurn, kPriorShift, kPriorTime, kPriorRange)
+        prior_(Stacked(kPriorPose, kPriorPose, kPriorTime, kPriorRange)
                    .cwiseAbs2()
                    .cwiseInverse()
                    .asDiagonal()) {
@@ -79,7 +74,7 @@ class MountingFit {
     correction.corrected = stated_;
     Compare();
     correction.num_compared = static_cast<int>(comparisons_.size());
-    if (correction.num_compared < kMinCompared) return correction;
+    if (correction.num_compared < kMinPlaces) return correction;
     correction.near_share = ShareWithin(comparisons_, kOnePlace);
     Iterate();
     if (hold_open) {
@@ -101,7 +96,8 @@ class MountingFit {
     comparisons_.clear();
     for (size_t other = 0; other < rig_.size(); ++other) {
       if (other == scanner_) continue;
-      const auto some = CompareViews(sample_, rig_, scanner_, other, kLinesForFit, kOnePlace);
+      const auto some =
+          CompareViews(sample_, rig_, scanner_, other, kComparedLines, kOnePlace);
       comparisons_.insert(comparisons_.end(), some.begin(), some.end());
     }
   }
@@ -116,15 +112,15 @@ class MountingFit {
 
   // Holds what the scans do not show.
   void HoldOpen() {
-    HoldAxes(0, kOpenTurn);
-    HoldAxes(3, kOpenShift);
+    HoldAxes(0, kOpenShare * kPriorPose);
+    HoldAxes(3, kOpenShare * kPriorPose);
     const auto hold = [&](Eigen::Index index, double open) {
       if (covariance_(index, index) <= open * open) return;
       prior_(index, index) = kHeld;
       total_(index) = 0.0;
     };
-    hold(6, kOpenTime);
-    hold(7, kOpenRange);
+    hold(6, kOpenShare * kPriorTime);
+    hold(7, kOpenShare * kPriorRange);
     Apply();
     Compare();
   }
@@ -167,9 +163,8 @@ class MountingFit {
   // The standard deviation of a place's distance over the one that the loss stands for.
   // Neighbouring lines share their errors: twice what the distances show is right.
   double ScatterRatio(double loss_scale) const {
-    constexpr double kMinScatter = 0.01;  // m
     constexpr double kShared = 2.0;
-    const double scatter = std::max(kMinScatter, 1.4826 * MedianDistance(comparisons_));
+    const double scatter = std::max(kMinNoise, 1.4826 * MedianDistance(comparisons_));
     return std::min(1.0, kShared * scatter / loss_scale);
   }
 

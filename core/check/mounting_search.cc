@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/check/levels.h"
 #include "core/check/mounting_fit.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
@@ -14,11 +15,6 @@ namespace plumbline {
 namespace {
 
 constexpr int kLinesForAgreement = 400;  // of each pair
-constexpr double kAgreedShare = 0.75;    // of a pair that sits as the rig file says
-constexpr double kAgreed = 0.1;          // m
-// Least gain of another mounting in the share of places that agree, and least share.
-constexpr double kMinGain = 0.25;
-constexpr double kMinShareSo = 0.55;
 // Turns of any angle are tried in such steps, and the best of them fitted.
 constexpr int kTurnStep = 20;    // deg
 constexpr double kCaught = 0.4;  // m, between places that a fit may bring together
@@ -42,7 +38,7 @@ double ShareOf(const std::vector<PairAgreement>& agreements,
   double sum = 0.0;
   int num = 0;
   for (const PairAgreement& pair : agreements) {
-    if (pair.num_compared < kMinPlacesOfPair) continue;
+    if (pair.num_compared < kMinPlaces) continue;
     if (scanners.count(pair.a) == 0 && scanners.count(pair.b) == 0) continue;
     sum += pair.near_share;
     ++num;
@@ -162,7 +158,7 @@ void KeepBetter(const Sample& sample,
   const std::vector<PairAgreement> agreements = AgreementsOf(sample, other->rig);
   other->share_so = ShareOf(agreements, changed);
   const double gain = other->share_so - other->share_as_stated;
-  if (other->share_so < kMinShareSo || gain < kMinGain) return;
+  if (other->share_so < 0.5 || gain < 1.0 - kMost) return;
   std::set<size_t> all;
   for (size_t i = 0; i < other->rig.size(); ++i) all.insert(i);
   other->share_of_all = ShareOf(agreements, all);
@@ -222,7 +218,7 @@ class TurnSearch {
     for (size_t other = 0; other < rig.size(); ++other) {
       if (other == scanner_) continue;
       const auto comparisons = CompareViews(sample_, rig, scanner_, other, kLinesForAgreement);
-      if (static_cast<int>(comparisons.size()) < kMinPlacesOfPair) continue;
+      if (static_cast<int>(comparisons.size()) < kMinPlaces) continue;
       sum += ShareWithin(comparisons, kCaught);
       ++num;
     }
@@ -261,7 +257,7 @@ class TurnSearch {
 }  // namespace
 
 bool PairAgreement::IsApart() const {
-  return num_compared >= kMinPlacesOfPair && near_share < kAgreedShare;
+  return num_compared >= kMinPlaces && near_share < kMost;
 }
 
 std::vector<PairAgreement> AgreementsOf(const Sample& sample, const MountedRig& rig) {
@@ -282,7 +278,7 @@ std::optional<OtherMounting> FindOtherMounting(const Sample& sample,
   for (OtherMounting& other : Alternatives(rig, names).list) {
     const std::set<size_t> changed(other.scanners.begin(), other.scanners.end());
     other.share_as_stated = ShareOf(stated, changed);
-    if (other.share_as_stated < 0.0 || other.share_as_stated > 1.0 - kMinGain) continue;
+    if (other.share_as_stated < 0.0 || other.share_as_stated > kMost) continue;
     KeepBetter(sample, &other, &best);
   }
   return best;
@@ -295,7 +291,7 @@ std::optional<OtherMounting> FindTurn(const Sample& sample,
   std::optional<OtherMounting> best;
   for (size_t i = 0; i < rig.size(); ++i) {
     const double share = ShareOf(stated, {i});
-    if (share < 0.0 || share > 1.0 - kMinGain) continue;
+    if (share < 0.0 || share > kMost) continue;
     TurnSearch(sample, rig, i, names[i]).Search(share, &best);
   }
   return best;

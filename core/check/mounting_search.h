@@ -21,9 +21,6 @@ struct PairAgreement {
   bool IsApart() const;
 };
 
-// Places that say anything about a pair.
-inline constexpr int kMinPlacesOfPair = 20;
-
 // One element for each pair of scanners.
 std::vector<PairAgreement> AgreementsOf(const std::vector<std::vector<SampledLine>>& sample,
                                         const MountedRig& rig);

@@ -3,21 +3,15 @@
 #include <utility>
 
 #include "core/check/findings.h"
+#include "core/check/levels.h"
 #include "core/check/words.h"
+#include "core/consistency/scanner_agreement.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kSilentShare = 0.05;    // of the usual returns of a second
-constexpr size_t kMinSilent = 2;         // s
-constexpr int kFrozenPercent = 50;       // of a second's lines
-constexpr double kStraightShare = 0.15;  // of the usual share of beams that continue a line
-constexpr double kFewReturns = 0.3;
-constexpr double kRigShare = 0.8;    // of the lines, near returns in the same beam
-constexpr double kBlindWidth = 5.0;  // deg
-constexpr double kFewLayouts = 0.02;  // of the lines, with other layouts than most
 constexpr double kHighNoise = 1.5;   // times the stated one
 constexpr double kLowNoise = 0.25;
 
@@ -31,10 +25,8 @@ const Scanner* ScannerOf(const CheckReport& report, size_t topic) {
 }
 
 bool SitAlike(const Rigid3d& a, const Rigid3d& b) {
-  constexpr double kShift = 0.01;  // m
-  constexpr double kTurn = 0.5 * kRadiansPerDegree;
-  return (a.translation - b.translation).norm() < kShift &&
-         a.rotation.angularDistance(b.rotation) < kTurn;
+  return (a.translation - b.translation).norm() < kOnePlace &&
+         a.rotation.angularDistance(b.rotation) < kOnePlace / kLever;
 }
 
 // The largest of the values that do not exceed those of half the seconds with lines.
@@ -92,7 +84,7 @@ class RangeJudge {
     if (topic_.num_other_layouts > 0) {
       // A recording begins and ends amid a revolution.
       const bool are_few =
-          topic_.num_other_layouts < kFewLayouts * static_cast<double>(topic_.stamps.size());
+          topic_.num_other_layouts < kHardlyAny * static_cast<double>(topic_.stamps.size());
       Add(are_few ? Severity::kNote : Severity::kWarning,
           std::to_string(topic_.num_other_layouts) +
               " scan lines have other numbers of beams or angles than most",
@@ -140,7 +132,7 @@ class RangeJudge {
     const double share =
         static_cast<double>(topic_.num_returns) / static_cast<double>(topic_.num_ranges);
     const std::string kinds = KindsOfNoReturn();
-    if (share < kFewReturns) {
+    if (share < 1.0 - kMost) {
       Add(Severity::kWarning,
           "only " + PercentOf(share) + " of the beams have a return (" + kinds + ")",
           "look at the scanner's window and at min_range_m and max_range_m");
@@ -162,11 +154,11 @@ class RangeJudge {
       }
       if (ReturnShare(second) < kSilentShare * usual_returns) {
         silent.push_back(second.second);
-      } else if (StraightShare(second) < kStraightShare * usual_straight) {
+      } else if (StraightShare(second) < kSome * usual_straight) {
         random.push_back(second.second);
       }
     }
-    const std::string when_silent = SpansInWords(silent, kMinSilent);
+    const std::string when_silent = SpansInWords(silent, size_t{kMinSilent});
     if (!when_silent.empty()) {
       Add(Severity::kWarning,
           "returns next to nothing " + when_silent,
@@ -178,14 +170,14 @@ class RangeJudge {
           "is frozen: it repeats the very same ranges " + when_frozen,
           "restart the driver; cut these seconds out, or map without this scanner");
     }
-    const std::string when_random = SpansInWords(random, kMinSilent);
+    const std::string when_random = SpansInWords(random, size_t{kMinSilent});
     if (!when_random.empty()) {
       Add(Severity::kWarning,
           "measures nothing that continues from beam to beam " + when_random +
               ", as of a scanner that returns noise",
           "look for sunlight, another scanner that blinds it, or a broken one");
     }
-    if (usual_straight < 0.3) {
+    if (usual_straight < 1.0 - kMost) {
       Add(Severity::kStop,
           "hardly any beams continue a straight line (" + PercentOf(usual_straight) + ")",
           "the ranges are noise, or the beams are not in the order of their angles");
@@ -218,10 +210,10 @@ class RangeJudge {
     std::vector<std::string> sectors;
     ForEachRun(
         [](const BeamCounts& beam) {
-          return beam.num_lines > 0 && beam.num_near > kRigShare * beam.num_lines;
+          return beam.num_lines > 0 && beam.num_near > kMost * beam.num_lines;
         },
         [&](size_t first, size_t last) { sectors.push_back(Degrees(first, last)); });
-    if (sectors.size() > 6) sectors.resize(6);
+    if (sectors.size() > kMaxNamed) sectors.resize(kMaxNamed);
     if (!sectors.empty()) {
       Add(Severity::kNote,
           "sees something nearer than 0.5 m in nearly every line " + Enumerate(sectors) +
@@ -233,9 +225,10 @@ class RangeJudge {
                [&](size_t first, size_t last) {
                  const double width = static_cast<double>(last - first + 1) *
                                       std::abs(topic_.angle_increment) * kDegreesPerRadian;
-                 if (width > kBlindWidth) blind.push_back(Degrees(first, last));
+                 if (width > kParallelAngle * kDegreesPerRadian)
+                   blind.push_back(Degrees(first, last));
                });
-    if (blind.size() > 6) blind.resize(6);
+    if (blind.size() > kMaxNamed) blind.resize(kMaxNamed);
     if (!blind.empty()) {
       Add(Severity::kNote,
           "never has a return " + Enumerate(blind),

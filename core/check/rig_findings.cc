@@ -3,27 +3,20 @@
 #include <set>
 
 #include "core/check/findings.h"
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/roll_pitch_yaw.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-// Least gain of a correction in the share of places that agree, also in standard deviations.
-constexpr double kMinGain = 0.025;
-constexpr double kMinSigmas = 4.0;
-// Smaller errors are not worth a word, larger ones bend a map by centimetres and more.
-constexpr double kNamedTurn = 0.25 * kRadiansPerDegree;
-constexpr double kNamedShift = 0.015;  // m
-constexpr double kNamedTime = 0.004;   // s
-constexpr double kNamedRange = 0.007;  // m
-constexpr double kLargeTurn = 1.5 * kRadiansPerDegree;
-constexpr double kLargeShift = 0.05;    // m
+// Errors that move a place by less than kOnePlace are not worth a word: turns at kLever,
+// clocks of a rig that turns by a radian a second, ranges of walls on both sides. Larger ones
+// than these bend a map by centimetres and more.
 constexpr double kLargeTime = 0.1;      // s
-constexpr double kFloorsApart = 0.1;    // m
 constexpr double kMaxStartTilt = 20.0;  // deg
-const double kParallel = std::sin(8.0 * kRadiansPerDegree);
 
 // The parts of a correction that are large and certain.
 struct NamedParts {
@@ -36,11 +29,12 @@ NamedParts NameParts(const MountingCorrection& correction) {
   NamedParts parts;
   const auto is_certain = [&](Eigen::Index first, double named, const Eigen::Vector3d& v) {
     return v.norm() > named &&
-           v.norm() > kMinSigmas * correction.stddev.segment<3>(first).dot(v.cwiseAbs()) /
+           v.norm() > kSignificantStddevs *
+                          correction.stddev.segment<3>(first).dot(v.cwiseAbs()) /
                           std::max(1e-12, v.norm());
   };
   const MountedScanner& corrected = correction.corrected;
-  if (is_certain(0, kNamedTurn, correction.rotation_rad)) {
+  if (is_certain(0, kOnePlace / kLever, correction.rotation_rad)) {
     const Eigen::Vector3d turn = correction.rotation_rad * kDegreesPerRadian;
     const Eigen::Vector3d rpy = RollPitchYawDegrees(corrected.body_from_scanner.rotation);
     const bool is_upright = std::abs(turn.z()) > 0.9 * turn.norm();
@@ -49,27 +43,28 @@ NamedParts NameParts(const MountingCorrection& correction) {
                           (is_upright ? " about the vertical" : ""));
     parts.advice.push_back("rotation_rpy_deg: [" + Decimal(rpy.x(), 1) + ", " +
                            Decimal(rpy.y(), 1) + ", " + Decimal(rpy.z(), 1) + "]");
-    parts.is_large = parts.is_large || correction.rotation_rad.norm() > kLargeTurn;
+    parts.is_large = parts.is_large || correction.rotation_rad.norm() > kAgreed / kLever;
   }
-  if (is_certain(3, kNamedShift, correction.translation_m)) {
+  if (is_certain(3, kOnePlace, correction.translation_m)) {
     const Eigen::Vector3d& t = corrected.body_from_scanner.translation;
     parts.words.push_back("to be shifted by " +
                           Decimal(1e3 * correction.translation_m.norm(), 0) + " mm");
     parts.advice.push_back("translation: [" + Decimal(t.x(), 3) + ", " + Decimal(t.y(), 3) +
                            ", " + Decimal(t.z(), 3) + "]");
-    parts.is_large = parts.is_large || correction.translation_m.norm() > kLargeShift;
+    parts.is_large = parts.is_large || correction.translation_m.norm() > 0.5 * kAgreed;
   }
   const auto is_sure = [&](Eigen::Index index, double named, double value) {
-    return std::abs(value) > named && std::abs(value) > kMinSigmas * correction.stddev(index);
+    return std::abs(value) > named &&
+           std::abs(value) > kSignificantStddevs * correction.stddev(index);
   };
-  if (is_sure(6, kNamedTime, correction.time_offset_s)) {
+  if (is_sure(6, kOnePlace / kLever, correction.time_offset_s)) {
     const double late_ms = -1e3 * correction.time_offset_s;
     parts.words.push_back("to be stamped " + Decimal(std::abs(late_ms), 0) + " ms too " +
                           (late_ms > 0.0 ? "late" : "early"));
     parts.advice.push_back("time_offset_s: " + Decimal(corrected.time_offset_s, 4));
     parts.is_large = parts.is_large || std::abs(correction.time_offset_s) > kLargeTime;
   }
-  if (is_sure(7, kNamedRange, correction.range_offset_m)) {
+  if (is_sure(7, 0.5 * kOnePlace, correction.range_offset_m)) {
     parts.words.push_back("to measure " +
                           Decimal(1e3 * std::abs(correction.range_offset_m), 0) + " mm too " +
                           (correction.range_offset_m < 0.0 ? "long" : "short"));
@@ -224,7 +219,7 @@ class RigJudge {
     const auto num_parts = [&](size_t i) { return NameParts(corrections[i]).words.size(); };
     std::optional<size_t> found;
     for (size_t i = 0; i < corrections.size(); ++i) {
-      const double least = kMinGain * corrections[i].num_compared;
+      const double least = kHardlyAny * corrections[i].num_compared;
       if (gain(i) < least || num_parts(i) == 0) continue;
       const double more = found ? gain(i) - gain(*found) : gain(i);
       const bool is_alike = found && std::abs(more) < least;
@@ -259,7 +254,7 @@ class RigJudge {
     if (rig_.scanners.size() < 2) return;
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i)) continue;
-      if (NumCompared(i) >= kMinPlacesOfPair) continue;
+      if (NumCompared(i) >= kMinPlaces) continue;
       Add(Severity::kNote,
           TopicOf(i),
           "scanner " + NameOf(i) +
@@ -272,7 +267,7 @@ class RigJudge {
   // Only where no other scanner vouches for this one: a rig that swings deceives this test.
   void JudgeAttitudes() {
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
-      if (!HasLines(i) || NumCompared(i) >= kMinPlacesOfPair) continue;
+      if (!HasLines(i) || NumCompared(i) >= kMinPlaces) continue;
       const OwnAttitude& own =
           report_->attitudes[static_cast<size_t>(report_->topics_of_scanners[i])];
       const bool is_tilted = report_->heights[i].is_tilted;
@@ -319,7 +314,8 @@ class RigJudge {
         const auto normal = [&](size_t k) {
           return rig_.scanners[k].body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
         };
-        is_crossed = is_crossed || normal(i).cross(normal(j)).norm() > kParallel;
+        is_crossed =
+            is_crossed || normal(i).cross(normal(j)).norm() > std::sin(kParallelAngle);
       }
     }
     if (!is_crossed) {
@@ -339,7 +335,7 @@ class RigJudge {
     }
     if (floors.size() > 1 && !report_->other_mounting) {
       const auto [low, high] = std::minmax_element(floors.begin(), floors.end());
-      if (*high - *low > kFloorsApart) {
+      if (*high - *low > kAgreed) {
         Add(Severity::kWarning,
             "",
             "the scanners see the floor at different heights below the body: " +

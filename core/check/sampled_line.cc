@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/check/levels.h"
 #include "core/segmentation/segmentation.h"
 
 namespace plumbline {
@@ -12,7 +13,6 @@ namespace {
 constexpr double kMinLength = 0.2;  // m, of a segment worth keeping
 constexpr double kRateSpan = 0.3;   // s, before and after, in which a rate is constant
 constexpr int kMaxNeighbours = 4;   // lines before and after
-constexpr double kMaxChange = 0.3;  // m, of a range in that time; more is another surface
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -90,7 +90,7 @@ double RangeRate(const std::vector<SampledLine>& lines,
     const double time_s = SecondsBetween(lines[index].stamp_ns, line.stamp_ns);
     if (std::abs(time_s) > kRateSpan) continue;
     const double seen = RangeAlong(line, direction);
-    if (seen < 0.0 || std::abs(seen - range) > kMaxChange) continue;
+    if (seen < 0.0 || std::abs(seen - range) > kOtherSurface) continue;
     is_seen_before = is_seen_before || step < 0;
     is_seen_after = is_seen_after || step > 0;
     ++num;

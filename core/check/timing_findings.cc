@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/check/findings.h"
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/options/mapper_options.h"
@@ -16,13 +17,9 @@ namespace {
 
 constexpr double kMinGap = 0.5;          // s, in which a walking rig leaves what it has seen
 constexpr double kGapPeriods = 10.0;     // slow scanners may lose some scan lines
-constexpr double kLostShare = 0.02;      // of a topic's lines
 constexpr double kMinAbsence = 1.0;      // s, at begin and end; drivers start one by one
-constexpr double kMaxClockStep = 0.3;    // s, between stamps and receipts
 constexpr double kMaxClockApart = 0.25;  // s, between topics
-constexpr int kMinLines = 3;
-constexpr double kSlowRate = 5.0;  // Hz
-constexpr int kMinTurns = 20;      // compared lines that show whether scanners take turns
+constexpr double kSlowRate = 5.0;        // Hz
 constexpr double kTurnsShare = 0.5;  // of these
 
 // How far the recorder's clock is ahead of the stamps, the median, s.
@@ -79,7 +76,7 @@ class StampJudge {
     for (size_t i = first; i < findings_->size(); ++i) {
       (*findings_)[i].is_told_by_reader = true;
     }
-    if (topic_.stamps.size() >= kMinLines) {
+    if (topic_.stamps.size() >= kMinSteps) {
       JudgeSharing();
       JudgeOrder();
       JudgeGaps();
@@ -103,7 +100,7 @@ class StampJudge {
  private:
   // Scanners that share a topic, which no order of their lines can part.
   void JudgeSharing() {
-    const bool takes_turns = topic_.num_compared >= kMinTurns &&
+    const bool takes_turns = topic_.num_compared >= kMinPlaces &&
                              topic_.num_alternating > kTurnsShare * topic_.num_compared;
     if (topic_.frames.size() < 2 && !takes_turns) return;
     Add(Severity::kStop,
@@ -204,7 +201,7 @@ class StampJudge {
       const LineStamp& now = topic_.stamps[i];
       const double step_s = SecondsBetween(before.stamp_ns, now.stamp_ns) -
                             SecondsBetween(before.receipt_ns, now.receipt_ns);
-      if (std::abs(step_s) < std::max(kMaxClockStep, 3.0 * topic_.period_s)) continue;
+      if (std::abs(step_s) < std::max(kMaxClockApart, 3.0 * topic_.period_s)) continue;
       if (num_steps++ == 0) first_step = &now;
       if (std::abs(step_s) > std::abs(largest_step_s)) largest_step_s = step_s;
     }
@@ -255,7 +252,7 @@ class StampJudge {
     }
     const double lost_share =
         num_lost / (static_cast<double>(topic_.stamps.size()) + static_cast<double>(num_lost));
-    if (lost_share > kLostShare) {
+    if (lost_share > kHardlyAny) {
       Add(Severity::kWarning,
           "about " + PercentOf(lost_share) +
               " of the scan lines are missing, one or a few at a time: the usual time between "
@@ -316,7 +313,7 @@ class StampJudge {
 void FindAbsences(CheckReport* report) {
   const RecordingSurvey& survey = report->survey;
   for (const TopicSurvey& topic : survey.topics) {
-    if (topic.stamps.size() < kMinLines) continue;
+    if (topic.stamps.size() < kMinSteps) continue;
     const double limit_s = std::max(kMinAbsence, kGapPeriods * topic.period_s);
     const double late_s =
         SecondsBetween(survey.start_receipt_ns, topic.stamps.front().receipt_ns);
@@ -342,7 +339,7 @@ void FindClocksApart(CheckReport* report) {
   const TopicSurvey* least = nullptr;
   const TopicSurvey* most = nullptr;
   for (const TopicSurvey& topic : report->survey.topics) {
-    if (topic.stamps.size() < kMinLines) continue;
+    if (topic.stamps.size() < kMinSteps) continue;
     if (least == nullptr || DelayOf(topic) < DelayOf(*least)) least = &topic;
     if (most == nullptr || DelayOf(topic) > DelayOf(*most)) most = &topic;
   }
@@ -368,7 +365,7 @@ void TellCommonGaps(const std::vector<Gap>& gaps, CheckReport* report) {
     return gap.end_s - gap.start_s > MapperOptions().max_gap_s;
   });
   for (const Gap& gap : gaps) {
-    if (words.size() == 6) break;
+    if (words.size() == kMaxNamed) break;
     words.push_back("from " + Decimal(gap.start_s, 1) + " to " + Decimal(gap.end_s, 1) + " s");
   }
   const std::string more =

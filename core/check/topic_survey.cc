@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/check/levels.h"
 #include "core/consistency/scanner_agreement.h"
 #include "core/geometry/angles.h"
 #include "core/recording/messages.h"
@@ -17,15 +18,11 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNear = 0.5;         // m, of returns that may be from the rig itself
-constexpr size_t kLinesForUnit = 20;  // that decide the unit
+constexpr double kNear = 0.5;  // m, of returns that may be from the rig itself
 constexpr size_t kMaxDeviations = 100'000;
-constexpr int kDeviationStride = 7;
 constexpr size_t kComparedStride = 8;  // of the beams, between lines
-constexpr size_t kMinCompared = 10;    // beams
 // A scanner that moves differs more from the line before last than from the last.
 constexpr float kUnlike = 3.0F;
-constexpr size_t kMaxFrames = 4;             // that are named
 constexpr double kMaxReceiptError = 3600.0;  // s, of a recorder whose clock was set
 // Angle between beams beyond which scanners that smooth their ranges leave errors nearly
 // independent.
@@ -37,7 +34,6 @@ constexpr double kFirstBin = 1e-3;
 // No scanner in a building has half of its returns beyond 40 m; in centimetres half of them
 // are beyond 40 even in a closet, in millimetres beyond 400.
 constexpr double kFarMedian = 40.0;
-constexpr double kMillimetreMedian = 400.0;
 // Share of the beams with the very same largest range from which it stands for no return.
 constexpr double kAtLimitShare = 0.005;
 
@@ -97,7 +93,7 @@ TopicSurveyor::TopicSurveyor(const RangeLimits* limits) : has_limits_(limits != 
 
 void TopicSurveyor::Add(const ScanMessage& message) {
   std::vector<std::string>& frames = survey_.frames;
-  if (frames.size() < kMaxFrames &&
+  if (frames.size() < size_t{kMaxNamed} &&
       std::find(frames.begin(), frames.end(), message.frame_id) == frames.end()) {
     frames.push_back(message.frame_id);
   }
@@ -116,7 +112,7 @@ void TopicSurveyor::Add(const ScanMessage& message) {
     return;
   }
   first_.push_back(message);
-  if (first_.size() >= kLinesForUnit) DecideUnit();
+  if (first_.size() >= size_t{kMinPlaces}) DecideUnit();
 }
 
 // Decides the unit and what counts as a return, from the first lines, and takes these.
@@ -130,7 +126,7 @@ void TopicSurveyor::DecideUnit() {
     }
   }
   const double median = Median(std::move(ranges));
-  if (median > kFarMedian) survey_.metres_per_unit = median > kMillimetreMedian ? 1e-3 : 1e-2;
+  if (median > kFarMedian) survey_.metres_per_unit = median > 10.0 * kFarMedian ? 1e-3 : 1e-2;
   const ScanMessage& first = MostCommonLayout(first_);
   layout_ = first.line;
   survey_.num_beams = first.line.num_beams();
@@ -176,7 +172,7 @@ void TopicSurveyor::CompareWithBefore(const ScanLine& line) {
       to_before.push_back(one);
       to_two_before.push_back(two);
     }
-    if (to_before.size() >= kMinCompared) {
+    if (to_before.size() >= size_t{kMinPlaces}) {
       ++survey_.num_compared;
       const float one = Median(std::move(to_before));
       const float two = Median(std::move(to_two_before));
@@ -253,7 +249,7 @@ void TopicSurveyor::TakeRanges(const ScanMessage& message, SurveyedSecond* figur
     const double deviation = range - twice_cosine / (1.0 / before + 1.0 / after);
     ++figures->num_triples;
     if (std::abs(deviation) < 0.1 + 0.02 * range) ++figures->num_straight;
-    if (num_triples_++ % kDeviationStride == 0 && deviations_m_.size() < kMaxDeviations) {
+    if (num_triples_++ % int{kComparedStride} == 0 && deviations_m_.size() < kMaxDeviations) {
       deviations_m_.push_back(std::abs(deviation));
     }
   }

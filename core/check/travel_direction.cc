@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/check/levels.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
@@ -11,19 +12,11 @@
 namespace plumbline {
 namespace {
 
-constexpr double kStep = 0.5;       // s, between the lines compared
-constexpr double kMinLength = 0.4;  // m, of a trace whose normal counts
 // A rig that turns carries a scanner off its middle sideways.
 constexpr double kMaxTurn = 5.0 * kRadiansPerDegree;
-constexpr double kSameAngle = 3.0 * kRadiansPerDegree;  // of a wall's two traces, turned back
-constexpr double kMaxMove = 1.5;                        // m in a step
-constexpr double kMinMove = 0.1;
+constexpr double kMaxMove = 1.5;       // m in a step
 constexpr double kMaxResidual = 0.05;  // m, of a wall's distance
-constexpr double kMinAgreeing = 0.7;   // of the length of the traces
 // Normals in one direction only leave the other one open.
-constexpr double kMinAcross = 0.1;  // of the traces' information
-constexpr int kMinSteps = 5;
-constexpr double kMaxSpread = 10.0 * kRadiansPerDegree;
 
 // A wall as a scan line shows it: n.x = d, n pointing away from the scanner.
 struct WallTrace {
@@ -44,7 +37,7 @@ std::vector<WallTrace> WallsOf(const SampledLine& line) {
   for (const SampledSegment& segment : line.segments) {
     WallTrace wall;
     wall.length = segment.length_m();
-    if (wall.length < kMinLength) continue;
+    if (wall.length < kMinTrace) continue;
     const Eigen::Vector2d along = (segment.end - segment.start) / wall.length;
     wall.normal = {-along.y(), along.x()};
     wall.distance = wall.normal.dot(segment.start);
@@ -72,7 +65,7 @@ std::vector<Approach> ApproachesAt(const std::vector<WallTrace>& before,
   for (const WallTrace& wall : before) {
     const WallTrace* nearest = nullptr;
     for (const WallTrace& other : after) {
-      if (std::abs(std::remainder(other.angle + turn - wall.angle, 2.0 * M_PI)) > kSameAngle) {
+      if (std::abs(std::remainder(other.angle + turn - wall.angle, 2.0 * M_PI)) > kMaxTurn) {
         continue;
       }
       if (std::abs(other.distance - wall.distance) > kMaxMove) continue;
@@ -99,7 +92,7 @@ std::optional<Eigen::Vector2d> MoveOf(const std::vector<Approach>& approaches) {
     sum += one.length * one.nearer * one.normal;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(information);
-  if (solver.eigenvalues()[0] <= kMinAcross * solver.eigenvalues()[1]) return std::nullopt;
+  if (solver.eigenvalues()[0] <= kSome * solver.eigenvalues()[1]) return std::nullopt;
   return information.ldlt().solve(sum);
 }
 
@@ -129,7 +122,7 @@ std::optional<Step> StepAt(std::vector<Approach> approaches, double turn) {
     approaches.erase(worst);
   }
   step.agreeing = LengthOf(approaches);
-  if (step.agreeing < kMinAgreeing * all) return std::nullopt;
+  if (step.agreeing < kMost * all) return std::nullopt;
   return step;
 }
 
@@ -152,7 +145,7 @@ std::optional<Step> FindStep(const SampledLine& before, const SampledLine& after
 }  // namespace
 
 std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine>& lines) {
-  const int64_t step_ns = NanosecondsFromSeconds(kStep);
+  const int64_t step_ns = NanosecondsFromSeconds(kMotionStep);
   std::vector<double> angles;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int64_t next_ns = 0;
@@ -165,7 +158,7 @@ std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine
       continue;  // of another window
     next_ns = lines[after].stamp_ns;
     const std::optional<Step> step = FindStep(line, lines[after]);
-    if (!step || step->move.norm() < kMinMove) continue;
+    if (!step || step->move.norm() < kAgreed) continue;
     // In the frame half way.
     angles.push_back(std::atan2(step->move.y(), step->move.x()) - step->turn / 2.0);
     sum += Eigen::Vector2d(std::cos(angles.back()), std::sin(angles.back()));
@@ -183,7 +176,7 @@ std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine
   direction.angle_rad = std::remainder(mean + middle, 2.0 * M_PI);
   direction.spread_rad = Median(deviations);
   direction.num_steps = static_cast<int>(angles.size());
-  if (direction.spread_rad > kMaxSpread) return std::nullopt;
+  if (direction.spread_rad > kParallelAngle) return std::nullopt;
   return direction;
 }
 

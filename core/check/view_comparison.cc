@@ -7,19 +7,17 @@
 #include <optional>
 #include <utility>
 
+#include "core/check/levels.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
 // Scan planes that are turned by less against each other count as parallel.
-const double kParallel = std::sin(8.0 * M_PI / 180.0);
 // Traces that cross at a smaller angle do not show how their plane stands.
 constexpr double kMinCrossing = 0.2;
 constexpr double kMinTimeApart =
-    0.02;                          // s; lines farther apart than a period see other places
-constexpr double kOccluded = 0.3;  // m
-constexpr double kMinTrace = 0.4;  // m, of a wall that parallel scan planes compare
+    0.02;  // s; lines farther apart than a period see other places
 
 // One scanner's sample under what is assumed of it.
 class View {
@@ -124,7 +122,7 @@ class ViewComparer {
   ViewComparer(const View& a, const View& b, std::vector<ViewComparison>* comparisons)
       : a_(a), b_(b), comparisons_(comparisons) {
     along_ = a.plane_normal().cross(b.plane_normal());
-    is_parallel_ = along_.norm() < kParallel;
+    is_parallel_ = along_.norm() < std::sin(kParallelAngle);
     if (!is_parallel_) along_.normalize();
   }
 
@@ -172,7 +170,7 @@ class ViewComparer {
         if (p.norm() < 0.1) continue;
         const double range = RangeAlong(line, p.normalized());
         if (range < 0.0) continue;
-        if (apart > kOccluded && p.norm() > range + kOccluded) continue;
+        if (apart > kOtherSurface && p.norm() > range + kOtherSurface) continue;
         const Eigen::Vector2d p_onto = range * p.normalized();
         // The surface's direction is that of the trace from which the point is.
         const Eigen::Vector3d trace = from.Turn(segment.end - segment.start);

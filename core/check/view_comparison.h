@@ -3,15 +3,12 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/check/levels.h"
 #include "core/check/sampled_line.h"
 #include "core/geometry/rigid3.h"
 #include "core/sensor/rig.h"
 
 namespace plumbline {
-
-// Places that two scanners see nearer to each other than this are one, m: what scan lines of
-// good scanners show of a surface.
-inline constexpr double kOnePlace = 0.015;
 
 // How one scanner is taken to be: as the rig file says, or otherwise.
 struct MountedScanner {

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "core/check/findings.h"
+#include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
@@ -11,12 +12,9 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMinTurnRate = 16.0 * kRadiansPerDegree;  // 1/s, that is compared
-constexpr size_t kMinTurns = 5;
 constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
 constexpr double kLagStep = 0.01;  // s
 // Wheels do not turn as the scanners do where more than this share of the turns is left.
-constexpr double kUnexplained = 0.7;
 
 // Tells whether the wheels turn when and as the level scanners see the rig turn.
 class WheelJudge {
@@ -33,7 +31,7 @@ class WheelJudge {
           "...}");
       return;
     }
-    if (turns_.size() < kMinTurns) return;
+    if (turns_.size() < size_t{kMinSteps}) return;
     double all = 0.0;
     for (const StepTurn& turn : turns_) all += std::abs(turn.turn_rad);
     const double as_stated = LeftOver(0.0, 1.0);
@@ -52,12 +50,11 @@ class WheelJudge {
       best = left;
       best_lag_s = lag_s;
     }
-    if (best_mirrored < kUnexplained * all &&
-        IsBetter(best_mirrored_lag_s, -1.0, best_lag_s)) {
+    if (best_mirrored < kMost * all && IsBetter(best_mirrored_lag_s, -1.0, best_lag_s)) {
       Add(Severity::kStop,
           "the wheels turn the other way round than the scanners see the rig turn",
           "leave them out of the rig file, or let their driver count turns to the left");
-    } else if (best > kUnexplained * all) {
+    } else if (best > kMost * all) {
       Add(Severity::kStop,
           "the wheels do not turn as the scanners see the rig turn: " + PercentOf(best / all) +
               " of the turns are left",

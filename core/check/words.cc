@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "core/check/levels.h"
+
 namespace plumbline {
 
 std::string Decimal(double value, int digits) {
@@ -19,7 +21,6 @@ std::string PercentOf(double share) {
 }
 
 std::string SpansInWords(const std::vector<int64_t>& seconds, size_t min_length) {
-  constexpr int kMaxSpans = 6;
   std::string words;
   int num_spans = 0;
   for (size_t first = 0, last = 0; first < seconds.size(); first = last) {
@@ -27,13 +28,13 @@ std::string SpansInWords(const std::vector<int64_t>& seconds, size_t min_length)
            seconds[last] - seconds[first] == static_cast<int64_t>(last - first)) {
       ++last;
     }
-    if (last - first >= min_length && ++num_spans <= kMaxSpans) {
+    if (last - first >= min_length && ++num_spans <= kMaxNamed) {
       words += (words.empty() ? "from " : ", from ") + std::to_string(seconds[first]) +
                " to " + std::to_string(seconds[last - 1] + 1) + " s";
     }
   }
-  if (num_spans > kMaxSpans)
-    words += " and " + std::to_string(num_spans - kMaxSpans) + " more";
+  if (num_spans > kMaxNamed)
+    words += " and " + std::to_string(num_spans - kMaxNamed) + " more";
   return words;
 }
 

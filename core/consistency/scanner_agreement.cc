@@ -20,9 +20,6 @@ constexpr double kAloneShare = 0.1;
 // Deviation of real walls from planes, and of two scanners that see different parts.
 constexpr double kFlatness = 0.004;  // m
 // A second without a twentieth of the scanner's usual points is silent.
-constexpr double kSilentShare = 0.05;
-constexpr int kMinSilent = 2;       // s in a row
-constexpr int kFrozenPercent = 50;  // of a second's lines
 // Share of its points on planes, relative to the other scanners, below which a scanner shows
 // something else than the building.
 constexpr double kMinUsedRatio = 0.3;
