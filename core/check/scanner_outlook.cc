@@ -6,24 +6,39 @@
 #include <set>
 #include <utility>
 
-#include "core/check/levels.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
+constexpr double kStep = 0.5;       // s, in which a scanner's attitude shows
 constexpr double kShortStep = 0.2;  // s, in which a turn is measured
+constexpr double kMinLength = 0.5;  // m, of a trace whose turn counts
 constexpr double kMaxTurn = 40.0 * kRadiansPerDegree;
-constexpr double kMinSeen = 3.0;                     // m of traces
+constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in a step, of a rig that turns
+constexpr double kTogether = 0.7;  // of a level scanner's traces turn with the rig
+constexpr double kMinSeen = 3.0;   // m of traces
+constexpr double kStill = 1.0 * kRadiansPerDegree;   // of a trace that does not
 constexpr double kSpread = 1.5 * kRadiansPerDegree;  // of traces that turn together
+constexpr int kMinTurns = 3;
 // Hardly any trace of a level scanner stays; of a tilted one those of floor and ceiling do.
+constexpr double kTiltedShare = 0.15;
+constexpr double kLevelShare = 0.1;
 // In turns, of which any scanner's traces tell.
+constexpr double kOftenAlike = 0.8;
 // In clutter, traces are often taken for others; but where nothing that any scanner sees
 // stays, less is enough.
+constexpr double kNothingStays = 0.02;
 constexpr double kAlikeInClutter = 0.4;
+constexpr int kManyTurns = 20;
+constexpr double kRarelyAlike = 0.25;
 // Heights.
-constexpr double kBin = 0.1;  // m
+const double kMinTilt = std::sin(12.0 * kRadiansPerDegree);   // of a plane that sees heights
+const double kMaxSlope = std::sin(10.0 * kRadiansPerDegree);  // of a level trace
+constexpr double kMinHeight = 0.2;                            // m, above or below the body
+constexpr double kBin = 0.1;                                  // m
+constexpr double kMinShare = 0.1;                             // of the lines
 
 struct TurnedTrace {
   double turn_rad = 0.0;
@@ -42,11 +57,11 @@ double HalfTurn(double angle) { return angle - M_PI * std::round(angle / M_PI); 
 std::vector<TurnedTrace> MatchTraces(const SampledLine& before, const SampledLine& after) {
   std::vector<TurnedTrace> turned;
   for (const SampledSegment& segment : before.segments) {
-    if (segment.length_m() < kMinTrace) continue;
+    if (segment.length_m() < kMinLength) continue;
     double nearest = 1e9;
     TurnedTrace best;
     for (const SampledSegment& other : after.segments) {
-      if (other.length_m() < kMinTrace) continue;
+      if (other.length_m() < kMinLength) continue;
       const double turn = HalfTurn(DirectionOf(other) - DirectionOf(segment));
       const double ratio = other.length_m() / segment.length_m();
       if (std::abs(turn) > kMaxTurn || ratio > 2.0 || ratio < 0.5) continue;
@@ -62,11 +77,10 @@ std::vector<TurnedTrace> MatchTraces(const SampledLine& before, const SampledLin
 
 // The turn that lies in the middle of the length that turned at all.
 double CommonTurn(std::vector<TurnedTrace> traces) {
-  traces.erase(
-      std::remove_if(traces.begin(),
-                     traces.end(),
-                     [](const auto& one) { return std::abs(one.turn_rad) < kSpread; }),
-      traces.end());
+  traces.erase(std::remove_if(traces.begin(),
+                              traces.end(),
+                              [](const auto& one) { return std::abs(one.turn_rad) < kStill; }),
+               traces.end());
   std::sort(traces.begin(), traces.end(), [](const auto& a, const auto& b) {
     return a.turn_rad < b.turn_rad;
   });
@@ -129,7 +143,7 @@ std::vector<StepTurn> CommonTurns(const std::vector<SampledLine>& lines) {
   for (const auto& [step, traces] : TurnsOf(lines, kShortStep)) {
     const double turn = CommonTurn(traces);
     const double all = LengthWithin(traces, 0.0, 10.0);
-    if (all < kMinSeen || LengthWithin(traces, turn, kSpread) < kMost * all) continue;
+    if (all < kMinSeen || LengthWithin(traces, turn, kSpread) < kTogether * all) continue;
     turns.push_back({MeanInstant(*firsts.at(step)), MeanInstant(*firsts.at(step + 1)), turn});
   }
   return turns;
@@ -141,13 +155,13 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
       together;               // by scanner: steps in which most traces turn alike
   std::set<int64_t> turning;  // steps in which any scanner's do
   for (const std::vector<SampledLine>& lines : sample) {
-    turns.push_back(TurnsOf(lines, kMotionStep));
+    turns.push_back(TurnsOf(lines, kStep));
     together.emplace_back();
     for (const auto& [step, traces] : turns.back()) {
       const double turn = CommonTurn(traces);
       const double all = LengthWithin(traces, 0.0, 10.0);
-      if (std::abs(turn) < kMinTurnRate * kMotionStep || all < kMinSeen) continue;
-      if (LengthWithin(traces, turn, kSpread) > kMost * all) together.back().insert(step);
+      if (std::abs(turn) < kMinTurn || all < kMinSeen) continue;
+      if (LengthWithin(traces, turn, kSpread) > kTogether * all) together.back().insert(step);
     }
     turning.insert(together.back().begin(), together.back().end());
   }
@@ -162,15 +176,15 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
       if (found == turns[i].end() || found->second.empty()) continue;
       ++own.num_turns;
       num_alike += static_cast<int>(together[i].count(step));
-      still += LengthWithin(found->second, 0.0, kSpread);
+      still += LengthWithin(found->second, 0.0, kStill);
       all += LengthWithin(found->second, 0.0, 10.0);
     }
     if (all > 0.0) own.still_share = still / all;
-    if (own.num_turns >= kMinSteps) {
+    if (own.num_turns >= kMinTurns) {
       own.alike_share = static_cast<double>(num_alike) / own.num_turns;
-      if (own.still_share > kSome && own.alike_share < 1.0 - kMost) {
+      if (own.still_share > kTiltedShare && own.alike_share < kRarelyAlike) {
         own.attitude = Attitude::kTilted;
-      } else if (own.still_share < kSome && own.alike_share > kMost) {
+      } else if (own.still_share < kLevelShare && own.alike_share > kOftenAlike) {
         own.attitude = Attitude::kLevel;
       }
     }
@@ -178,7 +192,7 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
   }
   const bool nothing_stays =
       std::all_of(attitudes.begin(), attitudes.end(), [](const OwnAttitude& own) {
-        return own.num_turns >= kMinPlaces && own.still_share < kHardlyAny;
+        return own.num_turns >= kManyTurns && own.still_share < kNothingStays;
       });
   for (OwnAttitude& own : attitudes) {
     if (nothing_stays && own.alike_share > kAlikeInClutter) own.attitude = Attitude::kLevel;
@@ -190,7 +204,7 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
                        const Rigid3d& body_from_scanner) {
   HeightView view;
   const Eigen::Vector3d normal = body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
-  view.is_tilted = normal.head<2>().norm() > std::sin(kParallelAngle);
+  view.is_tilted = normal.head<2>().norm() > kMinTilt;
   if (!view.is_tilted || lines.empty()) return view;
   std::map<int, std::vector<double>> heights;  // by bin, one entry a line
   for (const SampledLine& line : lines) {
@@ -200,10 +214,9 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
         return Eigen::Vector3d(body_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0));
       };
       const Eigen::Vector3d along = to_body(segment.end) - to_body(segment.start);
-      if (std::abs(along.z()) > std::sin(kParallelAngle) * along.norm() || along.norm() < 0.3)
-        continue;
+      if (std::abs(along.z()) > kMaxSlope * along.norm() || along.norm() < 0.3) continue;
       const double height = to_body(segment.At(0.5)).z();
-      if (std::abs(height) < 2.0 * kBin) continue;
+      if (std::abs(height) < kMinHeight) continue;
       of_line[static_cast<int>(std::lround(height / kBin))] = height;
     }
     for (const auto& [bin, height] : of_line) heights[bin].push_back(height);
@@ -219,7 +232,7 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
         near.insert(near.end(), next->second.begin(), next->second.end());
       }
       const double share = std::min(1.0, static_cast<double>(near.size()) / num_lines);
-      if (share < kSome || share <= traces.share) continue;
+      if (share < kMinShare || share <= traces.share) continue;
       traces = {true, Median(std::move(near)), share};
     }
   }

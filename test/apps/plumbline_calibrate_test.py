@@ -14,7 +14,7 @@ import unittest
 BIN = pathlib.Path(sys.argv.pop(1))
 CONFIGS = pathlib.Path(__file__).resolve().parents[2] / "configs"
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "scripts"
-EXACT = "uncertainty: {rotation_deg: 0, translation_m: 0, time_s: 0, range_m: 0}"
+EXACT = "uncertainty: {rotation_deg: 0, translation_m: 0, time_s: 0, range_m: 0, range_scale: 0}"
 
 
 def run(program, *arguments):

@@ -1,0 +1,54 @@
+// Rigs with an IMU.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "simulation/evaluation/evaluation.h"
+#include "test/testing/scenario.h"
+
+namespace plumbline {
+namespace {
+
+class ImuTest : public MappingTest {
+ protected:
+  nlohmann::json Json(const std::string& name) const {
+    return nlohmann::json::parse(std::ifstream(Path(name)));
+  }
+};
+
+TEST_F(ImuTest, AndItsCalibrationAreFoundWithTheMap) {
+  const Evaluation evaluation = RunCase("../imu/strong_swings", 5);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.01);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.1);
+  const nlohmann::json truth = Json("truth_imu.json");
+  const nlohmann::json found = Json("result/calibration.json")["imu"]["parameters"];
+  const auto expect_found = [&](const std::string& name, double value) {
+    for (const auto& parameter : found) {
+      if (parameter["name"] != name) continue;
+      const double sigma = parameter["sigma"];
+      EXPECT_NEAR(parameter["value"].get<double>(), value, 4.0 * sigma) << name;
+      EXPECT_LT(sigma, 0.3 * parameter["prior_sigma"].get<double>()) << name;
+      return;
+    }
+    ADD_FAILURE() << "no " << name;
+  };
+  expect_found("time_s", truth["late_s"]);
+  expect_found("gyroscope_scale_x", truth["gyroscope_scale"][0]);
+  expect_found("gyroscope_scale_y", truth["gyroscope_scale"][1]);
+  expect_found("gyroscope_scale_z", truth["gyroscope_scale"][2]);
+}
+
+// Walls that leave the way open for half a minute: without the IMU the end of the walk is
+// half a metre off.
+TEST_F(ImuTest, HoldsTheWayAlongASmoothCorridor) {
+  const Evaluation evaluation = RunCase("../imu/smooth_corridor", 5);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.2);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.1);
+}
+
+}  // namespace
+}  // namespace plumbline
