@@ -98,6 +98,10 @@ void Calibrate() {
   std::vector<plumbline::Calibration> calibrations;
   for (const std::string& file : files) {
     calibrations.push_back(plumbline::ReadCalibration(file));
+    if (calibrations.back().scanners.empty()) {
+      throw plumbline::Error(file + ": its rig knows all scanners exactly: there is nothing " +
+                             "to calibrate");
+    }
   }
   const plumbline::Calibration joined = plumbline::JoinCalibrations(calibrations, files);
   const plumbline::Rig calibrated = plumbline::WithCalibration(rig, joined);

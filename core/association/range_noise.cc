@@ -1,5 +1,6 @@
 #include "core/association/range_noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -35,9 +36,8 @@ struct ScannerScatter {
 
 Scatter ScatterOf(const Observation& observation,
                   const ObservationPoses& poses,
-                  const Landmark& landmark) {
-  const LineDeviation deviation =
-      DeviationFromPlane(observation, poses, LandmarkView(landmark));
+                  const LandmarkView& surface) {
+  const LineDeviation deviation = DeviationFromPlane(observation, poses, surface);
   const double of_line =
       deviation.value.dot(deviation.covariance.ldlt().solve(deviation.value));
   return {deviation.chi2 - of_line, observation.num_points - 2.0};
@@ -45,10 +45,11 @@ Scatter ScatterOf(const Observation& observation,
 
 double IncidenceDegrees(const Eigen::Vector2d& centroid,
                         const ObservationPoses& poses,
-                        const Landmark& landmark) {
+                        const LandmarkView& surface) {
   const Eigen::Vector3d p_scanner(centroid.x(), centroid.y(), 0.0);
   const Eigen::Vector3d beam = poses.world_from_scanner.rotation * p_scanner.normalized();
-  const double cosine = beam.dot(landmark.NormalNear(poses.world_from_scanner * p_scanner));
+  const double cosine =
+      beam.dot(surface.landmark->NormalNear(poses.world_from_scanner * p_scanner));
   return std::acos(std::min(1.0, std::abs(cosine))) * kDegreesPerRadian;
 }
 
@@ -68,18 +69,19 @@ std::vector<NoiseBin> BinsOf(const std::map<int, Scatter>& scatters,
 
 std::vector<ScannerNoise> EstimateRangeNoise(const Rig& rig, const MapState& state) {
   std::vector<ScannerScatter> scatters(rig.scanners.size());
+  const std::vector<LandmarkView> surfaces(state.landmarks.begin(), state.landmarks.end());
   SharedPoses shared_poses(rig, state.trajectory);
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0 || observation.num_points <= 2) continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    const LandmarkView& surface = surfaces[static_cast<size_t>(observation.landmark_id)];
     const ObservationPoses& poses = shared_poses.Of(observation);
     const Eigen::Vector2d centroid = observation.centroid();
-    const Scatter scatter = ScatterOf(observation, poses, landmark);
+    const Scatter scatter = ScatterOf(observation, poses, surface);
     ScannerScatter& of_scanner = scatters[static_cast<size_t>(observation.scanner_index)];
     of_scanner.all.Add(scatter);
     of_scanner.by_octave[std::ilogb(centroid.norm())].Add(scatter);
     of_scanner
-        .by_incidence[static_cast<int>(IncidenceDegrees(centroid, poses, landmark) /
+        .by_incidence[static_cast<int>(IncidenceDegrees(centroid, poses, surface) /
                                        kIncidenceBin)]
         .Add(scatter);
   }

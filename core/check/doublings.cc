@@ -10,7 +10,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int64_t kMinBeams = 200;    // with a return in both, that say anything
+// Lines of a topic that are compared, and least number of beams with a return in both.
+constexpr int64_t kEnough = 200;
 constexpr double kCopiedShare = 0.5;  // of these; chance leaves a few per cent of ranges in mm
 
 // The line whose stamp is nearest.
@@ -34,7 +35,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
       if (lines[a].empty() || lines[b].empty()) continue;
       int64_t num_both = 0;
       int64_t num_same = 0;
-      const size_t stride = 1 + lines[b].size() / size_t{kMinBeams};
+      const size_t stride = 1 + lines[b].size() / size_t{kEnough};
       for (size_t i = 0; i < lines[b].size(); i += stride) {
         const ScanLine& copy = lines[b][i];
         const ScanLine& original = NearestOf(lines[a], copy.stamp_ns);
@@ -55,7 +56,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
       }
       const double share =
           static_cast<double>(num_same) / static_cast<double>(std::max<int64_t>(1, num_both));
-      if (num_both >= kMinBeams && share > kCopiedShare) doublings.push_back({a, b, share});
+      if (num_both >= kEnough && share > kCopiedShare) doublings.push_back({a, b, share});
     }
   }
   return doublings;

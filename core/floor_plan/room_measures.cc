@@ -77,6 +77,7 @@ void MeasureArea(const PlaneCovariance& planes, const StoreyLevel& level, Room* 
       if (&loop == &room->loops.front()) room->perimeter_m += length;
       const double unseen_m = std::max(0.0, length - loop[i].closed_m);
       room->unseen_m += unseen_m;
+      // The root mean square of what unseen pieces were off in the shipped buildings.
       unseen_variance += std::pow(kSameM * unseen_m, 2);
       if (loop[i].plane_id < 0) continue;
       const PlanePatch& plane = *by_id.at(loop[i].plane_id);

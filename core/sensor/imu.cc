@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -36,9 +37,7 @@ ImuReadings::ImuReadings(std::vector<ImuSample> samples, const Imu& imu)
   for (size_t i = 1; i < samples_.size(); ++i) {
     periods_s.push_back(SecondsBetween(samples_[i - 1].time_ns, samples_[i].time_ns));
   }
-  const auto middle = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
-  std::nth_element(periods_s.begin(), middle, periods_s.end());
-  period_s_ = *middle;
+  period_s_ = Median(std::move(periods_s));
 }
 
 ImuMean ImuReadings::MeanOf(int64_t begin_ns, int64_t end_ns) const {
@@ -71,17 +70,16 @@ std::string ImuReadings::Fault() const {
   if (samples_.empty()) return "it has no readings";
   std::vector<double> forces;
   for (const ImuSample& sample : samples_) forces.push_back(sample.specific_force.norm());
-  const auto middle = forces.begin() + static_cast<std::ptrdiff_t>(forces.size() / 2);
-  std::nth_element(forces.begin(), middle, forces.end());
+  const double usual = Median(std::move(forces));
   // No person and no cart is accelerated by half of gravity most of the time.
-  if (std::abs(*middle - kStandardGravity) < 0.5 * kStandardGravity) return "";
+  if (std::abs(usual - kStandardGravity) < 0.5 * kStandardGravity) return "";
   char text[120];
   std::snprintf(
       text,
       sizeof(text),
       "its accelerations are %.2f m/s^2 as a rule, where gravity alone is 9.81 (other "
       "units, or gravity taken off?)",
-      *middle);
+      usual);
   return text;
 }
 

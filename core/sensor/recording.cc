@@ -154,6 +154,7 @@ struct RecordingReader::Impl {
 
   const std::string& path() const { return source->path(); }
   void CheckTopics(const Rig& rig);
+  std::map<std::string, int> IndicesByTopic(const Rig& rig) const;
   void IndexMessages(const Rig& rig, const RecordingObserver& observer);
   void TakeOdometry(const Rig& rig);
   void TakeImu(const Rig& rig);
@@ -201,9 +202,9 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
   }
 }
 
-// First pass: stamps and heads only, unless somebody watches.
-void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserver& observer) {
-  std::map<std::string, int> scanner_indices;  // by topic
+// Positions of the rig's scanners by topic.
+std::map<std::string, int> RecordingReader::Impl::IndicesByTopic(const Rig& rig) const {
+  std::map<std::string, int> scanner_indices;
   for (const Scanner& scanner : rig.scanners) {
     const auto [known, is_new] =
         scanner_indices.emplace(scanner.topic, static_cast<int>(scanner_indices.size()));
@@ -213,6 +214,12 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
                 Quoted(scanner.name) + " of the rig name the same topic " +
                 Shown(scanner.topic));
   }
+  return scanner_indices;
+}
+
+// First pass: stamps and heads only, unless somebody watches.
+void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserver& observer) {
+  const std::map<std::string, int> scanner_indices = IndicesByTopic(rig);
   undecodable.resize(rig.scanners.size());
   off_plane.resize(rig.scanners.size());
   num_without_times.resize(rig.scanners.size(), 0);

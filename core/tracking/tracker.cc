@@ -388,6 +388,39 @@ void Tracker::LeaveToPoints(int first_observation,
   estimate->share_on_no_plane = 1.0;
 }
 
+Tracker::ScanEstimate Tracker::EstimateScan(int first_observation,
+                                            int last_observation,
+                                            const LandmarksWithinGap& landmarks,
+                                            const ScanMatcher* scan_matcher,
+                                            const std::optional<ScanMatch>& by_points,
+                                            const std::pair<Rigid3d, Matrix6d>& wheels) {
+  ScanEstimate estimate;
+  estimate.gaussian = EstimateInRounds(first_observation,
+                                       last_observation,
+                                       landmarks,
+                                       by_points ? scan_matcher : nullptr,
+                                       &estimate.constraints,
+                                       &estimate.unsteady);
+  if (scan_matcher != nullptr) {
+    estimate.share_on_no_plane = ShareOnNoPlane(
+        *state_, first_observation, last_observation, scan_matcher->num_points());
+  }
+  if (by_points && options_.rules.points_over_planes &&
+      !AgreesWithPoints(*scan_matcher, *by_points)) {
+    // The planes would have the rig elsewhere: most of the scan says that they are others.
+    LeaveToPoints(first_observation, last_observation, *by_points, &estimate);
+  }
+  if (scan_matcher != nullptr && scan_matcher->num_points() > 0 &&
+      WheelsDeny(wheels.first, wheels.second, last_scan_ns_)) {
+    if (const auto match = SearchElsewhere(*scan_matcher, wheels.first, last_scan_ns_)) {
+      Loosen();
+      prior_ = PosePrior(gaussian_, planar_);
+      LeaveToPoints(first_observation, last_observation, *match, &estimate);
+    }
+  }
+  return estimate;
+}
+
 void Tracker::Track(int first_observation,
                     int last_observation,
                     const LandmarksWithinGap& landmarks,
@@ -412,30 +445,12 @@ void Tracker::Track(int first_observation,
   const Matrix6d covariance = pose_uncertainty_.At(state_->trajectory, scan_end_ns);
   scan_s_ = last_scan_ns_ == 0 ? 0.0 : SecondsBetween(last_scan_ns_, scan_end_ns);
   last_scan_ns_ = scan_end_ns;
-  ScanEstimate estimate;
-  estimate.gaussian = EstimateInRounds(first_observation,
+  ScanEstimate estimate = EstimateScan(first_observation,
                                        last_observation,
                                        landmarks,
-                                       by_points ? scan_matcher : nullptr,
-                                       &estimate.constraints,
-                                       &estimate.unsteady);
-  if (scan_matcher != nullptr) {
-    estimate.share_on_no_plane = ShareOnNoPlane(
-        *state_, first_observation, last_observation, scan_matcher->num_points());
-  }
-  if (by_points && options_.rules.points_over_planes &&
-      !AgreesWithPoints(*scan_matcher, *by_points)) {
-    // The planes would have the rig elsewhere: most of the scan says that they are others.
-    LeaveToPoints(first_observation, last_observation, *by_points, &estimate);
-  }
-  if (scan_matcher != nullptr && scan_matcher->num_points() > 0 &&
-      WheelsDeny(by_wheels, wheels_covariance, scan_end_ns)) {
-    if (const auto match = SearchElsewhere(*scan_matcher, by_wheels, scan_end_ns)) {
-      Loosen();
-      prior_ = PosePrior(gaussian_, planar_);
-      LeaveToPoints(first_observation, last_observation, *match, &estimate);
-    }
-  }
+                                       scan_matcher,
+                                       by_points,
+                                       {by_wheels, wheels_covariance});
   const std::vector<int> withheld =
       thin_evidence_.Withhold(*state_,
                               first_observation,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/association/association.h"
@@ -92,6 +93,16 @@ class Tracker {
     bool unsteady = false;
   };
 
+  // Estimates the newest control points by the scan's planes, by its points where these hold
+  // the pose (by_points: what they alone say), and by its points alone where they or the
+  // wheels speak against the planes. wheels: where wheels and the motion before predict the
+  // scan's end, with covariance.
+  ScanEstimate EstimateScan(int first_observation,
+                            int last_observation,
+                            const LandmarksWithinGap& landmarks,
+                            const ScanMatcher* scan_matcher,
+                            const std::optional<ScanMatch>& by_points,
+                            const std::pair<Rigid3d, Matrix6d>& wheels);
   // Takes the planes from the scan: its points alone hold the pose.
   void LeaveToPoints(int first_observation,
                      int last_observation,

@@ -27,6 +27,7 @@ import yaml
 import calibration
 import experiment_files
 import job_runner
+import robustness
 import series
 
 PROGRAMS = ("plumbline_bound", "plumbline_simulate", "plumbline_map", "plumbline_evaluate")
@@ -45,7 +46,6 @@ UNITS = {"tilt": "deg", "azimuth": "deg", "level_tilt": "deg", "number": "", "ga
 FIGURES = {"wall_mm": "walls, mm", "wall_deg": "walls, deg", "position_mm": "positions, mm",
            "worst_mm": "worst, mm", "rotation_deg": "rig, deg", "translation_mm": "rig, mm"}
 NUM_BEST = 3
-RIGHT_M, RIGHT_DEG = 0.05, 0.5  # largest errors of a right map
 
 
 def parse_arguments():
@@ -151,10 +151,6 @@ def positions_mm(path):
                 for row in csv.DictReader(file)][1:]
 
 
-def root_mean_square(values):
-    return math.sqrt(statistics.fmean(value * value for value in values)) if values else 0.0
-
-
 def row_of(directory, info):
     walls = [plane for plane in job_runner.read_json(directory / "planes.json")
              if plane["type"] == "vertical" and plane["sigma_angle_deg"] > 0.0]  # else the frame's
@@ -168,8 +164,8 @@ def row_of(directory, info):
             "wall_mm": 1e3 * statistics.median(plane["sigma_distance_m"] for plane in walls),
             "wall_deg": statistics.median(plane["sigma_angle_deg"] for plane in walls),
             "position_mm": statistics.median(positions), "worst_mm": max(positions),
-            "rotation_deg": root_mean_square(sigmas["deg"]),
-            "translation_mm": 1e3 * root_mean_square(sigmas["m"])}
+            "rotation_deg": calibration.rms(sigmas["deg"]),
+            "translation_mm": 1e3 * calibration.rms(sigmas["m"])}
 
 
 def failure_row(failure, info):
@@ -182,7 +178,8 @@ def confirmed_row(directory, info):
     position, rotation = aligned["position_m"], aligned["rotation_deg"]
     return {**info, "position_rms_mm": 1e3 * position["rmse"],
             "wall_rms_mm": 1e3 * evaluation["planes_aligned"]["distance_m"]["rmse"],
-            "right": position["max"] <= RIGHT_M and rotation["max"] <= RIGHT_DEG,
+            "right": position["max"] <= robustness.MAX_POSITION_M
+            and rotation["max"] <= robustness.MAX_ROTATION_DEG,
             "verdict": job_runner.read_json(directory / "summary.json")["consistency"]["verdict"]}
 
 
@@ -237,8 +234,8 @@ def confirmed_table(rows):
         maps = [row for row in of_rig if "error" not in row]
         text += (f"| {key[0]}, {key[1]} | {sum(row['right'] for row in maps)} of {len(of_rig)} | "
                  f"{sum(row['verdict'] == 'consistent' for row in maps)} | "
-                 f"{root_mean_square([row['position_rms_mm'] for row in maps]):.2f} | "
-                 f"{root_mean_square([row['wall_rms_mm'] for row in maps]):.2f} |\n")
+                 f"{calibration.rms([row['position_rms_mm'] for row in maps]):.2f} | "
+                 f"{calibration.rms([row['wall_rms_mm'] for row in maps]):.2f} |\n")
     return text
 
 

@@ -42,12 +42,12 @@ TEST_F(ImuTest, AndItsCalibrationAreFoundWithTheMap) {
   expect_found("gyroscope_scale_z", truth["gyroscope_scale"][2]);
 }
 
-// Walls that leave the way open for half a minute: without the IMU the end of the walk is
-// half a metre off.
+// Walls leave the way open for half a minute. Without the IMU the same walk is 0.105 m and
+// 0.074 degrees off.
 TEST_F(ImuTest, HoldsTheWayAlongASmoothCorridor) {
   const Evaluation evaluation = RunCase("../imu/smooth_corridor", 5);
-  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.2);
-  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.1);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.09);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.04);
 }
 
 }  // namespace

@@ -212,7 +212,7 @@ function drawBelow(frame, report, poses, motion, surfaces, plan, plans) {
       drawPlots(report, poses, motion, frame.onTime),
       drawIntervals(report, frame.onTime),
     ),
-    ...(report.calibration ? [drawRig(report.calibration)] : []),
+    ...(report.calibration?.scanners.length ? [drawRig(report.calibration)] : []),
     ...(report.summary.range_noise?.length ? [drawNoise(report.summary.range_noise)] : []),
     ...(report.evaluation ? [drawEvaluation(report.evaluation)] : []),
     h('section', { id: 'surfaces' }, h('h2', {}, 'Surfaces'), surfaces.list),
