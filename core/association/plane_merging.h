@@ -26,7 +26,7 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 // and so do traces of a roof that look like a wall's, whichever side that faces.
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
-// As FindMergeablePlanes, for cylinders.
+// Finds pairs of cylinders that are one, as FindMergeablePlanes does for planes.
 std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
                                                         const MapState& state,
                                                         const MapperOptions& options);

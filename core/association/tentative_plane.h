@@ -39,7 +39,7 @@ struct TentativePlane {
              const MeasuredLine& line);
   // Whether it is large, or was seen for long enough not to be somebody who walks.
   bool HasAge(const PlaneOptions& options) const;
-  // How far the rig went while it was seen, m.
+  // The way that the rig went while the plane was seen, m.
   double Motion() const { return (last_position - first_position).norm(); }
 };
 

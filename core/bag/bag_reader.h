@@ -46,7 +46,7 @@ class BagReader {
 
   // Returns the connections found by Scan(). A topic may have several.
   const std::vector<BagConnection>& connections() const { return connections_; }
-  // How many messages of a connection Scan() found, wanted or not.
+  // Number of messages of a connection that Scan() found, wanted or not.
   uint64_t num_messages(size_t connection_index) const {
     return tallies_[connection_index].num_found;
   }

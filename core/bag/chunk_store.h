@@ -48,7 +48,7 @@ class ChunkStore {
   FileWindow window_;
   std::vector<Chunk> chunks_;
   std::list<Unpacked> unpacked_;  // last used first
-  // What Open() has returned last is one of these two.
+  // Open() has returned one of these two last.
   SourceRange in_file_;
   MemorySource in_memory_;
 };

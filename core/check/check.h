@@ -26,10 +26,10 @@ struct CheckReport {
   std::vector<Doubling> doublings;     // of topics of the survey
   std::vector<OwnAttitude> attitudes;  // by topic of the survey
   std::vector<std::vector<StepTurn>> turns;  // by topic
-  // Without a rig file, by topic: of level scanners, where it shows.
+  // Directions of travel of level scanners, by topic; empty with a rig file.
   std::vector<std::optional<TravelDirection>> travel_directions;
 
-  // Only with a rig file.
+  // The rig file; what follows needs it.
   std::optional<Rig> rig;
   std::vector<int> topics_of_scanners;  // by scanner: topic of the survey; -1: none
   std::vector<HeightView> heights;      // by scanner
@@ -37,12 +37,13 @@ struct CheckReport {
   std::optional<OtherHeader> other_header;  // with which all that follows was found
   std::optional<OtherMounting> other_mounting;
   std::vector<MountingCorrection> corrections;  // by scanner of the rig; may be empty
-  // By scanner of the rig, where all of them have lines, are as sent and do not agree: where
-  // they would, that of the body held.
+  // Mountings under which all scanners agree, the body's held, by scanner of the rig; empty
+  // where they agree as stated or stay apart, where one has no lines, and where none is
+  // estimated.
   std::optional<MountedRig> near;
   StartSearch starts;
-  // Where it is not stated, by how much the wheels' stamps are too late, as their turns show,
-  // s; nothing where the turns leave it open.
+  // Delay of the wheels' stamps that their turns show, s; empty where it is stated, or where
+  // the turns leave it open.
   std::optional<double> wheels_late_s;
 
   std::vector<Finding> findings;  // the gravest first

@@ -10,8 +10,8 @@ enum class Severity {
   kStop,     // no map, or a wrong one, comes of the recording and the rig file as they are
 };
 
-// What a finding is about, in the order in which it is to be believed: an earlier one brings
-// forth what looks like a later one, never the other way round.
+// The subject of a finding. Subjects stand in the order in which they are to be believed: an
+// earlier one brings forth what looks like a later one, never the other way round.
 enum class Subject {
   kRecording,  // the file and its topics
   kClock,      // stamps and their order

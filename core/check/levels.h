@@ -20,8 +20,8 @@ inline constexpr int kComparedLines = 1500;
 // good scanners show of a surface. Scanners that sit as stated agree to kAgreed, m.
 inline constexpr double kOnePlace = 0.015;
 inline constexpr double kAgreed = 0.1;
-// Distance of a surface that stands for what a scanner sees in a building, m: a turn moves the
-// places there, at so many metres a radian.
+// Distance of a surface that stands for what a scanner sees in a building, m: a turn of 1 rad
+// moves the places there by as much.
 inline constexpr double kLever = 3.5;
 // Change of a range beyond which it is of another surface, m.
 inline constexpr double kOtherSurface = 0.3;

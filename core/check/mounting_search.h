@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-// How far two scanners agree on the places that both see.
+// PairAgreement says on how many of the places that both see two scanners agree.
 struct PairAgreement {
   size_t a = 0;
   size_t b = 0;

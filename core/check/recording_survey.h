@@ -20,17 +20,18 @@ struct RecordingSurvey {
   std::vector<std::string> other_topics;  // names, without scan lines
   std::vector<std::string> warnings;      // what is damaged or missing
   StaticFrames frames;                    // of the topics, by /tf_static
-  // Of wheels: the rig file's topic; without a rig file the recording's, which may be that of
-  // scan lines. Empty where there is none.
+  // Topic of the wheels: the rig file's; without a rig file the recording's, which may be that
+  // of scan lines. Empty where there is none.
   std::string wheels_topic;
-  // What it says; nullptr where there is none, or of which a fault says why it is left out.
+  // The odometry of that topic; nullptr where there is none, or where it is left out for
+  // wheels_fault.
   std::shared_ptr<const Odometry> wheels;
   std::string wheels_fault;
   std::vector<std::string> wheels_mended;  // what was, in sentences
   int64_t start_receipt_ns = 0;           // of the first scan line
   int64_t end_receipt_ns = 0;             // of the last one
-  // By topic, in the order of the recording; ranges in metres, those that are no returns NaN.
-  // scanner_index is the topic's position above.
+  // Sampled scan lines by topic, in the order of the recording; ranges in metres, those that
+  // are no returns NaN. scanner_index is the topic's position above.
   std::vector<std::vector<ScanLine>> sample;
 
   double duration_s() const;

@@ -34,8 +34,8 @@ struct SampledLine {
 std::vector<SampledLine> SegmentSample(const std::vector<ScanLine>& lines,
                                        double range_noise_m);
 
-// Where a ray from the scanner meets the nearest segment: the range, m; negative where it
-// meets none. direction: unit vector.
+// Returns the range at which a ray from the scanner meets the nearest segment, m; negative
+// where it meets none. direction: unit vector.
 double RangeAlong(const SampledLine& line, const Eigen::Vector2d& direction);
 
 // Whether most segments of a line, by their middles, lie within distance_m where another line

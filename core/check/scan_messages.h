@@ -29,7 +29,8 @@ struct ScanMessage {
   // Limits as the driver states them, m; 0 where it states none.
   double stated_min_range_m = 0.0;
   double stated_max_range_m = 0.0;
-  // By beam; empty where no range is at the limit that the driver states.
+  // Whether a beam's range is at the limit that the driver states, by beam; empty where none
+  // is.
   std::vector<bool> is_at_stated_limit;
   ScanLine line;  // scanner_index: position of the topic among those with scan lines
 };

@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-// How a scanner stands, as its own scan lines show it.
+// The attitude of a scanner as its own scan lines show it.
 enum class Attitude {
   kUnknown,  // the rig hardly turned, or too little is seen
   kLevel,    // all that it sees turns when the rig does: walls
@@ -26,7 +26,8 @@ struct OwnAttitude {
 // all have to come from one clock.
 std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLine>>& sample);
 
-// How a scanner's traces turned together in its own frame, in a step of a fifth of a second.
+// StepTurn is the turn that a scanner's traces made together in its own frame, in a step of a
+// fifth of a second.
 struct StepTurn {
   int64_t begin_ns = 0;
   int64_t end_ns = 0;

@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-// How often the scans show what the mapper starts from: floor or ceiling and a wall, of a
-// planar rig a wall.
+// StartSearch counts the scans that show what the mapper starts from: floor or ceiling and a
+// wall, of a planar rig a wall.
 struct StartSearch {
   int num_scans = 0;      // looked at
   int num_starts = 0;     // of these, that show it

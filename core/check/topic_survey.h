@@ -18,8 +18,8 @@ struct RangeLimits {
 // The instants of one scan line.
 struct LineStamp {
   int64_t stamp_ns = 0;    // as the message says
-  // As the recorder says; where its clock was more than an hour off, as the stamp and the
-  // topic's usual delay say.
+  // Instant of reception by the recorder's clock; where that was more than an hour off, the
+  // stamp and the topic's usual delay.
   int64_t receipt_ns = 0;
 };
 
@@ -66,7 +66,7 @@ struct TopicSurvey {
   double stated_min_range_m = 0.0;  // 0: not stated
   double stated_max_range_m = 0.0;
 
-  // By which the ranges have to be multiplied to be metres: 1, 0.01 or 0.001.
+  // Factor that makes the ranges metres: 1, 0.01 or 0.001.
   double metres_per_unit = 1.0;
   RangeLimits limits;      // that decide what a return is
   int64_t num_ranges = 0;  // of all beams; the sum of the next seven

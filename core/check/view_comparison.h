@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-// How one scanner is taken to be: as the rig file says, or otherwise.
+// MountedScanner is a scanner as the rig file states it, or as it is tried otherwise.
 struct MountedScanner {
   size_t source = 0;  // position of its lines in the sample
   Rigid3d body_from_scanner;

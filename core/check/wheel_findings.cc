@@ -123,7 +123,7 @@ class WheelJudge {
     }
   }
 
-  // What the wheels leave of a turn, if theirs are so much later, rad.
+  // Returns the part of a turn that the wheels do not explain if they are later by lag_s, rad.
   double Difference(const StepTurn& turn, double lag_s, double sign) const {
     const int64_t lag_ns = NanosecondsFromSeconds(lag_s);
     const auto motion = wheels_.Between(turn.begin_ns + lag_ns, turn.end_ns + lag_ns);

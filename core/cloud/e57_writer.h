@@ -25,7 +25,7 @@ class E57Writer : public PointCloudWriter {
 
  private:
   void WritePacket();
-  // Of the file and of its compressed vector, as they stand at its begin.
+  // Returns the headers of the file and of its compressed vector, which stand at its begin.
   std::string Beginning(uint64_t xml_offset, uint64_t xml_bytes) const;
   std::string Xml() const;
   // Makes a GUID from the points: the same points have the same one. `salt` tells apart what

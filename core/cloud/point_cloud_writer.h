@@ -34,8 +34,8 @@ class PointCloudWriter {
  public:
   virtual ~PointCloudWriter() = default;
 
-  // Both throw Error naming the file where it can not be written, or its format can not hold
-  // the points.
+  // Add and Finish throw Error naming the file where it can not be written, or its format can
+  // not hold the points.
   virtual void Add(const PointBuffer& points) = 0;
   // Completes the file. Call once, after the last point.
   virtual void Finish() = 0;

@@ -16,8 +16,8 @@ double DistanceStddev(const Observation& observation,
                       const ObservationPoses& poses,
                       const LandmarkView& plane);
 
-// How well one second's segments determine the rig's position with the planes taken as known
-// and no motion assumed, rotation being estimated as well.
+// PositionStrength says how well one second's segments determine the rig's position, with the
+// planes taken as known, no motion assumed, and the rotation estimated as well.
 struct PositionStrength {
   int num_segments = 0;
   double stddev_m = 0.0;                                      // along the weakest direction

@@ -21,7 +21,7 @@ struct DoubledSurface {
 
 struct DoubledSurfaces {
   std::vector<DoubledSurface> pairs;
-  // By second: cells that were hit, and those of them that belong to a pair, by the share of
+  // Cells that were hit in a second, and those of them that belong to a pair, by the share of
   // the time in which the other one was seen.
   SharesOverTime shares;
 };

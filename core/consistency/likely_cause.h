@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-// Where a cause lies: earlier ones bring forth evidence of the later ones, never the other way
-// round, so that they are believed first.
+// The kind of a cause. Earlier kinds bring forth evidence of the later ones, never the other
+// way round, so that they are believed first.
 enum class CauseOrder {
   kScanner,  // a scanner that is not as the rig file says
   kMotion,   // the pose was lost or hardly known somewhere

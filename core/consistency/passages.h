@@ -5,13 +5,14 @@
 
 namespace plumbline {
 
-// Where beams of one time pass through what was a surface at other times: by second, how many
-// of its cells other seconds have seen, and how many of these they saw differently. A cell
-// that others saw both ways counts by the share of those that disagree.
+// ContradictedPassages counts beams that pass through what was a surface at other times: by
+// second, the cells that other seconds have seen, and those of them that these saw
+// differently. A cell that others saw both ways counts by the share of those that disagree.
 struct ContradictedPassages {
   SharesOverTime shares;
-  // The same without the surface of each second that is contradicted most: wrong poses
-  // contradict several at once, a door that moved or an outline drawn too large one.
+  // Shares without the surface of each second that is contradicted most: wrong poses
+  // contradict several surfaces at once, a door that moved or an outline drawn too large only
+  // one.
   SharesOverTime without_worst;
 };
 

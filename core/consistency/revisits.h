@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-// How far a second's segments, with or without a plane, lie off the planes that earlier visits
-// saw at the same places.
+// RevisitOffset is the shift and turn of a second's segments, with or without a plane, against
+// the planes that earlier visits saw at the same places.
 struct RevisitOffset {
   int num_segments = 0;        // that could be compared
   double translation_m = 0.0;  // of the rigid motion that would take them onto those planes

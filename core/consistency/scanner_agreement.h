@@ -32,7 +32,7 @@ class ScannerActivity {
     int64_t num_used = 0;
   };
   int first_second() const { return first_second_; }
-  // By scanner, by second since first_second.
+  // Counts by scanner, and by second since first_second.
   const std::vector<std::vector<Second>>& seconds() const { return seconds_; }
   // The first second in which any scanner measures, and the one after the last.
   std::pair<size_t, size_t> Span() const;
@@ -53,7 +53,7 @@ inline constexpr int kFrozenPercent = 50;
 // A number that differs for lines of different ranges; 0 for one with hardly any.
 uint64_t FingerprintOf(const std::vector<float>& ranges);
 
-// How a scanner agrees with the map and with the other scanners.
+// ScannerAgreement says how well a scanner agrees with the map and with the other scanners.
 struct ScannerAgreement {
   int64_t num_points = 0;
   int num_segments = 0;     // on planes
@@ -64,7 +64,7 @@ struct ScannerAgreement {
   // second, m.
   double difference_m = 0.0;
   int num_differences = 0;
-  // The same over the standard deviation that the noise lets expect.
+  // That difference over the standard deviation that the noise lets expect.
   double difference_ratio = 0.0;
   // Root mean square distance of its segments from their planes, over the noise's.
   double deviation_ratio = 0.0;

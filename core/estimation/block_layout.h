@@ -19,7 +19,7 @@ struct BlockId {
     kAccelerometerBias
   };
   int group = 0;  // 0: control points, 1: landmarks, 2: scanners, 3: the IMU, 4: its biases
-  // Of a control point or scanner, landmark id, or of a bias the last knot interval that it
+  // Index of a control point or scanner, id of a landmark, or last knot interval that a bias
   // has a say in.
   int index = 0;
   Kind kind = Kind::kRotation;
@@ -74,7 +74,8 @@ struct BlockLayout {
   std::vector<bool> is_free;  // of each column: not held by a manifold
 
   int size() const { return offsets.back(); }
-  // They come first, those of landmarks and scanners after them.
+  // Number of columns of control points. They come first, those of landmarks and scanners
+  // after them.
   int NumControlPointColumns() const;
   std::vector<int> FreeColumns() const;
 };

@@ -23,7 +23,7 @@ class BorderSolver {
   void AddToBand(int row,
                  const Eigen::Ref<const Eigen::MatrixXd>& loads,
                  const std::vector<int>& columns);
-  // The same in the border, row 0 being the border's first.
+  // Adds loads to b in the border, row 0 being the border's first.
   void AddToBorder(int row,
                    const Eigen::Ref<const Eigen::MatrixXd>& loads,
                    const std::vector<int>& columns);

@@ -32,7 +32,7 @@ class CeresProblem {
   std::unique_ptr<ceres::Problem> problem_;
 };
 
-// How often ceres::Solve has been entered in this process.
+// Returns the number of calls of ceres::Solve in this process.
 int64_t NumCeresSolves();
 
 // Solves by ceres::Solve, DENSE_NORMAL_CHOLESKY or SPARSE_NORMAL_CHOLESKY by size, with a

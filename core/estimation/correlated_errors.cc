@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kNumProbes = ErrorPatterns::kNumProbes;
 constexpr int kNumTraceProbes = ErrorPatterns::kNumTraceProbes;
-// Unevenness is believed where it is so many standard deviations beyond what noise does.
+// Number of standard deviations beyond the noise from which unevenness is believed.
 constexpr double kSignificance = 3.0;
 
 // Kinds of a scanner's errors.

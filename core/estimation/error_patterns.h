@@ -51,8 +51,8 @@ class ErrorPatterns {
                 const std::deque<Landmark>& landmarks,
                 const BlockLayout& layout,
                 bool planar);
-  // The same with all probes, and with what single cells do to the landmarks. factor: of the
-  // normal matrix, in the layout's columns.
+  // Makes patterns with all probes, and with the effects of single cells on the landmarks.
+  // factor: of the normal matrix, in the layout's columns.
   ErrorPatterns(const Rig& rig,
                 const RigCalibration& calibration,
                 const Trajectory& trajectory,
@@ -65,7 +65,8 @@ class ErrorPatterns {
   void Add(const Observation& observation);
 
   int num_scanner_patterns() const { return num_scanner_patterns_; }
-  // Orthonormal basis of what turns and shifts all scanners together, as the body would.
+  // Returns an orthonormal basis of the patterns that turn and shift all scanners together, as
+  // the body would.
   Eigen::MatrixXd CommonScannerPatterns() const;
   // J^T V by column: the scanners' patterns, then the probes. May be taken away.
   const Eigen::MatrixXd& loads() const { return loads_; }
@@ -80,8 +81,8 @@ class ErrorPatterns {
   void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
   // Sums up a segment's scores of its cells anew, without what has been explained.
   void RescoreCells(const Observation& observation);
-  // What each cell's deviation of 1 m does to the landmarks: their parameters x cells. To be
-  // called once.
+  // Returns the effect of each cell's deviation of 1 m on the landmarks: their parameters x
+  // cells. To be called once.
   Eigen::MatrixXd TakeCellEffectsOnLandmarks();
 
  private:

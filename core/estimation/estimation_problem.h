@@ -110,7 +110,7 @@ class EstimationProblem {
                  const std::vector<BlockId>& blocks,
                  FactorTerm::Kind kind = FactorTerm::Kind::kOther);
 
-  // What the terms are of.
+  // The unknowns of the terms.
   const Unknowns& unknowns() const { return unknowns_; }
   // The unknowns that occur in terms, in order, and their columns.
   BlockLayout Layout() const { return unknowns_.Layout(); }

@@ -51,7 +51,7 @@ class Means {
                          const InertialErrors& errors) const {
     ImuMeasurement measurement;
     measurement.mean = mean.*of;
-    // White noise as it is left in so many readings a second.
+    // The mean of these readings has this variance of white noise.
     const double variance =
         errors.noise * errors.noise / readings_.period_s() / mean.num_samples;
     measurement.stddev = (variance + Excess(part, of, variance).array()).sqrt();

@@ -17,10 +17,11 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Products of so few rows take less time than the copies that Eigen's general product makes.
+// Number of rows up to which a product takes less time than the copies that Eigen's general
+// product makes.
 constexpr Eigen::Index kFewResiduals = 3;
-// A residual's control points lie in two adjacent tiles of so many: a group of the batch has
-// nine at most and begins at every fourth.
+// Number of control points of a tile. Those of a residual lie in two adjacent tiles: a group
+// of the batch has nine at most and begins at every fourth.
 constexpr int kTileControlPoints = 8;
 
 // Position in the layout of each block that it has, by the block's data.

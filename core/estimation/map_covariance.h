@@ -32,8 +32,8 @@ class MapCovariance {
   // the same unknowns. Throws Error when they do not determine the unknowns.
   static MapCovariance Of(const EstimationProblem& problem);
   static MapCovariance Of(const EstimationProblem& problem, ArrowheadEquations equations);
-  // The same with what correlated errors add, which `correlated` estimates with the factorised
-  // equations.
+  // Inverts the equations and adds the covariance of correlated errors, which `correlated`
+  // estimates with the factorised equations.
   using CorrelatedErrorsOf = std::function<CorrelatedErrors(const ArrowheadCholesky&)>;
   static MapCovariance Of(const EstimationProblem& problem,
                           ArrowheadEquations equations,
@@ -44,7 +44,7 @@ class MapCovariance {
   const std::vector<int>& offsets() const { return offsets_; }
   const Eigen::MatrixXd& landmarks() const { return landmarks_; }
 
-  // Of the estimated scanners' blocks together; those of the rig's order.
+  // Joint covariance of the estimated scanners' blocks, in the rig's order.
   const Eigen::MatrixXd& scanners() const { return scanners_; }
 
   // World-frame rotation (rad) and position (m) of the body.

@@ -124,7 +124,7 @@ uint64_t Fingerprint(const std::vector<const Observation*>& observations,
   return hash;
 }
 
-// By the first of so many knot intervals in a row.
+// Returns the observations by the first of the knot intervals of their group.
 std::map<int, std::vector<const Observation*>> ByInterval(
     const Trajectory& trajectory,
     const std::vector<const Observation*>& observations,

@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-// When a solver ends.
+// SolverOptions say when a solver ends.
 struct SolverOptions {
   int max_iterations = 30;
   // A step that lowers the cost by no more than either of these is the last one.

@@ -91,8 +91,8 @@ struct WallPiece {
 struct PlanWindow {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  // Of its width: each jamb lies between the last beam that passed and the next column beside
-  // it in which the wall was hit above sills.
+  // Standard deviation of the width: each jamb lies between the last beam that passed and the
+  // next column beside it in which the wall was hit above sills.
   double width_stddev_m = 0.0;
   bool reaches_floor = false;  // beams passed below where sills are
 };

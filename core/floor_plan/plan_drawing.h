@@ -8,7 +8,7 @@ namespace plumbline {
 
 // Common parts of the drawings of a plan, SVG and DXF.
 
-// How thick a wall is drawn of which only one face was seen, m.
+// Drawn thickness of a wall of which only one face was seen, m.
 inline constexpr double kDrawnThicknessM = 0.12;
 
 // "21.73 m2" with as many digits as the standard deviation allows, and at most two.
@@ -22,8 +22,8 @@ std::string StddevText(double stddev_m);
 
 // "Map of office.bag, 2026-11-27: consistent. plumbline 0.1.0", as far as it is known, in ASCII.
 std::string OriginText(const MapOrigin& origin);
-// What to say across the drawing of a map that is not consistent; empty where it is, or where
-// nothing is known.
+// Returns the text across the drawing of a map that is not consistent; empty where it is, or
+// where nothing is known.
 std::string WarningText(const MapOrigin& origin);
 
 // The four corners of a door's gap in the wall, from the first face to behind the second.

@@ -16,7 +16,7 @@ class Paper {
   static constexpr double kFootMm = 28.0;  // below the drawing: legend, title and scale bar
 
   explicit Paper(const FloorPlans& plan);
-  // Not turned, and without end: x to the right, y upwards.
+  // Makes a paper that is not turned, and without end: x to the right, y upwards.
   explicit Paper(int scale) : scale_(scale), mm_per_m_(1000.0 / scale) {}
 
   Eigen::Vector2d At(const Eigen::Vector2d& p) const;

@@ -25,7 +25,7 @@ namespace plumbline {
 using MotionVector = Eigen::Matrix<double, 12, 1>;
 using MotionMatrix = Eigen::Matrix<double, 12, 12>;
 
-// How the points of a scan agree with the local map.
+// ScanMatch says how well the points of a scan agree with the local map.
 struct ScanMatch {
   // Constraint by the points of each scan line on the pose in its middle.
   std::vector<PoseConstraint> constraints;
@@ -44,7 +44,8 @@ struct ScanMatch {
 // Beams of a scan, by scan line and beam.
 using BeamMask = std::vector<std::vector<bool>>;
 
-// How far from where it is believed to be a scan is searched for, to all sides.
+// SearchWindow is the space in which a scan is searched for, to all sides of where it is
+// believed to be.
 struct SearchWindow {
   double position_m = 1.0;
   double turn_rad = 40.0 * M_PI / 180.0;

@@ -17,7 +17,7 @@ using ImuBias = std::array<double, kImuBiasSize>;
 struct ImuBiases {
   ImuBias gyroscope = {};      // rad/s
   ImuBias accelerometer = {};  // m/s^2
-  // Of either bias as it is now.
+  // Covariances of both biases as they are now.
   Eigen::Matrix3d gyroscope_covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d accelerometer_covariance = Eigen::Matrix3d::Zero();
 };

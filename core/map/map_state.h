@@ -47,7 +47,7 @@ struct MapState {
   // Odometry and its calibration; nullptr: there is none.
   std::shared_ptr<const Odometry> odometry = nullptr;
   OdometryCalibration odometry_calibration = {};
-  // What the IMU read, which is estimated in the calibration; nullptr: there is none.
+  // Readings of the IMU, whose parameters are in the calibration; nullptr: there is none.
   std::shared_ptr<const ImuReadings> imu = nullptr;
   // The scanners, where they are estimated, and the IMU.
   RigCalibration calibration = {};

@@ -83,8 +83,8 @@ std::optional<double> RangeOnCylinder(const Landmark& cylinder,
                                       const ScanPlacement& placement,
                                       const Eigen::Vector2d& direction);
 
-// As MakeObservationOn, with the beams taken to where they meet a cylinder; motion: the scan
-// plane's, in the world.
+// Makes an observation as MakeObservationOn does, with the beams taken to where they meet a
+// cylinder. motion: the scan plane's, in the world.
 Observation MakeObservationOnArc(const Landmark& cylinder,
                                  const ScanMotion& motion,
                                  const ScanLine& scan_line,

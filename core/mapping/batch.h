@@ -21,9 +21,9 @@ struct BatchReport : FinalEstimate {
   std::optional<double> drift_m = {};      // that was corrected (CorrectDrift)
 };
 
-// How many segments another round of associations would change, by the rate at which the
-// changes have become fewer from the round before the last (`before`, 0 where there was none)
-// to the last one (`now`).
+// Returns the number of segments that another round of associations would change, by the rate
+// at which the changes have become fewer from the round before the last (`before`, 0 where
+// there was none) to the last one (`now`).
 double ChangesToCome(int now, int before);
 
 // Estimates all control points and planes together from all segments; nothing is marginalised.

@@ -52,7 +52,8 @@ void ForEachAssociated(const MapState& state, const Visit& visit) {
   }
 }
 
-// Errors that repeat show in one of so many scans as well as in all.
+// Returns the step from scan to scan of a sample that shows errors that repeat as well as all
+// scans do.
 int SamplingOf(const MapState& state) {
   if (state.observations.empty()) return 1;
   const Observation& first = state.observations.front();

@@ -17,7 +17,7 @@
 
 namespace plumbline {
 
-// What the last estimation gives besides the values in the state.
+// FinalEstimate is what the last estimation gives besides the values in the state.
 struct FinalEstimate {
   MotionNoise motion_noise;      // usual one of the recording, which the estimate assumes
   double variance_factor = 0.0;  // weighted sum of squares / redundancy

@@ -15,7 +15,7 @@ namespace plumbline {
 // CheckedRecording is a recording as it is mapped, with the findings of plumbline_check.
 struct CheckedRecording {
   Rig stated;  // the rig file's
-  // The same with the headers that the scanners' common view shows, and with scanners that are
+  // The rig with the headers that the scanners' common view shows, and with scanners that are
   // estimated near where they agree.
   Rig rig;
   std::unique_ptr<RecordingReader> reader;
@@ -32,7 +32,7 @@ CheckedRecording ReadChecked(const std::string& recording,
                              bool force,
                              Stopwatch* reading);
 
-// In words, what the recording's reader does not tell itself.
+// Returns the warnings that the recording's reader does not give itself.
 std::vector<std::string> WarningsOf(const std::vector<Finding>& findings);
 
 // Adds what was found before mapping to the warnings, and where the map is not consistent

@@ -28,7 +28,8 @@ class HypothesisFollower {
                      std::shared_ptr<const Odometry> odometry = nullptr,
                      std::shared_ptr<const ImuReadings> imu = nullptr);
 
-  // As those of ScanFollower. Follow throws LostTrack where all hypotheses have lost the rig.
+  // Start and Follow are as those of ScanFollower. Follow throws LostTrack where all
+  // hypotheses have lost the rig.
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {}) {
     return follower_->Start(scan, must_hold, knot_ns);
   }

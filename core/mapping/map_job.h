@@ -29,7 +29,7 @@ struct MapJob {
   // Whether the result holds floor plans (core/floor_plan/floor_plan_files.h). A map without
   // rooms has none, which is logged.
   bool floor_plan = false;
-  // Asked at every scan: once it says true, the map ends there and is written.
+  // The job asks this at every scan: once it says true, the map ends there and is written.
   std::function<bool()> stop = {};
   // Formats in which the points of the map are written.
   std::vector<CloudFormat> formats = ParseCloudFormats(kDefaultCloudFormats);

@@ -223,7 +223,7 @@ std::vector<MapResult> EstimateParts(const Rig& rig,
   return results;
 }
 
-// The options for a rig whose IMU measures its accelerations: a prior that is so much weaker
+// Returns the options for a rig whose IMU measures its accelerations: a prior 30 times weaker
 // than that of any rig bends no motion. One that fits the motion shrinks it by some
 // thousandths, which the IMU's scales would take for theirs.
 MapperOptions WithoutMotionPrior(MapperOptions options) {

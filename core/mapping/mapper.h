@@ -40,7 +40,7 @@ struct MapResult {
 struct CheckpointFiles {
   MapInputs inputs;
   std::string write_to;   // empty: not kept
-  double after_s = 0.0;   // kept where following took at least so long
+  double after_s = 0.0;   // kept where following took at least this time
   std::string read_from;  // instead of following the recording; empty: none
 };
 

@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-// How well the points of a recording agree with a map.
+// PointReport says how well the points of a recording agree with a map.
 struct PointReport {
   int64_t num_points = 0;       // valid ranges in the recording
   int64_t num_used = 0;         // of these on planes' segments and sub-minimum segments

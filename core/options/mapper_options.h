@@ -60,11 +60,11 @@ struct PlaneOptions {
   double max_tentative_age_s = 1.0;
 };
 
-// Where the rig file names a topic of odometry.
+// OdometryOptions count where the rig file names a topic of odometry.
 struct OdometryOptions {
   // Whether it holds the motion.
   bool enabled = true;
-  // What is known beforehand of its noise, as shares of length and turn
+  // The prior of its noise, as shares of length and turn
   // (core/trajectory/odometry_calibration.h). [0.001, 10] each
   double length_noise = 0.1;
   double turn_noise = 0.1;
@@ -101,7 +101,7 @@ struct TrackingOptions {
   // Longest time for which no planes are founded while walls leave the position open: what is
   // seen may move. [0, 1000]
   double max_undecided_s = 2.0;
-  // Where the rig was lost, what was followed for less than this is left out. [0, 1e6]
+  // Parts followed for less than this before the rig was lost are left out. [0, 1e6]
   double min_part_s = 2.0;
 };
 
@@ -151,7 +151,8 @@ struct RuleOptions {
 struct LoopClosureOptions {
   // Whether planes are recognised when they come back into view after any time.
   bool enabled = true;
-  // Where not: a plane unseen for more scans than this counts as a new one. [1, 2^31 - 1]
+  // A plane unseen for more scans than this is a new one while recognition is off.
+  // [1, 2^31 - 1]
   int max_gap_scans = 100;
 };
 

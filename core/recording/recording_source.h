@@ -61,7 +61,8 @@ class RecordingSource {
 
   std::unique_ptr<MessageFile> file_;
   std::vector<uint8_t> unpacked_;  // the last message that was packed on its own
-  // Where the first message of a revolution is (part, begin, topic), and its other messages.
+  // Places of the first message of a revolution (part, begin, topic) and of its other
+  // messages.
   std::map<std::tuple<uint32_t, uint64_t, uint32_t>, std::vector<MessageRef>> segments_;
   ScanLineMessage segment_;  // read last
   std::vector<std::string> warnings_;

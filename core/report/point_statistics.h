@@ -27,7 +27,7 @@ class PointStatistics {
 
   const std::array<int64_t, 2 * kBinsPerSide>& histogram() const { return histogram_; }
   const std::vector<Group>& by_scanner() const { return by_scanner_; }
-  // By whole seconds since the recording's first scan line.
+  // Statistics by whole seconds since the recording's first scan line.
   const std::vector<Group>& by_second() const { return by_second_; }
 
  private:

@@ -31,7 +31,8 @@ class QuantisedPoints {
 
   int64_t size() const { return static_cast<int64_t>(scanner_.size()); }
 
-  // How to read the sections, as JSON: count, origin, step_m, time_step_s.
+  // Returns what the reader of the sections needs, as JSON: count, origin, step_m,
+  // time_step_s.
   std::string HeaderJson() const;
 
   // Returns an even selection of `count` points; all, where there are fewer.

@@ -29,8 +29,8 @@ class ResultDirectory {
   ResultDirectory(const ResultDirectory&) = delete;
   ResultDirectory& operator=(const ResultDirectory&) = delete;
 
-  // Where the files of the result are written, and of a part (result_files.h), whose folder is
-  // created.
+  // Returns the folder into which the files of the result are written, or of a part
+  // (result_files.h), whose folder is created.
   std::string Folder(const std::string& part = "") const;
   // The name of that folder once it has been committed, for messages.
   std::string FinalName(const std::string& part = "") const;

@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-// These functions read the text files of a result (docs/outputs.md). All throw Error with file
-// and line, or with file and element.
+// The functions below read the text files of a result (docs/outputs.md). All throw Error with
+// file and line, or with file and element.
 
 std::vector<StampedPose> ReadTrajectory(const std::string& path);  // trajectory.tum
 std::vector<PlanePatch> ReadPlanes(const std::string& path);       // planes.json

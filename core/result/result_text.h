@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-// These functions make the text files of a result (docs/outputs.md). The same input gives the
-// same bytes.
+// The functions below make the text files of a result (docs/outputs.md). The same input gives
+// the same bytes.
 
 // Makes trajectory.tum, one line "t x y z qx qy qz qw" per pose; t in seconds with 9 decimals,
 // exact to the nanosecond; unit quaternions with qw >= 0.

@@ -22,7 +22,7 @@ struct PoseGraphEdge {
 // whole turns alike. Poses stay as they are where the solver fails, which it logs.
 void SolvePoseGraph(const std::vector<PoseGraphEdge>& edges, std::vector<PlanarPose>* poses);
 
-// How far the poses are from an edge, squared, in its own standard deviations; whole turns do
+// Returns the squared deviation of the poses from an edge, over its variances; whole turns do
 // not count.
 double SquaredDeviation(const PoseGraphEdge& edge, const std::vector<PlanarPose>& poses);
 

@@ -19,11 +19,11 @@ class VisitGrid {
   // Cells by which BoundAt() lets a point move; CoarseBoundAt() by their square.
   static constexpr int kCoarse = 4;
 
-  // How well a point fits: 1 on a surface, less near one, below 0 where beams passed, 0 where
-  // nothing is known.
+  // Returns the fit of a point: 1 on a surface, less near one, below 0 where beams passed, 0
+  // where nothing is known.
   double At(const Eigen::Vector2d& p) const { return ValueOf(values_, p); }
-  // At least the fit of the point, and of all that lie up to kCoarse cells from it towards
-  // larger x and y.
+  // Returns an upper bound of the fit of the point, and of all that lie up to kCoarse cells
+  // from it towards larger x and y.
   double BoundAt(const Eigen::Vector2d& p) const { return ValueOf(bounds_, p); }
   double CoarseBoundAt(const Eigen::Vector2d& p) const {
     // What lies before the grid may move into it.
@@ -44,7 +44,8 @@ class VisitGrid {
   }
   void AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void AddSurface(const Eigen::Vector2d& point);
-  // The largest of the values in a square that reaches so many steps towards larger x and y.
+  // Returns the largest of the values in a square that reaches this number of steps towards
+  // larger x and y.
   std::vector<int8_t> LargestWithin(int num_steps,
                                     int step,
                                     const std::vector<int8_t>& values) const;

@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-// How far from a guess a visit may lie: drift.
+// MatchWindow is the space around a guess in which a visit is looked for: the drift.
 struct MatchWindow {
   double position_m = 3.0;  // in x and in y
   std::vector<double> turns = TurnsWithin(0.26);  // rad, from the guess, that are tried

@@ -29,7 +29,7 @@ class Odometry {
   // whose numbers are not finite are left out. Headings may jump by whole turns.
   explicit Odometry(std::vector<OdometrySample> samples);
 
-  // The same of wheels whose samples are so much later.
+  // Returns the odometry with its samples later by this time.
   Odometry Later(double seconds) const;
 
   bool empty() const { return samples_.empty(); }

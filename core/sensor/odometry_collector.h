@@ -21,8 +21,8 @@ class OdometryCollector {
   // Why it says nothing of the motion: no orientation, or a pose that never changes; empty
   // where it may.
   std::string Fault() const;
-  // What it says of the motion, once its messages contradict themselves no more
-  // (odometry_repair.h); nullptr where it has a fault. Appends what was mended to sentences.
+  // Returns the odometry, once its messages contradict themselves no more (odometry_repair.h);
+  // nullptr where it has a fault. Appends what was mended to sentences.
   std::shared_ptr<const Odometry> Finish(std::vector<std::string>* sentences) const;
   bool empty() const { return poses_.empty(); }
 

@@ -59,7 +59,7 @@ class RecordingReader {
   // Returns the readings of the rig file's IMU; nullptr where it has none, or where they can
   // not be an IMU's, of which a warning tells.
   std::shared_ptr<const ImuReadings> imu() const;
-  // Takes the odometry to be so much later.
+  // Makes the odometry later by this time.
   void DelayOdometry(double seconds);
   // Sentences about what is damaged or missing and about scan lines that were passed over or
   // look wrong, for the user and summary.json.

@@ -43,7 +43,8 @@ struct Scanner {
   double delay_s = 0.0;
   double range_excess_m = 0.0;
   double range_excess_share = 0.0;
-  // By default, in a rig file, the uncertainty of a pose measured by hand.
+  // Uncertainty of pose, clock and ranges; a rig file that does not state it has that of a
+  // pose measured by hand.
   ScannerUncertainty uncertainty;
 
   // Instead of what the messages say, where a driver leaves it at 0 or has it wrong
@@ -53,7 +54,7 @@ struct Scanner {
   std::optional<double> angle_min_rad;
   std::optional<double> angle_increment_rad;
 
-  // Only the simulator needs these three; in a recording each message carries its own.
+  // The simulator alone needs these three; in a recording each message carries its own.
   int beams = 270;
   double field_of_view_deg = 270.0;
   double scan_rate_hz = 40.0;

@@ -41,7 +41,7 @@ struct ScanLine {
     const double angle = BeamAngle(beam);
     return {std::cos(angle), std::sin(angle)};
   }
-  // How many beams there are from a beam to a direction, on the shorter way round; negative
+  // Returns the number of beams from a beam to a direction, on the shorter way round; negative
   // where the direction comes before the beam.
   double BeamsTo(double angle, int beam) const {
     const double turn = std::remainder(angle - BeamAngle(beam), 2.0 * M_PI);

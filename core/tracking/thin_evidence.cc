@@ -17,8 +17,9 @@ constexpr double kOpenStddev = 0.03;  // m
 constexpr double kAlong = 0.5;
 // More than this share of the points that lie on planes is no thin evidence.
 constexpr double kManyPoints = 0.05;
-// A plane that is seen for so long, in every scan but a few, where the predicted motion has it
-// to within this distance, stands still: people have walked on by much more.
+// A plane stands still if it is seen for this time, with pauses no longer than kMaxPause,
+// where the predicted motion has it to within this distance: people have walked on by much
+// more.
 constexpr double kStandStillTime = 0.25;      // s
 constexpr double kStandStillDistance = 0.03;  // m
 constexpr double kMaxPause = 0.1;             // s

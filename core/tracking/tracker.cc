@@ -37,14 +37,14 @@ constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
 // Points hold the pose where more than this share of them is on no plane.
 constexpr double kMaxShareOnNoPlane = 0.25;
-// The local map has to know so many of a scan's points, and so many of these have to lie where
-// it says, to tell how the rig moved.
+// Share of a scan's points that the local map has to know, and share of these that have to lie
+// where it says, for it to tell how the rig moved.
 constexpr double kMinKnownShare = 0.3;
 constexpr double kMinNearShare = 0.6;
 // Planes that take this share of the points from where the local map has them are not those of
 // the scan.
 constexpr double kMaxLoss = 0.1;
-// What the local map is bent by turns the rig by that over this distance.
+// Lever over which a bend of the local map turns the rig.
 constexpr double kPointsLever = 4.0;  // m
 
 // In empty rooms more than nine tenths of the segments, by length, have planes, in a room of

@@ -65,7 +65,7 @@ class Tracker {
   // and have not for long: what is left to hold it may be somebody who walks along.
   bool IsUndecided(int64_t now_ns) const;
 
-  // Where long walls leave the position open, leaves it to the predicted motion: points and
+  // Leaves the position to the predicted motion where long walls leave it open: points and
   // smaller planes do not hold it.
   void set_bridges_by_motion(bool bridges) { bridges_by_motion_ = bridges; }
   // Whether the walls in the newest scan leave its position open in some horizontal direction.
@@ -164,12 +164,12 @@ class Tracker {
                                int first_observation,
                                int last_observation,
                                const std::vector<PoseConstraint>& constraints);
-  // The covariance of the body's rotation and position after a time of accelerations so many
-  // times as strong as usual.
+  // Returns the covariance of the body's rotation and position after a time of accelerations
+  // `scale` times as strong as usual.
   Matrix6d UnsteadyCovariance(double scale, double duration_s) const;
-  // How many times as strongly as usual an unsteady rig accelerates.
+  // Returns the factor by which an unsteady rig accelerates more strongly than usual.
   double UnsteadyScale() const;
-  // How far the local map may be off as a whole.
+  // Returns the covariance of a pose by how far the local map may be off as a whole.
   Matrix6d PointsCovariance() const;
   // Gives the control points the freedom of an unsteady motion.
   void Loosen();

@@ -17,9 +17,9 @@ namespace plumbline {
 enum MotionKind : size_t { kHorizontal, kVertical, kTilt, kYaw, kNumMotionKinds };
 using ByMotionKind = std::array<double, kNumMotionKinds>;
 
-// What drives the motion at the knot between control points first .. first + 2: accelerations,
-// their second differences over the square of the knot interval, and of velocities that do not
-// go on what is lacking of those (factors/cost/motion_factor.h).
+// KnotAcceleration drives the motion at the knot between control points first .. first + 2:
+// accelerations, their second differences over the square of the knot interval, and of
+// velocities that do not go on what is lacking of those (factors/cost/motion_factor.h).
 struct KnotAcceleration {
   Eigen::Vector3d linear_world = Eigen::Vector3d::Zero();  // m/s^2
   Eigen::Vector3d angular_world = Eigen::Vector3d::Zero();  // rad/s^2

@@ -33,7 +33,7 @@ class LargeFile {
   void Finish(const std::string& beginning);
 
  private:
-  // As long as direct writing needs them aligned in memory and in the file, or a multiple.
+  // Alignment that direct writing needs in memory and in the file, or a multiple of it.
   static constexpr size_t kAlignment = 4096;
   static constexpr size_t kBlockBytes = size_t{1} << 20;
 

@@ -14,7 +14,7 @@ inline double SecondsBetween(int64_t start_ns, int64_t end_ns) {
 
 inline int64_t NanosecondsFromSeconds(double seconds) {
   const double nanoseconds = seconds * 1e9;
-  // As std::llround, which is a library's call: this is asked for every beam.
+  // Rounds as std::llround does, without the call of a library: this is asked for every beam.
   return static_cast<int64_t>(nanoseconds + (nanoseconds < 0.0 ? -0.5 : 0.5));
 }
 

@@ -99,8 +99,9 @@ class InactiveLandmarks {
   std::vector<int> given_offsets_ = {0};
   Eigen::VectorXd mean_;
   Eigen::MatrixXd gain_;
-  // Its first mean_.size() rows and columns; the rest is room for more planes. Planes come and
-  // go all the time: a matrix of hundreds of them is not to be copied for each.
+  // The covariance is the first mean_.size() rows and columns; the rest is room for more
+  // planes. Planes come and go all the time: a matrix of hundreds of them is not to be copied
+  // for each.
   Eigen::MatrixXd covariance_;
 };
 

@@ -14,8 +14,8 @@ namespace plumbline {
 // control points over h^2 is the acceleration at the knot, the first difference over h about
 // the velocity. Three residuals each.
 
-// What goes on from one knot to the next, by world axis: of a velocity, 1 where it goes on but
-// for accelerations, and of what drives it.
+// MotionPersistence holds the shares that go on from one knot to the next, by world axis: of a
+// velocity, 1 where it goes on but for accelerations, and of the acceleration that drives it.
 struct MotionPersistence {
   Eigen::Vector3d velocity = Eigen::Vector3d::Ones();
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();

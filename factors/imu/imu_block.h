@@ -25,7 +25,7 @@ enum ImuBlockAt {
 };
 inline constexpr int kImuBiasSize = 3;
 
-// Where an IMU sits as stated.
+// ImuPose is the stated pose of an IMU on the body.
 struct ImuPose {
   Eigen::Quaterniond body_from_imu = Eigen::Quaterniond::Identity();
   Eigen::Vector3d position_body = Eigen::Vector3d::Zero();

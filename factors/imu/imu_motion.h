@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-// What the functors of gyroscope and accelerometer share; T may be a Jet.
+// The functors of gyroscope and accelerometer share these functions; T may be a Jet.
 
 // The IMU's attitude in the body that its block stands for.
 template <typename T>

@@ -14,7 +14,8 @@ namespace plumbline {
 // Variables without information (zero diagonal: directions that are held) stay at zero.
 class Elimination {
  public:
-  // Only the lower triangle of H is read. Nothing when H does not determine y.
+  // Eliminates the first num_eliminated variables; returns nothing where H does not determine
+  // them. Only the lower triangle of H is read.
   static std::optional<Elimination> Make(const Eigen::MatrixXd& hessian,
                                          const Eigen::VectorXd& gradient,
                                          Eigen::Index num_eliminated);
@@ -32,7 +33,8 @@ class Elimination {
  private:
   Elimination() = default;
 
-  // With S = diag(scale): S H_yy S = L L^T, half = L^-1 S H_yx, half_gradient = L^-1 S g_y.
+  // The factorisation, with S = diag(scale): S H_yy S = L L^T, half = L^-1 S H_yx,
+  // half_gradient = L^-1 S g_y.
   Eigen::VectorXd scale_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd half_;

@@ -104,7 +104,7 @@ struct Cylinder {
     normal[2] = T(0.0);
     *distance = normal[0] * point[0] + normal[1] * point[1] - value;
   }
-  // At the anchor.
+  // Evaluates the cylinder at its anchor.
   template <typename T>
   void Evaluate(const T* params, T normal[3], T* distance) const {
     EvaluateAt(params, anchor.data(), normal, distance);

@@ -12,10 +12,10 @@ namespace plumbline {
 // thread at a time.
 class LinearisedGroup {
  public:
-  // How far rotations, planes and scanners may have turned and positions and scanners moved.
-  // What a linearisation leaves out are products of two such changes: with kFine less than
-  // 0.01 mm for every point within 30 m, with kCoarse 0.2 mm. A scanner's delay counts as the
-  // turn of a body that turns by 1 rad/s.
+  // Validity is the turn of rotations, planes and scanners and the shift of positions and
+  // scanners up to which a linearisation is kept. What a linearisation leaves out are products
+  // of two such changes: with kFine less than 0.01 mm for every point within 30 m, with
+  // kCoarse 0.2 mm. A scanner's delay counts as the turn of a body that turns by 1 rad/s.
   struct Validity {
     double turn_rad;
     double shift_m;
@@ -30,7 +30,7 @@ class LinearisedGroup {
   void set_validity(const Validity& validity) { validity_ = validity; }
 
   const SegmentGroup& group() const { return group_; }
-  // How often it has been linearised.
+  // Number of times that it has been linearised.
   int num_linearisations() const { return num_linearisations_; }
   // Whether the loss has changed nothing at the last linearisation, so that without it the
   // group would be the same.

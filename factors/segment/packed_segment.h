@@ -52,7 +52,7 @@ class PackedSegment {
   double bend_offset() const { return bend_offset_; }
   double range_rest() const { return range_rest_; }
   double range_offset() const { return range_offset_; }
-  // In the scanner's frame.
+  // Returns the measurement in the scanner's frame.
   SegmentMeasurement Unpack() const;
 
   // Calls visit(member) for each: to keep them in a file and take them back.

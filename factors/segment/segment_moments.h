@@ -68,12 +68,12 @@ class SegmentMoments {
   std::array<std::array<double, 6>, 5> products_{};  // by the power of tau
   Eigen::Matrix3d with_offset_ =
       Eigen::Matrix3d::Zero();  // columns: by the power of tau; rows: a, b, 1
-  // As with_offset_, for w a^2; for 1 it is in products_.
+  // Sums of w a^2, laid out as with_offset_; the sum for 1 is in products_.
   Eigen::Matrix<double, 2, 3> with_along2_ = Eigen::Matrix<double, 2, 3>::Zero();
   double along4_ = 0.0;              // sum of w a^4
   double offset_with_along2_ = 0.0;  // sum of w o a^2
   double offset2_ = 0.0;
-  // As with_offset_, for the derivative by the range.
+  // Sums of the derivative by the range, laid out as with_offset_.
   Eigen::Matrix3d with_range_ = Eigen::Matrix3d::Zero();
   double range2_ = 0.0;
   double offset_with_range_ = 0.0;

@@ -40,8 +40,8 @@ inline std::array<double, 4> CumulativeSplineBasisDerivative(double u) {
   return {0.0, 0.5 * (1.0 + u * (u - 2.0)), 0.5 * (1.0 + u * (2.0 - 2.0 * u)), 0.5 * u * u};
 }
 
-// How the body moves at an instant, for functors that Ceres differentiates automatically, by
-// the instant too.
+// SplineMotion is the motion of the body at an instant, for functors that Ceres differentiates
+// automatically, by the instant too.
 template <typename T>
 struct SplineMotion {
   Eigen::Quaternion<T> world_from_body;
@@ -103,7 +103,7 @@ Eigen::Matrix<T, 3, 1> EvaluateAcceleration(const T* const p[4],
   return acceleration;
 }
 
-// For functors that Ceres differentiates automatically: R(u) into q_out.
+// Evaluates R(u) into q_out, for functors that Ceres differentiates automatically.
 template <typename T>
 void EvaluateRotation(const T* const q[4], double u, T* q_out) {
   using Quaternion = Eigen::Quaternion<T>;
@@ -118,7 +118,7 @@ void EvaluateRotation(const T* const q[4], double u, T* q_out) {
   Eigen::Map<Quaternion>{q_out} = rotation;
 }
 
-// For functors that Ceres differentiates automatically: p(u) into p_out.
+// Evaluates p(u) into p_out, for functors that Ceres differentiates automatically.
 template <typename T>
 void EvaluatePosition(const T* const p[4], double u, T* p_out) {
   const std::array<double, 4> basis = SplineBasis(u);
