@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/association/surface_levels.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
@@ -20,17 +21,6 @@ constexpr double kCoarseMargin = 4.0;
 // A reach allows this much for the motion during a scan and for cells that reach beyond what
 // was seen.
 constexpr double kReachMargin = 1.0;  // m
-constexpr double kRounding = 1e-6;    // m, of the distances computed
-// The mean squared deviation of a landmark's segments, where two is expected, is at most this:
-// planes have 0.9 to 3.7, oblique false planes 4 to 18.
-constexpr double kMaxMeanDeviation = 4.0;
-// The sine of the angle at which a scan plane cuts a plane that its beams can hit. A scan
-// plane that runs along a wall, as an upright one in a doorway, holds other surfaces'
-// segments: all of them would lie on the wall.
-constexpr double kMinCuttingSine = 0.1;
-// The least sine for floors, ceilings and slopes: where two of them meet at a flat angle, a
-// trace that grazes both lies on either, and would tell the height to millimetres.
-constexpr double kMinCuttingSineOfSlopes = 0.2;
 
 // The centroid on the straight line between the ends, where they were measured.
 Eigen::Vector3d CentroidWorld(const Observation& observation,
@@ -89,7 +79,7 @@ bool MayBeTakenUp(const Landmark& landmark,
                   const LoopClosureOptions& options) {
   return IsWithinGap(landmark, scan_index, options) &&
          (scan_index - landmark.last_scan <= options.max_gap_scans ||
-          landmark.AgreesWithin(kMaxMeanDeviation));
+          landmark.AgreesWithin(kMaxMeanChi2 * kExpectedDeviation));
 }
 
 std::vector<LandmarkView> ViewsWithinGap(const std::deque<Landmark>& landmarks,
@@ -115,7 +105,7 @@ Reach::Reach(const Eigen::Vector3d& p_world,
 bool Reach::Takes(const PatchExtent& extent,
                   const Eigen::Vector3d& centre,
                   double radius_m) const {
-  const double sphere_m = reach_m_ + radius_m + kRounding;
+  const double sphere_m = reach_m_ + radius_m;
   return (p_world_ - centre).squaredNorm() <= sphere_m * sphere_m &&
          extent.IsWithinReach(p_world_, reach_m_);
 }

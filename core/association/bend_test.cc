@@ -6,25 +6,17 @@
 
 #include "core/association/association.h"
 #include "core/association/line_deviation.h"
+#include "core/association/surface_levels.h"
 
 namespace plumbline {
 namespace {
 
-// Least curvature of a cylinder, in its standard deviations.
-constexpr double kMinSigmas = 6.0;
 // The least bow of what was seen: more than unevenness, or two walls that nearly meet in line,
 // have.
 constexpr double kMinBow = 0.02;        // m
 constexpr double kMinFlatnesses = 4.0;  // in multiples of the unevenness
 // The ends of a stair's riser take up beams of the walls beside it, and bow by the noise.
-constexpr double kMinNoises = 1.5;    // in multiples of a range's noise
-constexpr double kMinRadius = 0.3;    // m
-constexpr double kMaxRadius = 200.0;  // m
-// Least width of a cylinder. Narrower walls stay planes, or points.
-constexpr double kMinWidth = 1.0;  // m
-// Chi-square of a fit, over its degrees of freedom: of a corner that was taken for one line it
-// is larger.
-constexpr double kMaxMeanChi2 = 2.0;
+constexpr double kMinNoises = 1.5;  // in multiples of a range's noise
 // Below this, 1/m, rounding decides (a segment of a few beams has no bow).
 constexpr double kLeastInformation = 1e-6;
 
@@ -95,14 +87,13 @@ double BendTest::Width() const {
 std::optional<Landmark> BendTest::Solve() const {
   const std::optional<CylinderEquations::Solution> solution = equations_.Solve();
   if (!solution) return std::nullopt;
-  constexpr int kAt = Cylinder::kCurvatureAt;
-  const double curvature = std::abs(solution->step[kAt]);
-  if (!(curvature > kMinSigmas * std::sqrt(solution->covariance(kAt, kAt)))) {
-    return std::nullopt;
-  }
+  const double step = solution->step[Cylinder::kCurvatureAt];
+  const double curvature = std::abs(step);
+  const double variance = solution->covariance(Cylinder::kCurvatureAt, Cylinder::kCurvatureAt);
+  if (!(curvature > kCurvatureSigmas * std::sqrt(variance))) return std::nullopt;
   if (solution->mean_chi2 > kMaxMeanChi2) return std::nullopt;
   const double width_m = Width();
-  if (width_m < kMinWidth) return std::nullopt;
+  if (width_m < kShowingWidth) return std::nullopt;
   const double bow_m = curvature * width_m * width_m / 8.0;
   if (bow_m < std::max({kMinBow, kMinFlatnesses * flatness_m_, kMinNoises * range_noise_m_})) {
     return std::nullopt;
@@ -110,7 +101,7 @@ std::optional<Landmark> BendTest::Solve() const {
   if (curvature * kMinRadius > 1.0 || curvature * kMaxRadius < 1.0) return std::nullopt;
   const double angle = reference_.parameters[0] + solution->step[0];
   Landmark cylinder = MakeCylinderLandmark(
-      {std::cos(angle), std::sin(angle), 0.0}, solution->step[kAt], reference_.chart.anchor);
+      {std::cos(angle), std::sin(angle), 0.0}, step, reference_.chart.anchor);
   cylinder.parameters[2] = solution->step[2];
   cylinder.covariance = solution->covariance;
   return cylinder;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/association/plane_kind.h"
+#include "core/association/surface_levels.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
@@ -15,14 +16,10 @@
 namespace plumbline {
 namespace {
 
-// Below this tilt of the scan plane a horizontal plane is met at so flat an angle that a
-// horizontal segment speaks for a wall.
-const double kMinTiltSine = std::sin(15.0 * M_PI / 180.0);
 // Traces are no steeper than what they lie on: these are on no ramp.
 const double kSteepSine = std::sin(30.0 * M_PI / 180.0);
 // A segment closer to the vertical than this does not show its wall's direction.
 const double kMinHorizontalPart = std::sin(5.0 * M_PI / 180.0);
-constexpr double kLargeFloor = 1.0;       // m, that shows whether it is level
 
 Eigen::Vector3d Lift(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
 
@@ -79,13 +76,15 @@ TypeEvidence JudgeType(const Observation& observation,
   const Eigen::Vector3d scan_normal = world_from_scanner * Eigen::Vector3d::UnitZ();
   const double tilt_sine = scan_normal.head<2>().norm();
   const double sigmas = std::sqrt(TwoDegreesQuantile(significance));
+  // A scan plane that is tilted by less than this grazes horizontal planes: a horizontal
+  // segment speaks for a wall.
+  const bool cuts_level = tilt_sine > kMinCuttingSineOfSlopes;
   TypeEvidence evidence;
   evidence.can_be_horizontal =
-      tilt_sine > kMinTiltSine &&
-      std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
+      cuts_level && std::abs(direction.z()) < sigmas * direction_sigma_rad * tilt_sine;
   evidence.can_be_vertical = direction.head<2>().norm() > kMinHorizontalPart;
-  evidence.is_wall = evidence.can_be_vertical &&
-                     (tilt_sine <= kMinTiltSine || std::abs(direction.z()) > kSteepSine);
+  evidence.is_wall =
+      evidence.can_be_vertical && (!cuts_level || std::abs(direction.z()) > kSteepSine);
   return evidence;
 }
 
@@ -225,7 +224,7 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
   // Single traces of a gentle ramp look level; small surfaces may be level.
   const Eigen::Vector2d size =
       plane.landmark.extent.max_corner() - plane.landmark.extent.min_corner();
-  if (min_scans <= 1 || size.maxCoeff() < kLargeFloor) return true;
+  if (min_scans <= 1 || size.maxCoeff() < kShowingWidth) return true;
   const PlaneThroughLines::Fit fit = plane.lines.Solve();
   if (fit.normal_covariance.trace() > kDecidedSigma * kDecidedSigma) return true;
   const std::optional<Landmark> shown = DecideKind(fit, plane.landmark.extent.axes().anchor);

@@ -10,8 +10,6 @@ namespace {
 
 // A wall, which is likelier than other planes, is decided once its normal is known to this.
 constexpr double kMaxWallSigma = 3.0 * kRadiansPerDegree;
-// While a floor's normal is not known to this, it looks more level than a ramp of 1.4 degrees.
-constexpr double kMaxLevelSigma = 0.3 * kRadiansPerDegree;
 // A plane is vertical or level if its normal differs from that by at most this number of
 // standard deviations plus an angle: the accuracy of walls and of mountings.
 constexpr double kSigmas = 3.5;
@@ -45,7 +43,9 @@ std::optional<Landmark> DecideKind(const PlaneThroughLines::Fit& fit,
   if (sigma > kDecidedSigma) return std::nullopt;
   const double from_level = 0.5 * M_PI - from_upright;
   if (from_level < kSigmas * sigma + kLevelTo) {
-    if (from_level > kSigmas * kMaxLevelSigma + kLevelTo) return std::nullopt;
+    // Known no better than floors are level, a normal looks more level than a ramp of 1.4
+    // degrees.
+    if (from_level > kSigmas * kLevelTo + kLevelTo) return std::nullopt;
     Landmark level = MakeHorizontalLandmark(normal.z() > 0.0 ? 1.0 : -1.0, fit.centre_world);
     level.covariance(0, 0) = fit.centre_variance;
     return level;

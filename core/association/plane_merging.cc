@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/association/association.h"
+#include "core/association/surface_levels.h"
 #include "core/map/patch_extent.h"
 #include "core/sensor/rig.h"
 #include "core/util/quantiles.h"
@@ -182,8 +183,7 @@ bool IsRedundant(const Landmark& weak,
                  const Landmark& strong,
                  double range_noise_m,
                  const AssociationOptions& options) {
-  constexpr double kMinOverlap = 0.5;   // of the weak one's cells
-  constexpr double kRangeSigmas = 5.0;  // within which single ranges do not tell planes apart
+  constexpr double kMinOverlap = 0.5;  // of the weak one's cells
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
   // So does a chord of an arc.
   const bool may_be_strip =
@@ -207,7 +207,8 @@ bool IsRedundant(const Landmark& weak,
     sum_squares += distance * distance;
     ++count;
   }
-  const double limit = kRangeSigmas * range_noise_m;
+  // Single ranges do not tell planes apart that are nearer than this.
+  const double limit = kOutlierSigmas * range_noise_m;
   return meet && sum_squares < count * limit * limit &&
          extent.OverlapWith(strong.extent) > kMinOverlap;
 }

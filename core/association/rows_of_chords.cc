@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/association/bend_test.h"
+#include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
@@ -16,16 +17,10 @@ namespace plumbline {
 namespace {
 
 constexpr double kMaxWidth = 5.0;    // m, of a chord that does not show its own bow
-constexpr int kMaxSegments = 40;     // of a chord, spread over all that were seen
-constexpr size_t kMinChords = 3;     // of a row
 constexpr double kMaxBetween = 0.3;  // m
 // From one chord to the next.
 constexpr double kMinTurn = 2.0 * kRadiansPerDegree;
 constexpr double kMaxTurn = 60.0 * kRadiansPerDegree;
-constexpr double kMinRadius = 0.15;   // m
-constexpr double kMaxRadius = 100.0;  // m
-constexpr double kMaxMeanChi2 = 2.0;
-constexpr double kMinSigmas = 6.0;  // of the curvature
 constexpr int kMaxIterations = 6;
 
 // A segment with the poses that it was seen from.
@@ -115,10 +110,10 @@ std::optional<Fit> FitCylinder(const std::vector<Seen>& seen,
 }
 
 bool IsGood(const Fit& fit) {
-  constexpr int kAt = Cylinder::kCurvatureAt;
   return fit.mean_chi2 < kMaxMeanChi2 &&
          std::abs(fit.cylinder.Curvature()) >
-             kMinSigmas * std::sqrt(fit.cylinder.covariance(kAt, kAt));
+             kCurvatureSigmas * std::sqrt(fit.cylinder.covariance(Cylinder::kCurvatureAt,
+                                                                  Cylinder::kCurvatureAt));
 }
 
 bool FollowEachOther(const Landmark& a, const Landmark& b) {
@@ -143,7 +138,8 @@ class RowFinder {
       const auto chord = chords_.find(observation.landmark_id);
       if (chord == chords_.end()) continue;
       const auto id = static_cast<size_t>(chord->first);
-      if (num_met[id]++ % (1 + state.landmarks[id].num_segments / kMaxSegments) != 0) continue;
+      if (num_met[id]++ % (1 + state.landmarks[id].num_segments / kFittedSegments) != 0)
+        continue;
       chord->second.push_back({&observation, poses.Of(observation)});
     }
   }
@@ -160,7 +156,7 @@ class RowFinder {
         for (const Seen& one : chords_.at(*next)) seen.push_back(one);
         chords_.erase(*next);
       }
-      if (row.size() < kMinChords || !fit || !IsGood(*fit)) continue;
+      if (static_cast<int>(row.size()) < kMinWitnesses || !fit || !IsGood(*fit)) continue;
       rows.push_back({row, fit->cylinder});
     }
     return rows;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/association/plane_kind.h"
+#include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
@@ -13,19 +14,12 @@
 namespace plumbline {
 namespace {
 
-// The sine of the angle at which scan planes cut a plane that their traces show: traces that
-// meet in a corner lie on a plane that one of them would only graze.
-constexpr double kMinCuttingSine = 0.25;
-// Chi-square of the fit, over its degrees of freedom: of several surfaces it is larger.
-constexpr double kMaxMeanChi2 = 2.0;
 // The motion after which two scanners have swept enough of a plane.
 constexpr double kSweepOfTwo = 0.1;  // m
 // Time after which an undecided plane begins anew.
 constexpr double kMaxUndecided = 20.0;  // s
 // Least extent of a general plane in both directions: smaller surfaces stay points.
 constexpr double kMinSide = 0.4;  // m
-// Traces of one scan that show a plane which is no wall.
-constexpr int kMinLinesAtStart = 3;
 // Least number of traces of a floor or ceiling.
 constexpr int kMinLines = 12;
 // Least number of traces of a general plane: a dozen traces on furniture or on
@@ -65,9 +59,10 @@ bool UndecidedPlanes::Takes(const Plane& plane,
   const auto height_of = [&](const Trace& other) {
     return fit.normal.dot(other.scanner_world - fit.centre_world);
   };
+  // Traces that meet in a corner lie on a plane that one of them would only graze.
   const auto cuts = [&](const Trace& other) {
     return fit.normal.cross(other.scan_normal_world).squaredNorm() >
-           kMinCuttingSine * kMinCuttingSine;
+           kMinCuttingSineOfSlopes * kMinCuttingSineOfSlopes;
   };
   const Trace& first = plane.traces.front();
   return height_of(first) * height_of(trace) > 0.0 && cuts(first) && cuts(trace);
@@ -128,7 +123,7 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
     const bool is_start = min_scans <= 1;
     const bool is_general = landmark->model == PlaneModel::kGeneral;
     const int min_lines = is_general ? kMinLinesOfGeneral : kMinLines;
-    if (seen.lines.num_lines() < (is_start ? kMinLinesAtStart : min_lines)) return false;
+    if (seen.lines.num_lines() < (is_start ? kMinWitnesses : min_lines)) return false;
     if (!is_start && seen.Motion() < (is_general ? kRevealingMotion : kSweepOfTwo))
       return false;
   }

@@ -6,6 +6,7 @@
 #include "core/check/levels.h"
 #include "core/check/words.h"
 #include "core/consistency/scanner_agreement.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 
@@ -148,11 +149,10 @@ class RangeJudge {
     const double usual_straight = UsualOf(topic_.seconds, StraightShare);
     std::vector<int64_t> silent, frozen, random;
     for (const SurveyedSecond& second : topic_.seconds) {
-      if (second.num_repeated > 1 &&
-          100 * second.num_repeated > kFrozenPercent * second.num_lines) {
+      if (second.num_repeated > 1 && 2 * second.num_repeated > second.num_lines) {
         frozen.push_back(second.second);
       }
-      if (ReturnShare(second) < kSilentShare * usual_returns) {
+      if (ReturnShare(second) < kHardlyAnyShare * usual_returns) {
         silent.push_back(second.second);
       } else if (StraightShare(second) < kSome * usual_straight) {
         random.push_back(second.second);

@@ -6,22 +6,20 @@
 #include <set>
 #include <utility>
 
+#include "core/check/levels.h"
 #include "core/geometry/angles.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kStep = 0.5;       // s, in which a scanner's attitude shows
 constexpr double kShortStep = 0.2;  // s, in which a turn is measured
 constexpr double kMinLength = 0.5;  // m, of a trace whose turn counts
 constexpr double kMaxTurn = 40.0 * kRadiansPerDegree;
-constexpr double kMinTurn = 8.0 * kRadiansPerDegree;  // in a step, of a rig that turns
 constexpr double kTogether = 0.7;  // of a level scanner's traces turn with the rig
 constexpr double kMinSeen = 3.0;   // m of traces
 constexpr double kStill = 1.0 * kRadiansPerDegree;   // of a trace that does not
 constexpr double kSpread = 1.5 * kRadiansPerDegree;  // of traces that turn together
-constexpr int kMinTurns = 3;
 // Hardly any trace of a level scanner stays; of a tilted one those of floor and ceiling do.
 constexpr double kTiltedShare = 0.15;
 constexpr double kLevelShare = 0.1;
@@ -34,11 +32,9 @@ constexpr double kAlikeInClutter = 0.4;
 constexpr int kManyTurns = 20;
 constexpr double kRarelyAlike = 0.25;
 // Heights.
-const double kMinTilt = std::sin(12.0 * kRadiansPerDegree);   // of a plane that sees heights
-const double kMaxSlope = std::sin(10.0 * kRadiansPerDegree);  // of a level trace
-constexpr double kMinHeight = 0.2;                            // m, above or below the body
-constexpr double kBin = 0.1;                                  // m
-constexpr double kMinShare = 0.1;                             // of the lines
+const double kMinTilt = std::sin(12.0 * kRadiansPerDegree);  // of a plane that sees heights
+constexpr double kMinHeight = 0.2;                           // m, above or below the body
+constexpr double kBin = 0.1;                                 // m
 
 struct TurnedTrace {
   double turn_rad = 0.0;
@@ -155,12 +151,12 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
       together;               // by scanner: steps in which most traces turn alike
   std::set<int64_t> turning;  // steps in which any scanner's do
   for (const std::vector<SampledLine>& lines : sample) {
-    turns.push_back(TurnsOf(lines, kStep));
+    turns.push_back(TurnsOf(lines, kMotionStep));
     together.emplace_back();
     for (const auto& [step, traces] : turns.back()) {
       const double turn = CommonTurn(traces);
       const double all = LengthWithin(traces, 0.0, 10.0);
-      if (std::abs(turn) < kMinTurn || all < kMinSeen) continue;
+      if (std::abs(turn) < kMinTurnRate * kMotionStep || all < kMinSeen) continue;
       if (LengthWithin(traces, turn, kSpread) > kTogether * all) together.back().insert(step);
     }
     turning.insert(together.back().begin(), together.back().end());
@@ -180,7 +176,7 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
       all += LengthWithin(found->second, 0.0, 10.0);
     }
     if (all > 0.0) own.still_share = still / all;
-    if (own.num_turns >= kMinTurns) {
+    if (own.num_turns >= kMinSteps) {
       own.alike_share = static_cast<double>(num_alike) / own.num_turns;
       if (own.still_share > kTiltedShare && own.alike_share < kRarelyAlike) {
         own.attitude = Attitude::kTilted;
@@ -214,7 +210,8 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
         return Eigen::Vector3d(body_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0));
       };
       const Eigen::Vector3d along = to_body(segment.end) - to_body(segment.start);
-      if (std::abs(along.z()) > kMaxSlope * along.norm() || along.norm() < 0.3) continue;
+      if (std::abs(along.z()) > std::sin(kParallelAngle) * along.norm() || along.norm() < 0.3)
+        continue;
       const double height = to_body(segment.At(0.5)).z();
       if (std::abs(height) < kMinHeight) continue;
       of_line[static_cast<int>(std::lround(height / kBin))] = height;
@@ -232,7 +229,7 @@ HeightView FindHeights(const std::vector<SampledLine>& lines,
         near.insert(near.end(), next->second.begin(), next->second.end());
       }
       const double share = std::min(1.0, static_cast<double>(near.size()) / num_lines);
-      if (share < kMinShare || share <= traces.share) continue;
+      if (share < kSome || share <= traces.share) continue;
       traces = {true, Median(std::move(near)), share};
     }
   }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/association/line_deviation.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
 #include "core/util/time.h"
@@ -14,19 +15,17 @@ namespace plumbline {
 namespace {
 
 constexpr double kTile = 1.5;      // m
-constexpr int kMinSegments = 30;   // on a tile
 constexpr int kMinTiles = 12;      // of a surface
 // The third largest of all tiles: right maps have up to 5 mm, those of gentle ramps from 6.4
 // on.
 constexpr double kMaxOff = 0.006;  // m
-constexpr int kMinOff = 3;         // tiles, of all surfaces
 
 struct Tile {
   double sum = 0.0;
   double weight = 0.0;
   int num_segments = 0;
 
-  bool counts() const { return num_segments >= kMinSegments; }
+  bool counts() const { return num_segments >= kMinAveraged; }
   double mean() const { return sum / weight; }
   bool is_off() const { return counts() && std::abs(mean()) > kMaxOff; }
 };
@@ -90,7 +89,7 @@ BentSurfaces FindBentSurfaces(const Rig& rig, const MapState& state, int64_t sta
     num_off += surface.num_off;
     if (surface.num_off > 0) ++num_bent;
   }
-  if (num_off < kMinOff || num_bent < 2) return found;
+  if (num_off < kMinAgreeing || num_bent < 2) return found;
   ForEachSegment(
       rig, state, [&](const Observation& observation, const TileId& id, const LineDeviation&) {
         if (!is_judged[static_cast<size_t>(id[0])] || !tiles[id].is_off()) return;

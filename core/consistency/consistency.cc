@@ -16,19 +16,16 @@
 #include "core/consistency/pose_jumps.h"
 #include "core/consistency/revisits.h"
 #include "core/consistency/sightings.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
 
-// A second is in doubt if this share of what it saw again, out of at least kMinComparable
-// places, contradicts other times; the map is contradictory from kContradictoryShare on.
-constexpr double kDoubtfulShare = 0.10;
+// A second is in doubt if more of what it saw again than an exception contradicts other times;
+// the map is contradictory from this share on.
 constexpr double kContradictoryShare = 0.25;
-constexpr double kMinComparable = 40.0;
-constexpr double kMinDoubled = 30.0;
 constexpr double kMaxStddev = 0.05;  // m, of a position that is known
-constexpr int kMaxGap = 3;           // s, between seconds of one interval
 
 // Points of a second's segments with and without a plane.
 SharesOverTime SegmentsWithoutPlane(const MapState& state, int64_t start_ns) {
@@ -169,7 +166,7 @@ class Judge {
                 "beams pass through what were surfaces at other times");
     JudgeShares(evidence_.doubled.shares,
                 evidence_.doubled.shares,
-                kMinDoubled,
+                kMinComparable,
                 kSlipped,
                 "surfaces are doubled: seen here and, at other times, beside it");
     JudgeRevisits();
@@ -281,7 +278,7 @@ class Judge {
       const bool is_marked =
           counts &&
           (smooth.value() > kContradictoryShare ||
-           (several.comparable >= min_comparable && several.value() > kDoubtfulShare));
+           (several.comparable >= min_comparable && several.value() > kExceptionShare));
       marked.push_back(is_marked);
       if (is_marked) largest = std::max(largest, smooth.value());
     }
@@ -341,9 +338,8 @@ class Judge {
   }
 
   void AddWarnings(double variance_factor) {
-    constexpr double kNoiseTooLarge = 0.35;  // about the square of 1 / 1.7
     char text[240];
-    if (variance_factor < kNoiseTooLarge) {
+    if (kDoubtfulVarianceFactor * variance_factor < 1.0) {
       std::snprintf(
           text,
           sizeof(text),

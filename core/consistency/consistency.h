@@ -20,6 +20,10 @@ struct ConsistencyReport {
   std::vector<std::string> warnings;
 };
 
+// Variance factor beyond which stated standard deviations are too small, and below whose
+// inverse they are too large: the square of 1.7.
+inline constexpr double kDoubtfulVarianceFactor = 3.0;
+
 // A finished map, as the batch leaves it.
 struct FinishedMap {
   bool planar = false;

@@ -7,8 +7,11 @@
 #include <cstdio>
 #include <optional>
 
+#include "core/association/surface_levels.h"
 #include "core/consistency/sightings.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/geometry/matrix_types.h"
+#include "core/geometry/unknown_pose.h"
 #include "core/map/landmark_view.h"
 
 namespace plumbline {
@@ -17,20 +20,13 @@ namespace {
 // A second that determines a direction worse than this leaves it to the motion prior and to
 // what is before and after it: far above what a scan of walls all around gives.
 constexpr double kDegenerate = 0.02;  // m
-// Standard deviations before the second's measurements: no direction is worse known.
-constexpr double kPriorPosition = 10.0;  // m
-constexpr double kPriorRotation = 1.0;   // rad
-constexpr double kSteep = 0.7;           // |z| of a direction that counts as vertical
-// Directions that differ by less are one.
-const double kSameDirection = std::cos(20.0 * M_PI / 180.0);
-constexpr double kMaxGap = 2.0;  // s, between parts of an interval
+constexpr double kSteep = 0.7;        // |z| of a direction that counts as vertical
 
 // The length of the plane's normal in the scan plane. Along a plane that hardly cuts the scan
 // plane the segment's own line says little.
 double Cut(const ScanPlacement& placement, const LandmarkView& plane) {
-  constexpr double kMinCut = 0.1;
   const Eigen::Vector2d in_plane = placement.leftCols<2>().transpose() * plane.normal;
-  return std::max(in_plane.norm(), kMinCut);
+  return std::max(in_plane.norm(), kMinCuttingSine);
 }
 
 // Adds the information of a segment on its plane on the body's pose: rotation (world frame,
@@ -97,9 +93,8 @@ std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
   std::vector<PositionStrength> strengths;
   for (const auto& [first, last] : ObservationsBySecond(start_ns, state)) {
     Matrix6d information = Matrix6d::Zero();
-    information.diagonal() << Eigen::Vector3d::Constant(1.0 /
-                                                        (kPriorRotation * kPriorRotation)),
-        Eigen::Vector3d::Constant(1.0 / (kPriorPosition * kPriorPosition));
+    information.diagonal() << Eigen::Vector3d::Constant(1.0 / (kUnknownTurn * kUnknownTurn)),
+        Eigen::Vector3d::Constant(1.0 / (kUnknownPosition * kUnknownPosition));
     int num_segments = 0;
     for (size_t i = first; i < last; ++i) {
       const Observation& observation = state.observations[i];
@@ -112,8 +107,11 @@ std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
     }
     if (planar) {
       // Height, roll and pitch are held.
-      constexpr double kHeld = 1e12;
-      for (const Eigen::Index held : {0, 1, 5}) information(held, held) += kHeld;
+      for (const Eigen::Index held : {0, 1, 5}) {
+        information.row(held).setZero();
+        information.col(held).setZero();
+        information(held, held) = 1.0;
+      }
     }
     strengths.push_back(WeakestOf(information, planar));
     strengths.back().num_segments = num_segments;

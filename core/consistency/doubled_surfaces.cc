@@ -4,12 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "core/consistency/verdict_levels.h"
+
 namespace plumbline {
 namespace {
 
 constexpr double kMinSeparation = 0.015;  // m, above what flat walls and noise make
 constexpr double kMaxSeparation = 1.0;    // m, farther apart no slip's planes would be missed
-const double kMinCosine = std::cos(8.0 * M_PI / 180.0);  // of the angle between the normals
 // Least number of cells that a pair covers: half a square metre. A moved chair has fewer.
 constexpr int kMinCells = 8;
 // Least number of seconds in which each surface of a pair was seen.
@@ -77,7 +78,8 @@ class DoubleFinder {
   };
 
   void Compare(const Landmark& a, const Landmark& b) {
-    if (a.NormalNear(b.extent.Centre()).dot(b.NormalNear(b.extent.Centre())) < kMinCosine) {
+    if (a.NormalNear(b.extent.Centre()).dot(b.NormalNear(b.extent.Centre())) <
+        kSameDirection) {
       return;
     }
     if (std::abs(a.SignedDistance(b.extent.Centre())) > 3.0 * kMaxSeparation) return;
@@ -99,11 +101,11 @@ class DoubleFinder {
     const int together =
         std::min(NumTogether(seconds_a, seconds_b), NumTogether(seconds_b, seconds_a));
     if (together > kMaxTogether * static_cast<double>(fewer)) return;
-    constexpr double kCellArea = PatchExtent::kCellSize * PatchExtent::kCellSize;
     found_.pairs.push_back({a.id,
                             b.id,
                             overlap.separation_m,
-                            kCellArea * static_cast<double>(overlap.cells.size())});
+                            PatchExtent::kCellSize * PatchExtent::kCellSize *
+                                static_cast<double>(overlap.cells.size())});
     const auto num_a = static_cast<double>(seconds_a.size());
     const auto num_b = static_cast<double>(seconds_b.size());
     Note(a.id, cells_a, num_b / (num_a + num_b));

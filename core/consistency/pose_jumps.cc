@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/consistency/degeneracy.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/map/landmark_view.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
@@ -21,16 +22,12 @@ constexpr double kUsualShare = 0.9;
 // within an eighth of a second are 6 m/s^2, what a person carrying a rig reaches at a jolt.
 constexpr double kTimesUsual = 3.0;
 constexpr Kinds kMinJump = {6.0, 6.0, 20.0, 6.0};
-// A rig that hardly ever rises or tilts jumps with less.
-constexpr double kFarTimesUsual = 6.0;
+// A rig that hardly ever rises or tilts jumps with less, twice as far beyond the usual.
 constexpr Kinds kMinFarJump = {6.0, 1.0, 20.0, 1.0};
 // At the ends of what is mapped the scans of one side alone determine the spline.
 constexpr int64_t kNumEndKnots = 2;
-// Multiple of the usual acceleration where also this share of at least kMinPlaces places is
-// contradicted.
+// Multiple of the usual acceleration where also places are contradicted.
 constexpr double kTimesUsualWithPassages = 2.0;
-constexpr double kPassages = 0.05;
-constexpr double kMinPlaces = 40.0;
 
 // Walls are wider than this, floors and ceilings both ways. Treads and whoever walks are not.
 constexpr double kMaxNarrow = 1.0;  // m
@@ -76,10 +73,6 @@ bool Exceeds(const SecondOfMotion& second,
   return false;
 }
 
-// Least time over which accelerations are averaged: those of a slip last as long, those of
-// noise average out.
-constexpr double kMinSpan = 0.125;  // s
-
 // The mean angular and linear accelerations before a knot, rad/s^2 and m/s^2, world frame.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> AccelerationsAt(const Trajectory& trajectory,
                                                             int64_t knot_ns) {
@@ -87,7 +80,7 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> AccelerationsAt(const Trajectory& tr
   Eigen::Vector3d linear_before;
   Eigen::Vector3d angular;
   Eigen::Vector3d linear;
-  const double span_s = std::max(kMinSpan, trajectory.knot_interval_s());
+  const double span_s = std::max(kSlipTime, trajectory.knot_interval_s());
   const int64_t before_ns =
       std::max(trajectory.start_ns(), knot_ns - NanosecondsFromSeconds(span_s));
   trajectory.Velocity(before_ns, &angular_before, &linear_before);
@@ -183,7 +176,7 @@ SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns) {
   SharesOverTime shares;
   for (const Observation& observation : state.observations) {
     const double since_s = SecondsBetween(start_ns, observation.middle_time_ns());
-    const auto at = static_cast<size_t>(std::max(0.0, since_s) / kSupportStep);
+    const auto at = static_cast<size_t>(std::max(0.0, since_s) / kSlipTime);
     if (at >= shares.size()) shares.resize(at + 1);
     shares[at].comparable += observation.num_points;
     if (observation.landmark_id < 0) shares[at].contradicted += observation.num_points;
@@ -197,7 +190,7 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
   std::vector<bool> is_glitch(motion.size(), false);
   const auto size = static_cast<int>(support.size());
   for (int i = 0; i < size; ++i) {
-    const auto second = static_cast<size_t>(i * kSupportStep);
+    const auto second = static_cast<size_t>(i * kSlipTime);
     if (second >= motion.size() || support[static_cast<size_t>(i)].comparable < kMinPoints) {
       continue;
     }
@@ -219,11 +212,11 @@ std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
   const Kinds usual = Usual(motion);
   std::vector<bool> is_jump;
   for (size_t s = 0; s < motion.size(); ++s) {
-    const bool passes = s < passages.size() && passages[s].comparable >= kMinPlaces &&
-                        passages[s].value() > kPassages;
+    const bool passes = s < passages.size() && passages[s].comparable >= kMinComparable &&
+                        passages[s].value() > kHardlyAnyShare;
     const double times_usual = passes ? kTimesUsualWithPassages : kTimesUsual;
     is_jump.push_back(Exceeds(motion[s], usual, times_usual, kMinJump) ||
-                      Exceeds(motion[s], usual, kFarTimesUsual, kMinFarJump));
+                      Exceeds(motion[s], usual, 2.0 * kTimesUsual, kMinFarJump));
   }
   return is_jump;
 }

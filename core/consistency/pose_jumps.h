@@ -24,8 +24,7 @@ struct SecondOfMotion {
 // mapped, and just before and after, there are no accelerations.
 std::vector<SecondOfMotion> MotionOverTime(const MapState& state, int64_t start_ns);
 
-// Points of segments without a plane, of all points of segments, by intervals of kSupportStep.
-inline constexpr double kSupportStep = 0.125;  // s
+// Points of segments without a plane, of all points of segments, by intervals of kSlipTime.
 SharesOverTime SupportOverTime(const MapState& state, int64_t start_ns);
 
 // Seconds in which, for an instant, far fewer segments than just before and after have a plane

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/consistency/verdict_levels.h"
 #include "core/geometry/plan_grid.h"
 #include "core/map/landmark_view.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kVisitGap = 10;          // s between two visits of a place
 constexpr double kReach = 0.6;         // m, of a slip that is looked for
-constexpr double kOnPlane = 0.03;      // m, as near as walls that are flat lie
 constexpr double kRobustScale = 0.05;  // m, of Cauchy's loss
 const double kMaxSlope = std::sin(4.0 * M_PI / 180.0);  // between segment and plane
 constexpr double kMinLength = 0.3;  // m, of a segment that tells a wall from clutter
@@ -24,11 +24,7 @@ constexpr int kIterations = 8;
 // Standard deviations of the prior about no motion: weak, it holds what is open.
 constexpr double kPriorShift = 0.5;  // m
 constexpr double kPriorTurn = 0.05;  // rad
-constexpr int kMinSegments = 20;
-constexpr int kMinTaken = 3;  // segments that a plane is demanded by
-// Shift and turn of a place between two visits beyond which the map has slipped: in a right
-// map it is a few millimetres.
-constexpr double kMaxShift = 0.04;               // m
+// Turn of a place between two visits beyond which the map has slipped.
 constexpr double kMaxTurn = 0.7 * M_PI / 180.0;  // rad
 
 // A segment's middle and the earlier plane it is compared with.
@@ -63,7 +59,7 @@ Eigen::Vector4d RowOf(const Pair& pair) {
 RevisitOffset Fit(const std::vector<Pair>& pairs) {
   RevisitOffset offset;
   offset.num_segments = static_cast<int>(pairs.size());
-  if (offset.num_segments < kMinSegments) return offset;
+  if (offset.num_segments < kMinAveraged) return offset;
   Eigen::Vector4d motion = Eigen::Vector4d::Zero();  // shift, turn
   Eigen::Vector4d prior;
   prior << Eigen::Vector3d::Constant(1.0 / (kPriorShift * kPriorShift)),
@@ -86,15 +82,15 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
   std::map<int, int> num_taken;  // segments taken onto a plane, by its id
   for (const Pair& pair : pairs) {
     const double moved = pair.distance_m + RowOf(pair).dot(motion);
-    num_near += std::abs(pair.distance_m) < kOnPlane ? 1 : 0;
-    num_moved += std::abs(moved) < kOnPlane ? 1 : 0;
-    if (std::abs(pair.distance_m) >= kOnPlane && std::abs(moved) < kOnPlane) {
+    num_near += std::abs(pair.distance_m) < kSameSurface ? 1 : 0;
+    num_moved += std::abs(moved) < kSameSurface ? 1 : 0;
+    if (std::abs(pair.distance_m) >= kSameSurface && std::abs(moved) < kSameSurface) {
       ++num_taken[pair.landmark_id];
     }
   }
   offset.num_surfaces = static_cast<int>(
       std::count_if(num_taken.begin(), num_taken.end(), [](const auto& taken) {
-        return taken.second >= kMinTaken;
+        return taken.second >= kMinAgreeing;
       }));
   offset.translation_m = motion.head<3>().norm();
   offset.rotation_rad = std::abs(motion(3));
@@ -167,10 +163,9 @@ class VisitComparer {
 }  // namespace
 
 bool RevisitOffset::is_shift() const {
-  constexpr double kMinGain = 0.1;
   constexpr double kMaxNear = 0.75;  // in a right map it is 0.85 or more
-  const bool is_large = translation_m > kMaxShift || rotation_rad > kMaxTurn;
-  return is_large && near_share < kMaxNear && moved_share > near_share + kMinGain &&
+  const bool is_large = translation_m > kSameSurface || rotation_rad > kMaxTurn;
+  return is_large && near_share < kMaxNear && moved_share > near_share + kExceptionShare &&
          (num_surfaces > 1 || rotation_rad < kMaxTurn);
 }
 

@@ -9,25 +9,20 @@
 #include <utility>
 
 #include "core/consistency/sightings.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
 
-// Planes of which the other scanners together have fewer of the points than this are seen by
-// one scanner alone.
-constexpr double kAloneShare = 0.1;
 // Deviation of real walls from planes, and of two scanners that see different parts.
 constexpr double kFlatness = 0.004;  // m
-// A second without a twentieth of the scanner's usual points is silent.
 // Share of its points on planes, relative to the other scanners, below which a scanner shows
 // something else than the building.
 constexpr double kMinUsedRatio = 0.3;
-// Difference between two scanners' views of a plane, in multiples of the noise and in metres,
-// beyond which a pose or clock of the rig file is wrong.
+// Difference between two scanners' views of a plane, in multiples of the noise, beyond which a
+// pose or clock of the rig file is wrong.
 constexpr double kMaxDifferenceRatio = 4.0;
-constexpr double kMaxDifference = 0.03;  // m
-constexpr int kMinDifferences = 20;
 // Most of a scanner's points on planes that no other scanner sees, where the others see their
 // planes together: it builds a map of its own.
 constexpr double kMaxAloneShare = 0.6;
@@ -106,7 +101,9 @@ void AddAloneShares(const Rig& rig,
                             static_cast<double>(of_scanners[i]);
       const auto others = static_cast<double>(sum - of_scanners[i]);
       all[i] += weight;
-      if (others < kAloneShare * static_cast<double>(sum)) alone[i] += weight;
+      // Planes of which the other scanners together have next to no points are seen by this
+      // one alone.
+      if (others < kExceptionShare * static_cast<double>(sum)) alone[i] += weight;
     }
   }
   for (size_t i = 0; i < agreements->size(); ++i) {
@@ -179,9 +176,8 @@ class FaultFinder {
     std::vector<bool> frozen(first, false);
     for (size_t s = first; s < last; ++s) {
       const ScannerActivity::Second second = CountsAt(seconds, s);
-      silent.push_back(static_cast<double>(second.num_points) < kSilentShare * usual);
-      frozen.push_back(second.num_repeated > 1 &&
-                       100 * second.num_repeated > kFrozenPercent * second.num_lines);
+      silent.push_back(static_cast<double>(second.num_points) < kHardlyAnyShare * usual);
+      frozen.push_back(second.num_repeated > 1 && 2 * second.num_repeated > second.num_lines);
     }
     const auto first_second = static_cast<size_t>(activity_.first_second());
     const std::string when_silent = RunsInWords(silent, kMinSilent, first_second);
@@ -214,9 +210,9 @@ class FaultFinder {
                  " of its points lie on planes, " + Percent(others_used) +
                  " of another's: it may be turned, mirrored or mistaken for another, or it "
                  "returns noise");
-    } else if (agreement.num_differences >= kMinDifferences &&
+    } else if (agreement.num_differences >= kMinAveraged &&
                agreement.difference_ratio > kMaxDifferenceRatio &&
-               agreement.difference_m > kMaxDifference) {
+               agreement.difference_m > kSameSurface) {
       std::snprintf(text,
                     sizeof(text),
                     "contradicts the others: it sees the same planes %.0f mm away from where "

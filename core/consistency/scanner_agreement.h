@@ -43,12 +43,10 @@ class ScannerActivity {
   std::vector<uint64_t> last_fingerprints_;
 };
 
-// A second with less than this share of what the scanner usually has is silent, and so is the
-// scanner after this number of them in a row. It is frozen in a second in which more than this
-// percentage of its lines repeat the one before.
-inline constexpr double kSilentShare = 0.05;
+// A second with next to nothing (kHardlyAnyShare) of what the scanner usually has is silent,
+// and so is the scanner after this number of them in a row. It is frozen in a second in which
+// most of its lines repeat the one before.
 inline constexpr int kMinSilent = 2;  // s
-inline constexpr int kFrozenPercent = 50;
 
 // A number that differs for lines of different ranges; 0 for one with hardly any.
 uint64_t FingerprintOf(const std::vector<float>& ranges);

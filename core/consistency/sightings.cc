@@ -10,6 +10,7 @@
 
 #include "core/geometry/plan_grid.h"
 #include "core/map/landmark_view.h"
+#include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -18,9 +19,6 @@ namespace {
 // A segment's end is known far better than one range, but real surfaces are not flat, and
 // frames and skirting boards stand off their wall by some centimetres.
 constexpr double kMinMargin = 0.06;  // m
-// A beam passes a plane if it begins and ends this far from it, in standard deviations of a
-// range: a segment's line averages over several beams.
-constexpr double kMarginSigmas = 3.0;
 // A segment's point lies on its plane within this; farther off it is another's.
 constexpr double kOnPlane = 0.1;  // m
 // Number of points of a segment for each beam that is followed; at most kMaxBeams.
@@ -66,7 +64,7 @@ class SecondCaster {
                PlanGrid* grid)
       : state_(state),
         planes_(planes),
-        margin_m_(std::max(kMinMargin, kMarginSigmas * MaxRangeNoise(rig))),
+        margin_m_(std::max(kMinMargin, kSignificantStddevs * MaxRangeNoise(rig))),
         grid_(grid),
         poses_(rig, state.trajectory) {}
 

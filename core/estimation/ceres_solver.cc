@@ -152,10 +152,9 @@ Equations CeresSolver<Equations>::Solve(EstimationProblem* problem) const {
     // directions, the shape of a long loop above all. Where a whole step is too long, half of
     // it, as damping by the normal matrix' diagonal gives, and less where that fails.
     constexpr double kNoDamping = 1e12;
-    constexpr int kMaxShortened = 4;
     LastStep last_step(options_, *problem, shortened);
     options.initial_trust_region_radius = shortened ? 1.0 : kNoDamping;
-    options.max_num_iterations = shortened ? kMaxShortened : options_.max_iterations;
+    options.max_num_iterations = shortened ? kMaxShortenings : options_.max_iterations;
     if (segments_ == CeresProblem::Segments::kInGroups) options.callbacks = {&last_step};
     ++num_solves;
     ceres::Solve(options, ceres_problem.get(), &summary);

@@ -11,14 +11,10 @@
 #include <numeric>
 
 #include "core/estimation/error_patterns.h"
+#include "core/util/quantiles.h"
 
 namespace plumbline {
 namespace {
-
-constexpr int kNumProbes = ErrorPatterns::kNumProbes;
-constexpr int kNumTraceProbes = ErrorPatterns::kNumTraceProbes;
-// Number of standard deviations beyond the noise from which unevenness is believed.
-constexpr double kSignificance = 3.0;
 
 // Kinds of a scanner's errors.
 enum Kind { kRange, kRotation, kTranslation, kNumKinds };
@@ -50,15 +46,17 @@ Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns,
 // The variance of the cells' deviation by the method of moments: with the scores q = F^T r and
 // A = F^T Q F, E q q^T = A + variance A^2. The traces are estimated from the probes' products.
 double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& products) {
-  const auto probes = products.bottomRightCorner(kNumTraceProbes, kNumTraceProbes);
-  const double trace = probes.trace() / kNumTraceProbes;
-  const double trace_of_square = (probes.squaredNorm() - probes.diagonal().squaredNorm()) /
-                                 (kNumTraceProbes * (kNumTraceProbes - 1));
+  const auto probes = products.bottomRightCorner(ErrorPatterns::kNumTraceProbes,
+                                                 ErrorPatterns::kNumTraceProbes);
+  const double trace = probes.trace() / ErrorPatterns::kNumTraceProbes;
+  const double trace_of_square =
+      (probes.squaredNorm() - probes.diagonal().squaredNorm()) /
+      (ErrorPatterns::kNumTraceProbes * (ErrorPatterns::kNumTraceProbes - 1));
   const double sum = std::inner_product(scores.begin(), scores.end(), scores.begin(), 0.0);
   VLOG(1) << scores.size() << " cells: sum of squares " << sum << ", by noise " << trace
           << " +- " << std::sqrt(2.0 * trace_of_square);
   const double excess = sum - trace;
-  if (!(excess > kSignificance * std::sqrt(2.0 * trace_of_square))) return 0.0;
+  if (!(excess > kSignificantStddevs * std::sqrt(2.0 * trace_of_square))) return 0.0;
   return excess / trace_of_square;
 }
 
@@ -147,7 +145,7 @@ bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky
   const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
   const auto freedom = static_cast<double>(scores.size());
   VLOG(1) << "scanners: sum of squares " << sum << " of " << freedom;
-  return freedom > 0.0 && sum > freedom + kSignificance * std::sqrt(2.0 * freedom);
+  return freedom > 0.0 && sum > freedom + kSignificantStddevs * std::sqrt(2.0 * freedom);
 }
 
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
@@ -158,13 +156,15 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   Eigen::MatrixXd shifts = factor.Solve(patterns->TakeLoads());
   const Eigen::MatrixXd products = AdaptedProducts(*patterns, loads, shifts);
   const KnownErrors known = FindKnownErrors(*patterns, products);
-  const Eigen::MatrixXd crossed = products.topRightCorner(num_scanner, kNumTraceProbes);
+  const Eigen::MatrixXd crossed =
+      products.topRightCorner(num_scanner, ErrorPatterns::kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
     if (num_scanner == 0) return ScannerErrors();  // the estimate has them
-    return EstimateScannerErrors(known,
-                                 products.topLeftCorner(num_scanner, num_scanner) +
-                                     cells / kNumTraceProbes * crossed * crossed.transpose(),
-                                 patterns->scanner_scores());
+    return EstimateScannerErrors(
+        known,
+        products.topLeftCorner(num_scanner, num_scanner) +
+            cells / ErrorPatterns::kNumTraceProbes * crossed * crossed.transpose(),
+        patterns->scanner_scores());
   };
   // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
   // as the two can be told apart.
@@ -183,7 +183,7 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   errors.rotation_rad = std::sqrt(scanners.variances[kRotation]);
   errors.translation_m = std::sqrt(scanners.variances[kTranslation]);
   shifts.leftCols(num_scanner) *= scanners.root;
-  shifts.rightCols(kNumProbes) *= std::sqrt(cells / kNumProbes);
+  shifts.rightCols(ErrorPatterns::kNumProbes) *= std::sqrt(cells / ErrorPatterns::kNumProbes);
   errors.shift = std::move(shifts);
   const Eigen::MatrixXd effects = patterns->TakeCellEffectsOnLandmarks();
   const auto by_scanners = errors.shift.leftCols(num_scanner).bottomRows(effects.rows());

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/estimation/segment_groups.h"
+#include "core/geometry/cell_key.h"
 #include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
 #include "core/map/landmark_view.h"
@@ -231,11 +232,8 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
 }
 
 int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
-  constexpr uint64_t kMask = (1u << 22) - 1;
-  const uint64_t key = static_cast<uint64_t>(landmark.id) << 44 |
-                       (static_cast<uint64_t>(u) & kMask) << 22 |
-                       (static_cast<uint64_t>(v) & kMask);
-  const auto [found, is_new] = cells_.try_emplace(key, static_cast<int>(cells_.size()));
+  const auto [found, is_new] =
+      cells_.try_emplace(CellKey({landmark.id, u, v}), static_cast<int>(cells_.size()));
   if (is_new) {
     uint64_t state = NextRandom(static_cast<uint64_t>(found->second) * 0x9e3779b97f4a7c15u);
     signs_.emplace_back();

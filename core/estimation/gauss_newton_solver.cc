@@ -70,13 +70,12 @@ double MoveDown(const BlockLayout& layout,
                 EstimationProblem* problem,
                 Equations* now) {
   using Shape = typename ShapeOf<Equations>::Type;
-  constexpr int kMaxHalvings = 4;
   constexpr double kRounding = 1e-12;  // of a cost
   const std::vector<int> free = layout.FreeColumns();
   const double cost = now->cost;
   const Unknowns::Values values = problem->unknowns().ValuesOf(layout);
   double share = 1.0;
-  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings) {
+  for (int halvings = 0; halvings <= kMaxShortenings; ++halvings) {
     problem->unknowns().Move(layout, step(free));
     *now = Shape::Linearise(*problem, layout);
     if (now->cost <= (1.0 + kRounding) * cost) return share;

@@ -20,11 +20,10 @@ constexpr int kNumWeakDirections = 3;
 std::vector<WeakDirection> FindWeakDirections(const ArrowheadCholesky& factor,
                                               const Eigen::VectorXd& diagonal,
                                               const BlockLayout& layout) {
-  constexpr int kSubspace = kNumWeakDirections + 3;
   constexpr int kIterations = 8;
   const Eigen::Index size = diagonal.size();
   const Eigen::VectorXd root = diagonal.cwiseSqrt();
-  const Eigen::Index dimension = std::min<Eigen::Index>(kSubspace, size);
+  const Eigen::Index dimension = std::min<Eigen::Index>(2 * kNumWeakDirections, size);
   // A start that no structure of the problem is orthogonal to; always the same.
   Eigen::MatrixXd basis(size, dimension);
   uint64_t state = 1;

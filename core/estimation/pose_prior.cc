@@ -6,12 +6,6 @@
 #include "core/util/error.h"
 
 namespace plumbline {
-namespace {
-
-constexpr int kPoseSize = 6;  // rows of a control point in a PoseGaussian
-
-}  // namespace
-
 std::vector<int> RowsInPoses(const NormalEquations& equations, int first) {
   std::vector<int> rows;
   for (size_t i = 0; i < equations.blocks.size(); ++i) {

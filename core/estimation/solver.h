@@ -17,6 +17,9 @@ struct SolverOptions {
   double cost_tolerance = 0.0;
 };
 
+// How often a step is shortened that would raise the cost.
+inline constexpr int kMaxShortenings = 4;
+
 // Moves the unknowns of an estimation problem to the least cost, and gives the normal
 // equations there, from which covariances and the marginal prior come: dense ones
 // (NormalEquations) for a window, block arrowhead ones (ArrowheadEquations) for a whole

@@ -242,7 +242,6 @@ void LabelCells(const FreeGrid& free,
                 StoreyRegions* regions) {
   constexpr double kFreePerM2 = 4.0;
   constexpr double kUnseenPerM2 = 0.1;
-  constexpr double kSquareM2 = FreeGrid::kCellM * FreeGrid::kCellM;
   constexpr double kNever = 1e6;
   const PlanSubdivision& plan = regions->plan;
   WallEvidence evidence = EvidenceOfWalls(*regions);
@@ -253,10 +252,11 @@ void LabelCells(const FreeGrid& free,
   for (size_t i = 0; i < cells.size(); ++i) {
     if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
   }
+  const double square_m2 = FreeGrid::kCellM * FreeGrid::kCellM;
   squares.ForEachRun([&](size_t cell, int row, int from, int to) {
     const int num_free = free.CountFree(row, from, to);
-    cells[cell].solid += kFreePerM2 * kSquareM2 * num_free;
-    cells[cell].free += kUnseenPerM2 * kSquareM2 * (to - from - num_free);
+    cells[cell].solid += kFreePerM2 * square_m2 * num_free;
+    cells[cell].free += kUnseenPerM2 * square_m2 * (to - from - num_free);
   });
   regions->is_free = LabelRegions(cells, evidence.borders);
 }

@@ -2,14 +2,16 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "core/geometry/cell_key.h"
 
 namespace plumbline {
 namespace {
 
-// With fewer points, of fewer scans, a distribution says too little.
+// With fewer points, or those of one scan, a distribution says too little.
 constexpr int kMinPoints = 5;
-constexpr int kMinScans = 2;
 // Number of points after which a cell takes in no more.
 constexpr int kEnoughPoints = 60;
 // The directions are found anew when a cell has grown by this share.
@@ -25,11 +27,6 @@ constexpr double kMinSpread = 0.15;
 constexpr double kMinPerScanOfPost = 2.5;
 // A scan plane is level where its normal's vertical part is at least this.
 constexpr double kLevel = 0.96;
-
-// Cells are counted from -2^20 to 2^20 along each axis: 26 km with the smallest cells.
-constexpr int kBits = 21;
-constexpr int64_t kOffset = int64_t{1} << (kBits - 1);
-constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
 
 }  // namespace
 
@@ -91,19 +88,17 @@ LocalMap::LocalMap(double cell_m, bool planar, int min_age_scans)
     : cell_m_(cell_m), planar_(planar), min_age_scans_(min_age_scans) {}
 
 LocalMap::Key LocalMap::KeyOf(const Eigen::Vector3d& p_world) const {
-  Key key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cell = static_cast<int64_t>(std::floor(p_world[axis] / cell_m_));
-    key = (key << kBits) | (static_cast<uint64_t>(cell + kOffset) & kMask);
-  }
-  return key;
+  const auto index = [&](int axis) {
+    return static_cast<int64_t>(std::floor(p_world[axis] / cell_m_));
+  };
+  return CellKey({index(0), index(1), index(2)});
 }
 
 Eigen::Vector3d LocalMap::CentreOf(Key key) const {
+  const std::array<int64_t, 3> cell = CellOfKey(key);
   Eigen::Vector3d centre;
-  for (int axis = 2; axis >= 0; --axis, key >>= kBits) {
-    const auto cell = static_cast<int64_t>(key & kMask) - kOffset;
-    centre[axis] = (static_cast<double>(cell) + 0.5) * cell_m_;
+  for (int axis = 0; axis < 3; ++axis) {
+    centre[axis] = (static_cast<double>(cell[static_cast<size_t>(axis)]) + 0.5) * cell_m_;
   }
   return centre;
 }
@@ -134,7 +129,7 @@ void LocalMap::Add(const Eigen::Vector3d& p_world,
     return;
   }
   cell.Add(p_world, from_world, scan_normal.z(), scan_index);
-  if (cell.num_points_ < kMinPoints || scan_index < cell.first_scan_ + kMinScans - 1) return;
+  if (cell.num_points_ < kMinPoints || scan_index <= cell.first_scan_) return;
   if (cell.num_points_ < kGrowth * cell.num_determined_ && cell.num_points_ < kEnoughPoints) {
     return;
   }

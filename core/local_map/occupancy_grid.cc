@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/cell_key.h"
+
 namespace plumbline {
 namespace {
 
-// Blocks are counted from -2^20 to 2^20 along each axis.
-constexpr int kBits = 21;
-constexpr int64_t kOffset = int64_t{1} << (kBits - 1);
-constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
 // Counts are halved when one reaches this: what is seen now weighs more than what was.
 constexpr uint16_t kMaxCount = 4096;
 // A cell is empty if at least kMinPasses beams have passed, and fewer than one for
@@ -26,12 +24,7 @@ OccupancyGrid::Index OccupancyGrid::IndexOf(const Eigen::Vector3d& p_world) cons
 }
 
 uint64_t OccupancyGrid::KeyOf(const Index& cell) {
-  uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int64_t block = cell[axis] >> kBlockBits;
-    key = (key << kBits) | (static_cast<uint64_t>(block + kOffset) & kMask);
-  }
-  return key;
+  return CellKey({cell[0] >> kBlockBits, cell[1] >> kBlockBits, cell[2] >> kBlockBits});
 }
 
 size_t OccupancyGrid::InBlock(const Index& cell) {

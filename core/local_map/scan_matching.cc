@@ -8,16 +8,13 @@
 
 #include "core/geometry/matrix_types.h"
 #include "core/sensor/beam_instant.h"
+#include "core/util/quantiles.h"
 #include "factors/linear_algebra/square_root_marginalisation.h"
 #include "factors/spline/so3.h"
 
 namespace plumbline {
 namespace {
 
-// Standard deviations beyond which a point hardly counts (Geman-McClure).
-constexpr double kRobustWidth = 3.0;
-// Standard deviations within which a point agrees with the local map.
-constexpr double kNear = 3.0;
 // Time over which a surface's deviation repeats: a beam's spot moves on by a cell's side with
 // a rig at walking pace.
 constexpr double kRepeatTime = 0.4;  // s
@@ -29,8 +26,6 @@ constexpr double kTurnSigmas = 2.5;
 constexpr int kTurnLevel = 1;
 // Gauss-Newton steps with the cells of one level.
 constexpr int kRoundsPerLevel = 6;
-// Share of the points near the local map above which no other start is tried.
-constexpr double kGoodShare = 0.6;
 constexpr double kSmallStep = 1e-3;      // rad and m
 constexpr double kTinyVariance = 1e-12;  // rad^2 and m^2
 // Longest time whose points are served by one correction of the pose, ns.
@@ -38,9 +33,8 @@ constexpr int64_t kMaxSpanNs = 25'000'000;
 // Coarse levels take one point of this number.
 constexpr size_t kCoarseStride = 3;
 // Side of the cells that tell what moves: half of what a person is wide. Points lie off by up
-// to the margin for the noise and the prediction of the poses.
+// to half of that for the noise and the prediction of the poses.
 constexpr double kOccupancyCell = 0.2;  // m
-constexpr double kMovingMargin = 0.1;   // m
 // Share of moving points below which the scans of the next moment are not tested.
 constexpr double kStillShare = 0.01;
 constexpr double kStillTime = 0.1;  // s
@@ -224,6 +218,7 @@ void ScanMatcher::MatchLine(const Line& line,
   const Eigen::Vector3d from_world = turn * motion.nodes()[1].col(2) + correction.translation;
   CellPoints current;
   int num_cells = 0;
+  // Farther off than significant, a point hardly counts (Geman-McClure).
   const auto take = [&] {
     if (current.cell == nullptr || current.cell->num_directions() == 0) return;
     const Eigen::Vector3d p_world = current.sum / current.num;
@@ -235,8 +230,10 @@ void ScanMatcher::MatchLine(const Line& line,
       const double variance =
           surface_variance + (direction.variance + noise_m * noise_m) / current.num;
       const double residual = direction.normal.dot(deviation);
-      const double share = residual * residual / (kRobustWidth * kRobustWidth * variance);
-      is_near = is_near && residual * residual < kNear * kNear * variance;
+      const double share =
+          residual * residual / (kSignificantStddevs * kSignificantStddevs * variance);
+      is_near = is_near &&
+                residual * residual < kSignificantStddevs * kSignificantStddevs * variance;
       equations.Add(p_world,
                     direction.normal,
                     residual,
@@ -337,7 +334,7 @@ ScanMatch ScanMatcher::Register(const Trajectory& trajectory,
     if (match.num_near > best.num_near) best = std::move(match);
   };
   consider(0, MotionVector::Zero());
-  if (best.num_near > kGoodShare * best.num_points) return best;
+  if (best.num_near > kMinNearShare * best.num_points) return best;
   consider(kNumLevels - 1, MotionVector::Zero());
   const MotionVector turn = BestTurn(trajectory, covariance);
   if (!turn.isZero()) {
@@ -352,7 +349,7 @@ std::vector<MotionVector> ScanMatcher::LikeliestErrors(const Trajectory& traject
                                                        const SearchWindow& window) const {
   const LocalMap& map = maps_[kTurnLevel];
   const double step_m = options_.cell_m;
-  const double near_m = kNear * options_.surface_stddev_m * (1 << kTurnLevel);
+  const double near_m = kSignificantStddevs * options_.surface_stddev_m * (1 << kTurnLevel);
   PoseSampler poses(trajectory);
   const Eigen::Vector3d at_begin = poses.WorldFromBody(begin_ns_).translation;
   const Eigen::Vector3d at_end = poses.WorldFromBody(end_ns_).translation;
@@ -440,8 +437,8 @@ std::vector<bool> ScanMatcher::InEmpty(const Line& line, PoseSampler* poses) {
   const ScanMotion motion = MotionOf(line, poses);
   std::vector<bool> in_empty(line.p_scanner.size());
   for (size_t i = 0; i < in_empty.size(); ++i) {
-    in_empty[i] =
-        occupancy_.IsEmpty(motion.ToWorld(line.p_scanner[i], line.times_ns[i]), kMovingMargin);
+    in_empty[i] = occupancy_.IsEmpty(motion.ToWorld(line.p_scanner[i], line.times_ns[i]),
+                                     0.5 * kOccupancyCell);
   }
   return in_empty;
 }

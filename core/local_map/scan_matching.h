@@ -25,6 +25,10 @@ namespace plumbline {
 using MotionVector = Eigen::Matrix<double, 12, 1>;
 using MotionMatrix = Eigen::Matrix<double, 12, 12>;
 
+// Share of a scan's points near the local map from which it tells how the rig moved, and no
+// other start is tried.
+inline constexpr double kMinNearShare = 0.6;
+
 // ScanMatch says how well the points of a scan agree with the local map.
 struct ScanMatch {
   // Constraint by the points of each scan line on the pose in its middle.

@@ -15,10 +15,12 @@
 #include "core/association/plane_merging.h"
 #include "core/association/plane_through_lines.h"
 #include "core/association/rows_of_chords.h"
+#include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/mapping/visit_levels.h"
 #include "core/visibility/free_space.h"
 
 namespace plumbline {
@@ -33,7 +35,6 @@ constexpr int64_t kMaxSubMinimumRatio = 3;
 constexpr double kMaxDeviationRatio = 3.0;
 // The normal of a general plane is known to this by its own segments, and is theirs.
 constexpr double kMaxNormalSigma = 2.0 * kRadiansPerDegree;
-const double kMinFitCosine = std::cos(5.0 * kRadiansPerDegree);
 
 // Whether an observation is the only one of its landmark where it lies.
 bool IsAlone(const Observation& observation,
@@ -174,7 +175,7 @@ int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapSt
     Landmark& landmark = state->landmarks[static_cast<size_t>(id)];
     const PlaneThroughLines::Fit fit = of_plane.Solve();
     if (fit.normal_covariance.trace() > kMaxNormalSigma * kMaxNormalSigma ||
-        std::abs(fit.normal.dot(landmark.Normal())) < kMinFitCosine) {
+        std::abs(fit.normal.dot(landmark.Normal())) < kSameNormalCosine) {
       is_none[static_cast<size_t>(id)] = true;
       continue;
     }
@@ -199,7 +200,6 @@ bool MayBeStraight(const Landmark& landmark) {
 }  // namespace
 
 int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state) {
-  constexpr int kMaxSegments = 60;  // of a wall, spread over all that were seen
   std::vector<BendTest> tests;
   for (const Landmark& wall : state->landmarks) {
     tests.emplace_back(wall, options.surface_flatness_m, MaxRangeNoise(rig));
@@ -212,7 +212,7 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
     const Landmark& wall = state->landmarks[id];
     const bool is_straight = wall.model == PlaneModel::kVertical && !wall.heading_fixed;
     if (!is_straight && !MayBeStraight(wall)) continue;
-    const int step = 1 + wall.num_segments / kMaxSegments;
+    const int step = 1 + wall.num_segments / kFittedSegments;
     if (num_met[id]++ % step != 0) continue;
     tests[id].Add(observation, poses.Of(observation), Matrix6d::Zero());
   }

@@ -23,7 +23,6 @@ constexpr double kMaxTime = 4.0;  // s
 // wheels and of poses that no wall holds, and at least twice as far as that of the other
 // hypothesis.
 constexpr double kMaxWheelDeviation = 4.0;
-constexpr double kPositionStddev = 0.05;  // m
 constexpr double kHeadingStddev = 0.05;   // rad
 
 // Returns the deviation of the motion between two instants from that of the wheels, in
@@ -36,7 +35,7 @@ double DeviationFromWheels(const MapState& state, int64_t begin_ns, int64_t end_
   const PlanarPose moved = FromAbove(state.trajectory.WorldFromBody(begin_ns)).Inverse() *
                            FromAbove(state.trajectory.WorldFromBody(end_ns));
   return std::hypot((moved.position - wheels.translation).norm() /
-                        std::hypot(kPositionStddev, wheels.translation_stddev),
+                        std::hypot(kUnheldStddev, wheels.translation_stddev),
                     std::remainder(moved.heading - wheels.turn, 2.0 * M_PI) /
                         std::hypot(kHeadingStddev, wheels.turn_stddev));
 }

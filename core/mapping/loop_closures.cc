@@ -5,19 +5,16 @@
 #include <limits>
 
 #include "core/association/line_deviation.h"
+#include "core/consistency/verdict_levels.h"
 #include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/mapping/visit_levels.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
 
-// Surfaces that come back into view within this time of each other belong to one return.
-constexpr double kReturnTime = 5.0;  // s
-// Two visits see one surface to within this, whatever their statistic: furniture moves more,
-// and rigs are calibrated better.
-constexpr double kMinDifference = 0.03;  // m
 // A visit with fewer segments does not contradict another one.
 constexpr int kMinSegments = 5;
 
@@ -119,9 +116,11 @@ std::vector<LoopClosure> TestAlone(const std::vector<std::vector<Visit>>& visits
             before.variance_m2() + visit.deviation.variance_m2() + 2.0 * unevenness;
         closure.statistic = closure.difference_m * closure.difference_m / variance;
         closure.threshold = normal_quantile * normal_quantile;
+        // Whatever the statistic, two visits see one surface to within kSameSurface: furniture
+        // moves more, and rigs are calibrated better.
         closure.accepted =
             closure.statistic <= closure.threshold ||
-            std::abs(closure.difference_m) < kMinDifference ||
+            std::abs(closure.difference_m) < kSameSurface ||
             std::min(before.num_segments(), visit.deviation.num_segments()) < kMinSegments;
         closures.push_back(closure);
       }
@@ -147,7 +146,7 @@ std::vector<LoopClosure> TestLoopClosures(const Rig& rig,
     size_t end = first;
     double statistic = 0.0;
     while (end < closures.size() &&
-           SecondsBetween(closures[first].time_ns, closures[end].time_ns) < kReturnTime) {
+           SecondsBetween(closures[first].time_ns, closures[end].time_ns) < kVisitTime) {
       statistic += closures[end++].statistic;
     }
     const double threshold = Chi2Quantile(static_cast<int>(end - first), normal_quantile);

@@ -14,6 +14,7 @@
 #include "core/association/model_frame.h"
 #include "core/association/plane_candidates.h"
 #include "core/association/plane_merging.h"
+#include "core/consistency/consistency.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/part_joining.h"
 #include "core/mapping/recording_follower.h"
@@ -317,9 +318,8 @@ std::vector<MapResult> MapRecording(const Rig& rig,
 }
 
 std::optional<std::string> JudgeVarianceFactor(double variance_factor) {
-  constexpr double kDoubtful = 3.0;  // the square of 1.7
-  constexpr double kAstray = 25.0;   // the square of 5
-  if (variance_factor < kDoubtful) return std::nullopt;
+  constexpr double kAstray = 25.0;  // the square of 5
+  if (variance_factor < kDoubtfulVarianceFactor) return std::nullopt;
   char ratio[32];
   std::snprintf(ratio, sizeof(ratio), "%.1f", std::sqrt(variance_factor));
   const std::string what = "the scans deviate from the planes " + std::string(ratio) +

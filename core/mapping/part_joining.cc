@@ -17,6 +17,7 @@
 #include "core/joining/part_matching.h"
 #include "core/map/observation_poses.h"
 #include "core/mapping/part_poses.h"
+#include "core/mapping/visit_levels.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 
@@ -32,11 +33,6 @@ constexpr double kMaxDeviation = 2.0;  // m
 constexpr double kSameHeight = 0.05;      // m
 constexpr double kMinAgreement = 0.7;     // share of the segments on floors and ceilings
 constexpr int kMinSegmentsOnFloors = 20;  // that both parts saw
-// Largest distance and angle between surfaces of two parts that are one: the accuracy of poses
-// matched from above.
-constexpr double kMaxDistance = 0.15;   // m
-constexpr double kMinCosine = 0.996;    // of the normals, 5 degrees
-constexpr double kMaxGapBetween = 0.5;  // m, along them
 
 Rigid3d ToFrame(const PartPose& pose, double height_m) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ())),
@@ -153,14 +149,14 @@ int MergeCommonSurfaces(size_t num_before, MapState* state) {
     const Eigen::Vector3d centre = surface.extent.Centre();
     const Eigen::Vector3d normal = surface.NormalNear(centre).normalized();
     int nearest = -1;
-    double least_m = kMaxDistance;
+    double least_m = kSameSurfaceDistance;
     for (size_t a = 0; a < num_before; ++a) {
       const Landmark& before = state->landmarks[a];
       if (before.num_segments == 0 || before.model != surface.model) continue;
-      if (before.NormalNear(centre).normalized().dot(normal) < kMinCosine) continue;
+      if (before.NormalNear(centre).normalized().dot(normal) < kSameNormalCosine) continue;
       const double distance_m = DistanceBetween(surface, before);
       if (distance_m >= least_m) continue;
-      if (!before.extent.IsNear(surface.extent, kMaxGapBetween)) continue;
+      if (!before.extent.IsNear(surface.extent, kSameSurfaceGap)) continue;
       nearest = static_cast<int>(a);
       least_m = distance_m;
     }

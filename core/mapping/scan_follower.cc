@@ -31,9 +31,6 @@
 namespace plumbline {
 namespace {
 
-// From scan to scan the rig's position is known to this even while nothing determines it.
-constexpr double kMaxRelativeStddev = 0.05;  // m
-
 // Distance from a slope that their scan plane grazes within which traces found no wall: the
 // accuracy of sloped planes at their far ends.
 constexpr double kOnGrazed = 0.15;  // m
@@ -44,7 +41,7 @@ constexpr double kMinHeldSine = 0.34;
 // Returns the part of a pose's covariance that concerns planes seen in the last scans.
 Matrix6d Relative(const Matrix6d& covariance) {
   const double variance = covariance.bottomRightCorner<3, 3>().trace();
-  return covariance * std::min(1.0, kMaxRelativeStddev * kMaxRelativeStddev / variance);
+  return covariance * std::min(1.0, kUnheldStddev * kUnheldStddev / variance);
 }
 
 }  // namespace

@@ -26,6 +26,9 @@
 
 namespace plumbline {
 
+// From scan to scan the rig's position is known to this even while nothing determines it, m.
+inline constexpr double kUnheldStddev = 0.05;
+
 // The rig's pose is no longer known; what was mapped until then stands.
 class LostTrack : public Error {
  public:

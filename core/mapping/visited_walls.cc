@@ -11,29 +11,23 @@
 
 #include "core/association/plane_merging.h"
 #include "core/map/observation_poses.h"
+#include "core/mapping/visit_levels.h"
+#include "core/revisits/revisits.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kAbsence = 20.0;  // s, of a wall, between two visits
-// Largest distance and angle between walls of two visits that are one: the accuracy of places
-// seen again.
-constexpr double kMaxDistance = 0.15;   // m
-constexpr double kMinCosine = 0.996;    // of the normals, 5 degrees
-constexpr double kMaxGapBetween = 0.5;  // m, along them
-constexpr double kTogether = 5.0;       // s, within which what is seen is seen together
-
 bool IsWall(const Landmark& landmark) { return landmark.model == PlaneModel::kVertical; }
 
-// When each landmark was seen, in steps of kTogether.
+// When each landmark was seen, in steps of kVisitTime.
 std::vector<std::set<int64_t>> TimesSeen(const MapState& state) {
   std::vector<std::set<int64_t>> times(state.landmarks.size());
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0) continue;
     const double time_s = SecondsBetween(state.origin_time_ns, observation.start_time_ns());
     times[static_cast<size_t>(observation.landmark_id)].insert(
-        static_cast<int64_t>(std::floor(time_s / kTogether)));
+        static_cast<int64_t>(std::floor(time_s / kVisitTime)));
   }
   return times;
 }
@@ -56,7 +50,7 @@ int SplitWallsByVisits(MapState* state) {
     const auto id = static_cast<size_t>(observation.landmark_id);
     if (!IsWall(state->landmarks[id])) continue;
     const int64_t time_ns = observation.start_time_ns();
-    if (last_ns[id] >= 0 && SecondsBetween(last_ns[id], time_ns) > kAbsence) {
+    if (last_ns[id] >= 0 && SecondsBetween(last_ns[id], time_ns) > kMinAbsence) {
       Landmark successor = state->landmarks[id];
       successor.id = successors[id] = static_cast<int>(state->landmarks.size());
       successor.heading_fixed = false;
@@ -111,13 +105,13 @@ int MergeVisitedWalls(MapState* state) {
     const Landmark& wall = state->landmarks[b];
     if (wall.num_segments == 0 || !IsWall(wall)) continue;
     int nearest = -1;
-    double least_m = kMaxDistance;
+    double least_m = kSameSurfaceDistance;
     for (size_t a = 0; a < b; ++a) {
       const Landmark& before = state->landmarks[a];
       if (before.num_segments == 0 || !IsWall(before)) continue;
-      if (before.Normal().dot(wall.Normal()) < kMinCosine) continue;
+      if (before.Normal().dot(wall.Normal()) < kSameNormalCosine) continue;
       const double distance_m = std::abs(before.SignedDistance(wall.extent.Centre()));
-      if (distance_m >= least_m || !before.extent.IsNear(wall.extent, kMaxGapBetween))
+      if (distance_m >= least_m || !before.extent.IsNear(wall.extent, kSameSurfaceGap))
         continue;
       if (SeenTogether(times[a], times[b])) continue;
       nearest = static_cast<int>(a);

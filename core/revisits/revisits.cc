@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/geometry/unknown_pose.h"
 #include "core/revisits/place_groups.h"
 #include "core/revisits/visit_grid.h"
 #include "core/revisits/visit_matching.h"
@@ -22,23 +23,18 @@
 namespace plumbline {
 namespace {
 
-// Since when a place was left that counts as seen again.
-constexpr double kMinAbsence = 20.0;  // s
-constexpr double kMinWay = 12.0;      // m
+// Way since a place was left from which it counts as seen again.
+constexpr double kMinWay = 12.0;  // m
 // From the middle of one visit to that of another one, where they may show one place.
 constexpr double kMaxDistance = 4.0;  // m
 constexpr size_t kMaxTried = 3;       // earlier visits, the nearest ones
-// How far the trajectory drifts from one visit to the next: a share of the way, and radians,
-// of which a share of the turn.
-constexpr double kPositionDrift = 0.02;
+// How far the trajectory drifts from one visit to the next: a share of the way and of the
+// turn, and radians besides.
+constexpr double kDrift = 0.02;
 constexpr double kHeadingDrift = 0.01;
-constexpr double kTurnDrift = 0.02;
 // Errors of a match besides those of the surfaces: visits are not quite rigid.
 constexpr double kMatchStddev = 0.03;          // m
 constexpr double kMatchHeadingStddev = 0.004;  // rad
-// Standard deviations of a match in a direction that it leaves open.
-constexpr double kOpenStddev = 10.0;        // m
-constexpr double kOpenHeadingStddev = 1.0;  // rad
 constexpr double kMaxDeviation = 4.0;       // standard deviations, of a closure that holds
 
 // The data by which a visit is matched.
@@ -62,8 +58,7 @@ PoseGraphEdge MotionEdge(const std::vector<Visit>& visits, size_t from) {
   edge.from_from_to.heading = turn;
   const double way_m = visits[from + 1].way_m - visits[from].way_m;
   edge.information =
-      InverseSquares(kPositionDrift * way_m, kHeadingDrift + kTurnDrift * std::abs(turn))
-          .asDiagonal();
+      InverseSquares(kDrift * way_m, kHeadingDrift + kDrift * std::abs(turn)).asDiagonal();
   return edge;
 }
 
@@ -104,7 +99,7 @@ void TakeSlips(const std::vector<Visit>& visits,
   for (size_t i = 0; i < compared.size(); ++i) {
     PoseGraphEdge& edge = *compared[i].edge;
     const double position_drift = std::sqrt(1.0 / edge.information(0, 0));
-    const double heading_drift = std::max(kHeadingDrift + kTurnDrift * compared[i].all_turns,
+    const double heading_drift = std::max(kHeadingDrift + kDrift * compared[i].all_turns,
                                           std::sqrt(1.0 / edge.information(2, 2)));
     if (std::hypot(off_m[i] / std::hypot(position_drift, usual_m),
                    off_rad[i] / std::hypot(heading_drift, usual_rad)) <= kMaxDeviation) {
@@ -134,7 +129,7 @@ PoseGraphEdge ClosureEdge(size_t earlier,
       turn + std::remainder(match.earlier_from_later.heading - turn, 2.0 * M_PI);
   Eigen::Matrix3d covariance =
       (match.information +
-       Eigen::Matrix3d(InverseSquares(kOpenStddev, kOpenHeadingStddev).asDiagonal()))
+       Eigen::Matrix3d(InverseSquares(kUnknownPosition, kUnknownTurn).asDiagonal()))
           .inverse();
   covariance.diagonal() +=
       InverseSquares(1.0 / kMatchStddev, 1.0 / kMatchHeadingStddev);  // their squares

@@ -9,6 +9,9 @@
 
 namespace plumbline {
 
+// Time since a place was left from which it counts as seen again, s.
+inline constexpr double kMinAbsence = 20.0;
+
 // Poses of visits once the places that the rig came back to are recognised.
 struct PlacedVisits {
   std::vector<PlanarPose> world_from_visit;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/geometry/rigid3.h"
+#include "core/revisits/visit_grid.h"
 #include "core/sensor/scan_line.h"
 #include "core/util/time.h"
 
@@ -19,9 +20,8 @@ constexpr double kMinTurn = 0.1;  // rad
 // A beam is no stray if it ends within this distance of the one before it.
 constexpr double kMaxStep = 0.5;  // m
 
-constexpr double kStride = 2.0;   // m of the way, from visit to visit
-constexpr double kLength = 8.0;   // m, of a visit
-constexpr double kSpacing = 0.1;  // m, of its points
+constexpr double kLength =
+    8.0;  // m of the way, of a visit; the next one begins at its quarter
 
 // The ends of a scan line's beams from above, each with its own pose.
 PlacedScan Place(const Scanner& scanner, const ScanLine& line, PoseSampler* poses) {
@@ -99,7 +99,7 @@ void Fill(const std::vector<PlacedScan>& scans, Visit* visit) {
     const Eigen::Vector2d scanner = visit_from_world * scan->scanner;
     for (const Eigen::Vector2d& end_world : scan->ends) {
       const Eigen::Vector2d end = visit_from_world * end_world;
-      const Eigen::Vector2i cell = (end / kSpacing).array().floor().cast<int>();
+      const Eigen::Vector2i cell = (end / VisitGrid::kCell).array().floor().cast<int>();
       if (!taken.insert({cell.x(), cell.y()}).second) continue;
       visit->points.push_back(end);
       visit->scanners.push_back(scanner);
@@ -113,7 +113,7 @@ std::vector<Visit> CutIntoVisits(const std::vector<PlacedScan>& scans,
                                  const Trajectory& trajectory) {
   std::vector<Visit> visits;
   for (const PlacedScan& scan : scans) {
-    if (!visits.empty() && scan.way_m < visits.back().way_m + kStride) continue;
+    if (!visits.empty() && scan.way_m < visits.back().way_m + 0.25 * kLength) continue;
     Visit& visit = visits.emplace_back();
     visit.time_ns = scan.time_ns;
     visit.way_m = scan.way_m;

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "core/revisits/visit_surface.h"
+
 namespace plumbline {
 namespace {
 
 // Spread of points about the surface that they lie on: noise, uneven walls, and half a cell.
 constexpr double kStddev = 0.12;  // m
-constexpr double kReach = 0.35;   // m, beyond which a surface says nothing
 constexpr int8_t kPassed = -30;   // hundredths
 constexpr double kMargin = 1.0;   // m, around everything seen
 
@@ -37,21 +38,22 @@ VisitGrid::VisitGrid(const Visit& visit) {
 
 void VisitGrid::AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const double length_m = (to - from).norm();
-  for (double along_m = 0.0; along_m < length_m - kReach; along_m += 0.7 * kCell) {
+  for (double along_m = 0.0; along_m < length_m - VisitSurface::kReach;
+       along_m += 0.7 * kCell) {
     const Eigen::Vector2d p = (from + (to - from) * (along_m / length_m) - origin_) / kCell;
     values_[IndexOf(static_cast<int>(p.x()), static_cast<int>(p.y()))] = kPassed;
   }
 }
 
 void VisitGrid::AddSurface(const Eigen::Vector2d& point) {
-  constexpr int kCells = static_cast<int>(kReach / kCell) + 1;
+  const int reach = static_cast<int>(VisitSurface::kReach / kCell) + 1;
   const Eigen::Vector2d p = (point - origin_) / kCell;
   const int at_x = static_cast<int>(p.x());
   const int at_y = static_cast<int>(p.y());
-  for (int y = at_y - kCells; y <= at_y + kCells; ++y) {
-    for (int x = at_x - kCells; x <= at_x + kCells; ++x) {
+  for (int y = at_y - reach; y <= at_y + reach; ++y) {
+    for (int x = at_x - reach; x <= at_x + reach; ++x) {
       const double distance_m = kCell * (Eigen::Vector2d(x + 0.5, y + 0.5) - p).norm();
-      if (distance_m > kReach) continue;
+      if (distance_m > VisitSurface::kReach) continue;
       const double deviation = distance_m / kStddev;
       const auto value =
           static_cast<int8_t>(std::lround(100.0 * std::exp(-0.5 * deviation * deviation)));

@@ -27,7 +27,6 @@ constexpr double kMinFit = 0.1;  // of a point on a surface
 // The refinement: its steps, each with a width beyond which points do not count.
 constexpr double kWidths[] = {
     0.3, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2, 0.2, 0.2, 0.2, 0.12, 0.12, 0.12, 0.12, 0.12};  // m
-constexpr double kMaxSpotDistance = 0.35;                                             // m
 constexpr double kSurfaceStddev = 0.05;                                               // m
 constexpr double kPointsPerMeasurement = 10.0;  // neighbours deviate alike
 // Prior that holds a direction that the lines leave open.
@@ -163,7 +162,7 @@ Eigen::Matrix3d Step(const VisitSurface& surface,
   for (const Eigen::Vector2d& point : points) {
     const Eigen::Vector2d turned = rotation * point;
     const Eigen::Vector2d p = turned + pose->position;
-    const VisitSurface::Spot* spot = surface.Nearest(p, kMaxSpotDistance);
+    const VisitSurface::Spot* spot = surface.Nearest(p);
     if (spot == nullptr) continue;
     const Eigen::Vector2d& normal = spot->normal;
     const double residual = normal.dot(p - spot->position);

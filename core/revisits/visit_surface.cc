@@ -72,10 +72,9 @@ Eigen::Vector2d VisitSurface::NormalAt(const Eigen::Vector2d& p) const {
   return is_line ? Eigen::Vector2d(solver.eigenvectors().col(0)) : Eigen::Vector2d::Zero();
 }
 
-const VisitSurface::Spot* VisitSurface::Nearest(const Eigen::Vector2d& p,
-                                                double max_distance_m) const {
+const VisitSurface::Spot* VisitSurface::Nearest(const Eigen::Vector2d& p) const {
   const Spot* nearest = nullptr;
-  double least_m = max_distance_m;
+  double least_m = kReach;
   ForEachNear(p, [&](const Spot& spot) {
     const double distance_m = (spot.position - p).norm();
     if (distance_m >= least_m || spot.normal.isZero()) return;

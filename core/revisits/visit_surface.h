@@ -20,10 +20,11 @@ class VisitSurface {
     Eigen::Vector2d normal;    // zero where the points around it are no line
   };
   const std::vector<Spot>& spots() const { return spots_; }
-  // The nearest spot on a line within a distance of at most kReach; nullptr: there is none.
-  const Spot* Nearest(const Eigen::Vector2d& p, double max_distance_m) const;
+  // The nearest spot on a line within kReach; nullptr: there is none.
+  const Spot* Nearest(const Eigen::Vector2d& p) const;
 
-  static constexpr double kReach = 0.4;  // m
+  // Distance beyond which a surface says nothing, m.
+  static constexpr double kReach = 0.4;
 
  private:
   // Calls visit(spot) for those in the cells at and around a point: all within kReach, and

@@ -6,8 +6,6 @@
 namespace plumbline {
 namespace {
 
-// A horizontal direction is open where one scan's walls leave it this standard deviation.
-constexpr double kOpenStddev = 0.03;  // m
 // The height is open from less on: treads are 0.18 m apart, and a few beams at the edge of one
 // give a wrong speed, by which the next one is taken for another.
 constexpr double kOpenHeightStddev = 0.006;  // m

@@ -10,6 +10,9 @@ namespace plumbline {
 
 // A wall of this width is no door and nobody who walks.
 inline constexpr double kLongWall = 3.0;  // m
+// A direction of the position is open where its standard deviation is larger: the next plane
+// may then be a wrong one.
+inline constexpr double kOpenStddev = 0.03;  // m
 
 // How far a scan lies on planes, by its observations first .. last.
 

@@ -5,14 +5,12 @@
 #include <cmath>
 #include <set>
 
+#include "core/tracking/scan_on_planes.h"
 #include "core/util/time.h"
 
 namespace plumbline {
 namespace {
 
-// A direction is open where its standard deviation is larger: the next plane may
-// then be a wrong one as well.
-constexpr double kOpenStddev = 0.03;  // m
 // Cosine of the angle up to which a plane's normal speaks for a direction.
 constexpr double kAlong = 0.5;
 // More than this share of the points that lie on planes is no thin evidence.

@@ -25,7 +25,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kPoseSize = 6;  // rows of a control point
 constexpr int kMaxRounds = 4;
 // A step that lowers the cost by less than this share of it is the last one.
 constexpr SolverOptions kSolverOptions = {4, 1e-4, 0.0};
@@ -37,10 +36,8 @@ constexpr double kSuddenDrop = 0.6;
 constexpr double kShareGain = 0.1;
 // Points hold the pose where more than this share of them is on no plane.
 constexpr double kMaxShareOnNoPlane = 0.25;
-// Share of a scan's points that the local map has to know, and share of these that have to lie
-// where it says, for it to tell how the rig moved.
+// Share of a scan's points that the local map has to know to tell how the rig moved.
 constexpr double kMinKnownShare = 0.3;
-constexpr double kMinNearShare = 0.6;
 // Planes that take this share of the points from where the local map has them are not those of
 // the scan.
 constexpr double kMaxLoss = 0.1;

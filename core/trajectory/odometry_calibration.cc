@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/util/quantiles.h"
+
 namespace plumbline {
 namespace {
 
+// Way and turn that wheels tell from none: less does not show scale and noise.
 constexpr double kSmallLength = 0.02;              // m
 constexpr double kSmallTurn = 0.5 * M_PI / 180.0;  // rad
 constexpr double kTurnPerLength = 0.1;             // rad/m
-
 // Prior standard deviation of the scales.
 constexpr double kScaleStddev = 0.05;
 // Number of motions as which the options' noise counts.
 constexpr double kPriorMotions = 30.0;
-// Least way and turn that show scale and noise.
-constexpr double kMinLength = 0.02;              // m
-constexpr double kMinTurn = 1.0 * M_PI / 180.0;  // rad
-// Standard deviations beyond which a residual is of wheels that slip, or of wrong poses.
-constexpr double kMaxDeviation = 3.0;
 // The estimate is held by the wheels, too: it can not tell that they have next to no noise.
 constexpr double kMinNoise = 0.02;
 
@@ -47,7 +44,8 @@ double OdometryCalibration::Ratio::Noise() const {
 void OdometryCalibration::Ratio::Add(double stated, double estimated, double amount) {
   const double stddev = Noise() * amount;
   const double deviation = std::abs(estimated - Scale() * stated) / stddev;
-  const double robust = std::min(1.0, kMaxDeviation / std::max(deviation, 1e-9));
+  // Beyond that, a residual is of wheels that slip, or of wrong poses.
+  const double robust = std::min(1.0, kSignificantStddevs / std::max(deviation, 1e-9));
   stated_estimated += robust * stated * estimated / (stddev * stddev);
   stated2 += robust * stated * stated / (stddev * stddev);
 }
@@ -56,7 +54,7 @@ void OdometryCalibration::Ratio::AddResidual(double residual, double amount) {
   // Clipped at one and a half of its own standard deviations: a third of the residuals may be
   // slips, or poses that are wrong, before they carry it away. Of a normal variable the share
   // `left` of the variance remains.
-  const double clip = 0.5 * kMaxDeviation;
+  const double clip = 0.5 * kSignificantStddevs;
   const double left = std::erf(clip / std::sqrt(2.0)) +
                       clip * clip * std::erfc(clip / std::sqrt(2.0)) -
                       clip * std::sqrt(2.0 / M_PI) * std::exp(-0.5 * clip * clip);
@@ -75,9 +73,9 @@ double OdometryCalibration::TurnAmount(const PlanarMotion& stated) {
 
 void OdometryCalibration::Add(const PlanarMotion& stated, const PlanarMotion& estimated) {
   const double length = stated.translation.norm();
-  if (length < kMinLength && std::abs(stated.turn) < kMinTurn) return;
+  if (length < kSmallLength && std::abs(stated.turn) < kSmallTurn) return;
   ++num_motions_;
-  if (length >= kMinLength) {
+  if (length >= kSmallLength) {
     const double along = estimated.translation.dot(stated.translation) / length;
     const double amount = LengthAmount(stated);
     length_.Add(length, along, amount);
@@ -87,7 +85,7 @@ void OdometryCalibration::Add(const PlanarMotion& stated, const PlanarMotion& es
     }
   }
   const double amount = TurnAmount(stated);
-  if (std::abs(stated.turn) >= kMinTurn) turn_.Add(stated.turn, estimated.turn, amount);
+  if (std::abs(stated.turn) >= kSmallTurn) turn_.Add(stated.turn, estimated.turn, amount);
   turn_.AddResidual(estimated.turn - turn_scale() * stated.turn, amount);
 }
 

@@ -7,9 +7,11 @@
 
 namespace plumbline {
 
+// Rows of a control point: rotation (rad, world frame) and position (m).
+inline constexpr int kPoseSize = 6;
+
 // PoseGaussian is a Gaussian on consecutive control points about the values that they had.
-// Each control point has 6 rows, rotation (rad, world frame) and position (m); for planar rigs
-// the rows of roll, pitch and height are zero.
+// For planar rigs the rows of roll, pitch and height are zero.
 struct PoseGaussian {
   int first = 0;
   std::vector<ControlPoint> mean;

@@ -1,14 +1,9 @@
 #include "core/trajectory/pose_uncertainty.h"
 
 #include "core/geometry/matrix_types.h"
+#include "core/trajectory/pose_gaussian.h"
 
 namespace plumbline {
-namespace {
-
-constexpr int kPoseSize = 6;  // rows of a control point
-
-}  // namespace
-
 PoseUncertainty::Local PoseUncertainty::LocalAt(const Trajectory& trajectory,
                                                 int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);

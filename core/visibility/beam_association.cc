@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
+#include "core/util/quantiles.h"
 #include "core/visibility/beam_tests.h"
 
 namespace plumbline {
@@ -16,8 +18,6 @@ namespace {
 constexpr double kPassed = 0.5;  // m
 // Distance by which patches reach beyond what segments have shown of them.
 constexpr double kMargin = 0.02;  // m
-// Surfaces less than this apart are the same to a beam.
-constexpr double kSameSigmas = 3.0;
 // Surfaces that meet at less than this angle go over into each other.
 const double kMinSmoothCosine = std::cos(10.0 * kRadiansPerDegree);
 // Number of beams from which a run lies on its surface as a whole.
@@ -99,8 +99,10 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   const double measured = scan_line_.ranges[static_cast<size_t>(beam)];
   if (!scanner_.IsValidRange(measured)) return nullptr;
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
-  const double off_m =
-      (kind_ == Kind::kWholeLine ? kOutlierSigmas : kStrictSigmas) * scanner_.range_noise_m;
+  // The noise of beams that only their range puts on a plane has mean zero, if those are kept
+  // that are near on both sides of it; few beams on something close behind are among them.
+  const double off_m = (kind_ == Kind::kWholeLine ? kOutlierSigmas : kSignificantStddevs) *
+                       scanner_.range_noise_m;
   const LandmarkView* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
   ranges_.ForEachBetween(
@@ -117,7 +119,8 @@ bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
                                    const Eigen::Vector2d& direction,
                                    double range) const {
   if (!planes_.HasSoftEdges()) return false;
-  const double off_m = kSameSigmas * scanner_.range_noise_m;
+  // Surfaces that are nearer to each other than this are the same to a beam.
+  const double off_m = kSignificantStddevs * scanner_.range_noise_m;
   const Eigen::Vector3d normal =
       surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
   bool goes_over = false;

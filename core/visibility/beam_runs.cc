@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "core/map/landmark_view.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
 
-// Number of beams that are placed with one pose: a few milliseconds' worth.
-constexpr int kBeamsPerPlacement = 32;
 // Largest number of stray beams within one run on a surface.
 constexpr int kMaxBeamsBetween = 2;
 // A segment on a cylinder bows by at most this: what is compressed of it is right to second

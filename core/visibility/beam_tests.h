@@ -4,20 +4,22 @@
 
 namespace plumbline {
 
-// Limits of the tests whether a beam lies on a plane, in standard deviations of a range.
+// Limits of the tests whether a beam lies on a plane, in an opening of it or behind it.
 
-// Standard deviations beyond which one beam tells two surfaces apart, whatever its noise.
+// Standard deviations of a range beyond which one beam tells two surfaces apart, whatever its
+// noise.
 inline constexpr double kFarSigmas = 9.0;
-// Standard deviations within which a beam may lie on a plane: hardly one of a plane's beams is
-// farther off.
-inline constexpr double kOutlierSigmas = 5.0;
-// Standard deviations within which a beam lies that only its range puts on a plane, on both
-// sides of it: the noise of those that are kept has mean zero, and few beams on something
-// close behind are among them.
-inline constexpr double kStrictSigmas = 3.0;
-
 // Distance from the seen part of a plane within which it bounds or hides what is there: seen
 // parts are known by cells.
 inline constexpr double kSeenReach = PatchExtent::kCellSize;  // m
+// Distance beside beams, and beside the seen part of a plane, beyond which neither concerns
+// the other, m: more than cells and bounds reach.
+inline constexpr double kConcernReach = 1.0;
+// Half of the thinnest wall, m: what lies farther behind a plane than this does not touch it.
+inline constexpr double kMinDepth = 0.05;
+// Width of the cells of openings, m; they are as long as the cells of patches.
+inline constexpr double kOpeningCell = 0.02;
+// Number of beams that are placed with one pose: a few milliseconds' worth.
+inline constexpr int kBeamsPerPlacement = 32;
 
 }  // namespace plumbline

@@ -10,6 +10,7 @@
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
 #include "core/sensor/rig.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
@@ -83,17 +84,16 @@ void CountPassage(const LandmarkView& surface,
 // A box on the floor plan around the points of a surface for which MiddleCell() may find a
 // cell.
 Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
-  constexpr double kRim = 0.5;  // m, more than a cell
   const PatchExtent& extent = plane.landmark->extent;
   Eigen::AlignedBox2d box;
   if (extent.empty()) return box;
   if (plane.is_curved) {
-    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(plane.radius_m + kRim);
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(plane.radius_m + kConcernReach);
     return {plane.centre_world.head<2>() - reach, plane.centre_world.head<2>() + reach};
   }
   // Only the middle of the width counts.
   const double width = extent.max_corner().x() - extent.min_corner().x();
-  const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kRim);
+  const Eigen::Vector2d rim(-0.5 * (1.0 - kMiddleShare) * width, kConcernReach);
   const Eigen::AlignedBox2d patch(extent.min_corner() - rim, extent.max_corner() + rim);
   // Along their own normal the patch's axes may have been left behind by the plane.
   const Eigen::Vector3d across = extent.axes().u.cross(extent.axes().v);

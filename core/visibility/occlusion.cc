@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/association/surface_levels.h"
 #include "core/map/landmark_view.h"
 #include "core/map/patch_extent.h"
 #include "core/util/time.h"
@@ -14,26 +15,16 @@ namespace plumbline {
 namespace {
 
 // Where the cosine between beam and normal is smaller than this, the pose does not determine
-// where on the plane the beam lies: 1 mm across the plane is 20 mm along the beam.
+// the cell of openings in which the beam lies: 1 mm across the plane is 20 mm along the beam.
 constexpr double kMinCosine = 0.05;
 // A cosine above the first one for sure, with the plane's turn as the scanner moves left out.
 constexpr double kSafeCosine = 0.06;
-// Down to this cosine the pose determines it to a quarter of a metre; farther from an opening
-// than that, such a beam may count.
-constexpr double kGrazingCosine = 0.004;
-constexpr double kGrazingReach = 0.25;  // m
-// Number of beams that are looked up in the openings together, before each of them alone.
-constexpr int kBeamsPerLookUp = 16;
 // Number of beams beside a segment's end, on both sides, that are tested for passing through
 // the plane. Beams beyond them count for as long as they pass: at a grazing angle those on the
 // far jamb meet the plane decimetres before it.
 constexpr int kNumBeams = 8;
-// Beams beyond those count at this spacing: half a cell of the openings.
-constexpr double kSpacing = 0.01;  // m
 // Number of a segment's beams that are counted as hits, each for its share of all of them.
 constexpr int kNumHits = 8;
-// Least distance behind a plane at which a beam that went through it ended.
-constexpr double kMinPassageDepth = 0.05;  // m
 
 // The point in the world where a beam meets the plane at a segment's end, p in the scanner's
 // frame; nothing where that is out of range.
@@ -107,7 +98,7 @@ void Occlusion::AddOpen(const PlaneView& view,
   if (span.start && span.end && !openings.MayBeAlong(*span.start, *span.end)) {
     return;
   }
-  if (span.last - span.first >= kBeamsPerLookUp) {
+  if (span.last - span.first >= kBeamsPerPlacement) {
     const int middle = (span.first + span.last) / 2;
     AddOpen(view,
             openings,
@@ -145,12 +136,14 @@ bool Occlusion::IsNearOpening(const PlaneView& view,
                               int beam,
                               const Eigen::Vector2d& direction,
                               const PlaneOpenings& openings) const {
+  // Down to this cosine the pose determines it to the length of a cell; farther from an
+  // opening than that, such a beam may count.
   const std::optional<Eigen::Vector3d> at =
-      IntersectionPoint(view, beam, direction, kGrazingCosine);
+      IntersectionPoint(view, beam, direction, kMinCosine * kOpeningCell / kSeenReach);
   if (!at) return true;
   const Eigen::Vector3d from =
       view.motion.ToWorld(Eigen::Vector2d::Zero(), BeamInstantNs(beam));
-  const Eigen::Vector3d reach = kGrazingReach * (*at - from).normalized();
+  const Eigen::Vector3d reach = kSeenReach * (*at - from).normalized();
   return openings.MayBeAlong(*at - reach, *at + reach);
 }
 
@@ -274,7 +267,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
     const double beyond_m = range - on_plane_m;
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
-    const bool passes = beyond_m > margin_m && behind_m > kMinPassageDepth;
+    const bool passes = beyond_m > margin_m && behind_m > kMinDepth;
     if (!is_close && !passes) break;
     if (!passes) continue;
     const std::optional<Eigen::Vector3d> at = IntersectionPoint(end, on_plane_m * direction);
@@ -282,7 +275,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
     is_opening = true;
     if (!is_close) {
       if (!extent.Contains(extent.Project(*at), 0.0)) break;
-      if ((*at - last).norm() < kSpacing) continue;
+      if ((*at - last).norm() < 0.5 * kOpeningCell) continue;
     }
     grids->CountPassage(end.landmark, *at, is_close ? 1 : k - last_k);
     last = *at;

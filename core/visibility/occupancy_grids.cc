@@ -1,34 +1,29 @@
 #include "core/visibility/occupancy_grids.h"
 
 #include "core/map/patch_extent.h"
+#include "core/visibility/beam_tests.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kNarrowPerMetre = 50.0;  // cells of 0.02 m
-constexpr double kWidePerMetre = 4.0;     // cells of 0.25 m
-constexpr double kWide = 1.0 / kWidePerMetre;
-// Beams farther than this from a plane's bounding rectangle show nothing of the plane.
-constexpr double kMargin = 1.0;  // m
 // Least number of beams that have to agree: a single one may be wrong.
 constexpr int kMinCount = 2;
 // An opening lets at least this share of the beams through...
 constexpr double kMinShare = 0.1;
-// ...and this share for a plane without height: level scan planes see furniture's gaps.
-constexpr double kMinShareLevel = 0.5;
-// Cells where more beams went through are open, whatever the cell of the other grid shows.
-constexpr double kMixedShare = 0.5;
+// ...and most of them for a plane without height: level scan planes see furniture's gaps.
+// Cells where most beams went through are open, whatever the cell of the other grid shows.
+constexpr double kMostBeams = 0.5;
 // An opening goes on along an upright edge where beams on the plane are fewer than this share
 // of those that went through.
 constexpr double kContradiction = 0.25;
 
 bool HasHeight(const PatchExtent& extent) {
-  return extent.max_corner().y() - extent.min_corner().y() > kWide;
+  return extent.max_corner().y() - extent.min_corner().y() > PatchExtent::kCellSize;
 }
 
 CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
-  return {CellIndex(u * (narrow_along_u ? kNarrowPerMetre : kWidePerMetre)),
-          CellIndex(v * (narrow_along_u ? kWidePerMetre : kNarrowPerMetre))};
+  return {CellIndex(u / (narrow_along_u ? kOpeningCell : PatchExtent::kCellSize)),
+          CellIndex(v / (narrow_along_u ? PatchExtent::kCellSize : kOpeningCell))};
 }
 
 // Without height there are no level edges: cells that are wide along u would only blur.
@@ -50,7 +45,7 @@ void OccupancyGrids::Count(const Landmark& landmark,
                            CellGrid Counts::*grid) {
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector2d uv = extent.Project(p_world);
-  if (!extent.Contains(uv, kMargin)) return;
+  if (!extent.Contains(uv, kConcernReach)) return;
   const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) counts_.resize(id + 1);
   CountsOfPlane& counts = counts_[id];
@@ -97,7 +92,7 @@ void PlaneOpenings::Mark(const CellGrid::Cell& cell, bool narrow_along_u, State 
   const int narrow = narrow_along_u ? cell.first : cell.second;
   const int wide = narrow_along_u ? cell.second : cell.first;
   for (const int edge : {narrow, narrow + 1}) {
-    const int near = CellIndex(edge * (kWidePerMetre / kNarrowPerMetre));
+    const int near = CellIndex(edge * (kOpeningCell / PatchExtent::kCellSize));
     nearby_.Add(narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
   }
 }
@@ -105,15 +100,13 @@ void PlaneOpenings::Mark(const CellGrid::Cell& cell, bool narrow_along_u, State 
 bool PlaneOpenings::IsNearby(const CellGrid::Cell& cell, bool narrow_along_u) const {
   const int narrow = narrow_along_u ? cell.first : cell.second;
   const int wide = narrow_along_u ? cell.second : cell.first;
-  const int near = CellIndex((narrow + 0.5) * (kWidePerMetre / kNarrowPerMetre));
+  const int near = CellIndex((narrow + 0.5) * (kOpeningCell / PatchExtent::kCellSize));
   return nearby_.IsNear(
       narrow_along_u ? CellGrid::Cell(near, wide) : CellGrid::Cell(wide, near), 1);
 }
 
 bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
-  const CellGrid::Cell wide(CellIndex(uv.x() * kWidePerMetre),
-                            CellIndex(uv.y() * kWidePerMetre));
-  if (nearby_.Count(wide) == 0) return false;
+  if (nearby_.Count(PatchExtent::CellAt(uv)) == 0) return false;
   const int along_u = states_[Index(true)].Count(CellOf(uv.x(), uv.y(), true));
   const int along_v = states_[Index(false)].Count(CellOf(uv.x(), uv.y(), false));
   return along_u == kOpen || along_v == kOpen || (along_u == kMixed && along_v != kSolid) ||
@@ -122,8 +115,8 @@ bool PlaneOpenings::IsAtLocal(const Eigen::Vector2d& uv) const {
 
 bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
                                const Eigen::Vector3d& b_world) const {
-  const Eigen::Vector2d a = axes_.Project(a_world) * kWidePerMetre;
-  const Eigen::Vector2d b = axes_.Project(b_world) * kWidePerMetre;
+  const Eigen::Vector2d a = axes_.Project(a_world) / PatchExtent::kCellSize;
+  const Eigen::Vector2d b = axes_.Project(b_world) / PatchExtent::kCellSize;
   const int steps = static_cast<int>((b - a).norm()) + 1;  // of one cell at most
   const Eigen::Vector2d step = (b - a) / steps;
   for (int i = 0; i <= steps; ++i) {
@@ -136,12 +129,12 @@ bool PlaneOpenings::MayBeAlong(const Eigen::Vector3d& a_world,
 void OccupancyGrids::MarkOpen(const Counts& counts,
                               bool narrow_along_u,
                               PlaneOpenings* openings) {
-  const double min_share = openings->has_height_ ? kMinShare : kMinShareLevel;
+  const double min_share = openings->has_height_ ? kMinShare : kMostBeams;
   counts.passages.Any([&](const CellGrid::Cell& cell, int passed) {
     const int num_beams = passed + counts.hits.Count(cell);
     if (passed < kMinCount || !(passed > min_share * num_beams)) return false;
     const auto state =
-        passed > kMixedShare * num_beams ? PlaneOpenings::kOpen : PlaneOpenings::kMixed;
+        passed > kMostBeams * num_beams ? PlaneOpenings::kOpen : PlaneOpenings::kMixed;
     if (narrow_along_u) {
       for (const int next : {cell.second - 1, cell.second + 1}) {
         const CellGrid::Cell along(cell.first, next);

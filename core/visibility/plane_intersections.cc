@@ -11,14 +11,6 @@
 namespace plumbline {
 namespace {
 
-// A patch that lies farther behind a plane than this does not touch it: half of the thinnest
-// wall.
-constexpr double kMinDepth = 0.05;  // m
-// Planes farther than this from a segment's end do not bound it.
-constexpr double kMaxDistance = 1.0;  // m
-// Within this of its own rim a wall has not been seen beyond a floor or ceiling.
-constexpr double kRim = 0.3;  // m
-
 // Whether all that was seen of the other plane lies behind this one without touching it.
 bool IsBehind(const LandmarkView& other, const LandmarkView& own) {
   const PatchExtent& extent = other.landmark->extent;
@@ -65,9 +57,10 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   // The middle beam of a segment that does not belong there may pass its plane by.
   const bool at_upright_edge =
       own.plane.is_vertical && other.is_vertical && outwards.allFinite();
+  // Close to its own rim a wall has not been seen beyond a floor or ceiling.
   const bool goes_on = at_upright_edge
                            ? own_extent.GoesOnBeyond(at_world, outwards)
-                           : own_extent.Contains(own_extent.Project(at_world), -kRim);
+                           : own_extent.Contains(own_extent.Project(at_world), -kSeenReach);
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
   return PlaneIntersection{static_cast<int>(std::floor(beyond)),
                            other_trace,
@@ -84,7 +77,7 @@ std::vector<PlaneIntersection> FindIntersections(const PlaneOnScanLine& own,
                                                  const FreeEnd& end) {
   std::vector<PlaneIntersection> intersections;
   const Eigen::Vector2d middle = own.scan_line.BeamDirection(end.middle);
-  others.ForEachWithin(p_world, kMaxDistance, [&](const LandmarkView& other) {
+  others.ForEachWithin(p_world, kConcernReach, [&](const LandmarkView& other) {
     if (other.landmark == own.plane.landmark) return;
     const auto intersection = Meet(own, other, end, middle);
     if (intersection) intersections.push_back(*intersection);

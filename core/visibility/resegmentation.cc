@@ -20,6 +20,7 @@
 #include "core/util/ordered_pipeline.h"
 #include "core/visibility/beam_association.h"
 #include "core/visibility/beam_runs.h"
+#include "core/visibility/beam_tests.h"
 #include "core/visibility/plane_trace.h"
 #include "core/visibility/scan_line_resegmenter.h"
 #include "factors/segment/segment_measurement.h"
@@ -30,12 +31,6 @@ namespace {
 // With loop closure off, a plane bounds segments for this multiple of the gap after which it
 // is not taken up again: a surface shows single beams long before it shows segments.
 constexpr int kGapFactor = 10;
-// Number of beams without a segment that are placed with one pose: a few milliseconds' worth.
-constexpr int kBeamsPerPlacement = 32;
-// Distance beside a scan line's beams beyond which planes do not concern them: more than a
-// cell, and than the distance at which a plane bounds a segment.
-constexpr double kBesideBeams = 1.0;  // m
-constexpr int kMaxInt = std::numeric_limits<int>::max();
 
 using BeamRange = ScanLineResegmenter::BeamRange;
 using NewEnd = ScanLineResegmenter::NewEnd;
@@ -44,7 +39,8 @@ using Ends = ScanLineResegmenter::Ends;
 // The gap of planes that bound segments.
 LoopClosureOptions BoundingGap(const LoopClosureOptions& options) {
   LoopClosureOptions gap = options;
-  gap.max_gap_scans = std::min(gap.max_gap_scans, kMaxInt / kGapFactor) * kGapFactor;
+  gap.max_gap_scans =
+      std::min(gap.max_gap_scans, std::numeric_limits<int>::max() / kGapFactor) * kGapFactor;
   return gap;
 }
 
@@ -76,11 +72,11 @@ ScanSlab SlabOf(const ScanLine& scan_line,
   const std::array<int64_t, 3> times_ns = NodesOfSpan(
       BeamInstant(scan_line, 0, rig), BeamInstant(scan_line, scan_line.num_beams() - 1, rig));
   if (front.measurement.node_times_ns() == times_ns) {
-    return {resegmenter->poses()->Of(front).motion, farthest_m, kBesideBeams};
+    return {resegmenter->poses()->Of(front).motion, farthest_m, kConcernReach};
   }
   const Scanner& scanner = rig.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const ObservationPoses poses(times_ns, scanner, resegmenter->sampler());
-  return {poses.motion, farthest_m, kBesideBeams};
+  return {poses.motion, farthest_m, kConcernReach};
 }
 
 // Selects, from the planes that for_each visits, those that may bound the observations

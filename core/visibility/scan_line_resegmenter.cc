@@ -4,9 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/association/surface_levels.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/landmark_view.h"
 #include "core/sensor/beam_instant.h"
+#include "core/util/quantiles.h"
 #include "core/visibility/beam_tests.h"
 #include "core/visibility/occlusion.h"
 
@@ -232,7 +234,7 @@ bool ScanLineResegmenter::IsOff(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double range = scan_line.ranges[static_cast<size_t>(beam)];
   const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
-  return !(std::abs(range - expected) < kStrictSigmas * scanner.range_noise_m);
+  return !(std::abs(range - expected) < kSignificantStddevs * scanner.range_noise_m);
 }
 
 std::vector<int> ScanLineResegmenter::OccludedBeamsOf(const ScanLine& scan_line,

@@ -43,7 +43,6 @@ PackedSegment::PackedSegment(const SegmentMeasurement& measurement, const Segmen
     Eigen::Map<NodeRows> of_nodes(rows.row(i).data());
     of_nodes = of_nodes * to_own;
   }
-  constexpr int kColumns = SegmentMeasurement::kColumns;
   const Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor, 9, kColumns> rounded =
       rows.cast<float>();
   rows_ = CompactArray<float>(rounded.data(), static_cast<size_t>(rounded.size()));

@@ -15,8 +15,7 @@ namespace {
 
 // Limits of the motion and geometry that CompressSegment's accuracy holds for; see the header.
 constexpr double kMaxPlaneDistance = 100.0;
-constexpr double kMaxRotationRate = 10.0;
-constexpr double kMaxSpeed = 10.0;
+constexpr double kMaxVelocity = 10.0;       // rad/s and m/s
 constexpr double kMaxAcceleration = 100.0;  // rad/s^2 and m/s^2
 constexpr double kMaxLoss = 1e-3;           // standard deviations of one range
 
@@ -298,11 +297,10 @@ SegmentMeasurement SegmentMoments::Compress(const std::array<int64_t, 3>& nodes_
   // plausible h.
   const double own_half_span_ns = std::max(1.0, half_span_ns_);
   const double half_span_s = own_half_span_ns * 1e-9;
-  const double rate = kMaxRotationRate * half_span_s;
-  const double speed = kMaxSpeed * half_span_s;
+  const double way = kMaxVelocity * half_span_s;
   const double bend = 0.5 * kMaxAcceleration * half_span_s * half_span_s;
   Eigen::Matrix<double, 12, 1> scale;
-  scale << 1.0, 1.0, kMaxPlaneDistance, rate, rate, speed, bend, bend, bend, 1.0, 1.0, 1.0;
+  scale << 1.0, 1.0, kMaxPlaneDistance, way, way, way, bend, bend, bend, 1.0, 1.0, 1.0;
   const Eigen::Matrix3d with_bend = WithBend();
   MatrixAndGradients matrix;
   matrix << Matrix(), Eigen::Map<const Vector9d>(with_offset_.data()).transpose(),

@@ -19,14 +19,11 @@
 namespace plumbline {
 namespace {
 
-constexpr int kNumNodes = kNumSegmentNodes;
 constexpr int kMaxControlPoints = 9;
-constexpr int kPoseSize = kNodePoseSize;
 using Steps = std::array<RotationStep, kMaxControlPoints - 1>;
 
-constexpr int kLineSize = kNodePosesSize;
-using LineVector = Eigen::Matrix<double, kLineSize, 1>;
-using LineMatrix = Eigen::Matrix<double, kLineSize, kLineSize, Eigen::RowMajor>;
+using LineVector = Eigen::Matrix<double, kNodePosesSize, 1>;
+using LineMatrix = Eigen::Matrix<double, kNodePosesSize, kNodePosesSize, Eigen::RowMajor>;
 
 }  // namespace
 
@@ -36,7 +33,7 @@ struct LineSystem {
   void Clear(size_t num_planes, int num_plane_columns) {
     poses.setZero();
     gradient.setZero();
-    cross.setZero(kLineSize, num_plane_columns);
+    cross.setZero(kNodePosesSize, num_plane_columns);
     sees_plane.assign(num_planes, false);
     range_with_poses.setZero();
     range_with_planes.setZero(num_plane_columns, kNumRangeErrors);
@@ -47,11 +44,11 @@ struct LineSystem {
   LineMatrix poses;
   LineVector gradient;
   // Columns: planes' parameters.
-  Eigen::Matrix<double, kLineSize, Eigen::Dynamic> cross;
+  Eigen::Matrix<double, kNodePosesSize, Eigen::Dynamic> cross;
   std::vector<bool> sees_plane;
   // Terms of the range errors of the line's scanner, where those are estimated: products with
   // the poses, with the planes' parameters, with each other and with the residuals.
-  Eigen::Matrix<double, kLineSize, kNumRangeErrors> range_with_poses;
+  Eigen::Matrix<double, kNodePosesSize, kNumRangeErrors> range_with_poses;
   Eigen::Matrix<double, Eigen::Dynamic, kNumRangeErrors> range_with_planes;
   Eigen::Matrix<double, kNumRangeErrors, kNumRangeErrors> range2;
   Eigen::Matrix<double, kNumRangeErrors, 1> range_gradient;
@@ -73,7 +70,7 @@ namespace {
 template <int kPlaneSize>
 void AddRange(const SegmentRows<kPlaneSize>& rows, int plane_column, LineSystem* line) {
   if constexpr (kPlaneSize > 0) {
-    const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
+    const auto by_poses = rows.jacobian.template leftCols<kNodePosesSize>();
     const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
     line->range_with_poses += by_poses.transpose().lazyProduct(rows.by_range);
     line->range_with_planes.template middleRows<kPlaneSize>(plane_column) +=
@@ -107,8 +104,8 @@ double Weigh(double huber_width, SegmentRows<kPlaneSize>* rows, bool* is_outlier
 // Adds the rows of the poses' normal matrix that belong to one node, up to its diagonal block.
 template <int kNode, typename Jacobian>
 void AddNode(const Jacobian& jacobian, LineSystem* line) {
-  constexpr int kWidth = kPoseSize * (kNode + 1);
-  for (int i = kPoseSize * kNode; i < kWidth; ++i) {
+  constexpr int kWidth = kNodePoseSize * (kNode + 1);
+  for (int i = kNodePoseSize * kNode; i < kWidth; ++i) {
     Eigen::Matrix<double, 1, kWidth> sum = line->poses.template block<1, kWidth>(i, 0);
     for (Eigen::Index row = 0; row < jacobian.rows(); ++row) {
       sum += jacobian(row, i) * jacobian.template block<1, kWidth>(row, 0);
@@ -128,7 +125,7 @@ void AddRows(const SegmentRows<kPlaneSize>& rows,
   AddNode<0>(rows.jacobian, line);
   AddNode<1>(rows.jacobian, line);
   AddNode<2>(rows.jacobian, line);
-  const auto by_poses = rows.jacobian.template leftCols<kLineSize>();
+  const auto by_poses = rows.jacobian.template leftCols<kNodePosesSize>();
   line->gradient += by_poses.transpose().lazyProduct(rows.residuals);
   if constexpr (kPlaneSize > 0) {
     const auto by_plane = rows.jacobian.template rightCols<kPlaneSize>();
@@ -147,10 +144,11 @@ void AddRows(const SegmentRows<kPlaneSize>& rows,
 }
 
 void FillUpperBlocks(LineSystem* line) {
-  for (int k = 0; k < kNumNodes; ++k) {
+  for (int k = 0; k < kNumSegmentNodes; ++k) {
     for (int l = 0; l < k; ++l) {
-      line->poses.block<kPoseSize, kPoseSize>(kPoseSize * l, kPoseSize * k) =
-          line->poses.block<kPoseSize, kPoseSize>(kPoseSize * k, kPoseSize * l).transpose();
+      line->poses.block<kNodePoseSize, kNodePoseSize>(kNodePoseSize * l, kNodePoseSize * k) =
+          line->poses.block<kNodePoseSize, kNodePoseSize>(kNodePoseSize * k, kNodePoseSize * l)
+              .transpose();
     }
   }
 }
@@ -160,13 +158,15 @@ void FillUpperBlocks(LineSystem* line) {
 class Spread {
  public:
   // first: of the control points that each node uses.
-  Spread(const std::array<int, kNumNodes>& first, const NodePoses& poses, int num_nodes) {
+  Spread(const std::array<int, kNumSegmentNodes>& first,
+         const NodePoses& poses,
+         int num_nodes) {
     const auto [begin, last] = std::minmax_element(first.begin(), first.begin() + num_nodes);
     begin_ = *begin;
     end_ = *last + kSplineOrder;
     for (int control_point = begin_; control_point < end_; ++control_point) {
       NodesByControlPoint& nodes = nodes_[static_cast<size_t>(control_point)];
-      for (size_t k = 0; k < kNumNodes; ++k) {
+      for (size_t k = 0; k < kNumSegmentNodes; ++k) {
         const int j = control_point - first[k];
         const bool is_used = static_cast<int>(k) < num_nodes && j >= 0 && j < kSplineOrder;
         const SplinePoseJacobian& spline = poses.splines[k];
@@ -185,8 +185,8 @@ class Spread {
            SegmentGroup::Quadratic* quadratic) const {
     for (int column = begin_; column < end_; ++column) {
       const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(column)];
-      const int at = kPoseSize * column;
-      quadratic->gradient.segment<kPoseSize>(at) += Gather(nodes, line.gradient);
+      const int at = kNodePoseSize * column;
+      quadratic->gradient.segment<kNodePoseSize>(at) += Gather(nodes, line.gradient);
       const Product product = Multiply(line.poses, nodes);
       for (int row = begin_; row < end_; ++row) {
         AddPair(row, column, product, &quadratic->hessian);
@@ -194,7 +194,7 @@ class Spread {
       for (size_t i = 0; i < line.sees_plane.size(); ++i) {
         if (!line.sees_plane[i]) continue;
         for (int row = plane_offsets[i]; row < plane_offsets[i + 1]; ++row) {
-          quadratic->hessian.block<1, kPoseSize>(row, at) +=
+          quadratic->hessian.block<1, kNodePoseSize>(row, at) +=
               Gather(nodes, line.cross.col(row - plane_offsets[0])).transpose();
         }
       }
@@ -204,33 +204,33 @@ class Spread {
   // Adds a row of the group's matrix, given by its products with the nodes' poses.
   void AddRow(const LineVector& by_nodes, int row, Eigen::MatrixXd* hessian) const {
     for (int column = begin_; column < end_; ++column) {
-      hessian->block<1, kPoseSize>(row, kPoseSize * column) +=
+      hessian->block<1, kNodePoseSize>(row, kNodePoseSize * column) +=
           Gather(nodes_[static_cast<size_t>(column)], by_nodes).transpose();
     }
   }
 
  private:
-  using PoseVector = Eigen::Matrix<double, kPoseSize, 1>;
+  using PoseVector = Eigen::Matrix<double, kNodePoseSize, 1>;
 
   // The nodes' poses differentiated by one control point; zero where a node does not use it.
   struct NodesByControlPoint {
-    std::array<Eigen::Matrix3d, kNumNodes> rotations;
-    std::array<double, kNumNodes> weights;  // of the position
+    std::array<Eigen::Matrix3d, kNumSegmentNodes> rotations;
+    std::array<double, kNumSegmentNodes> weights;  // of the position
   };
 
   // Columns of a control point, rows of the nodes' poses: those of the rotation, and those of
   // the position for the nodes' positions.
   struct Product {
-    std::array<Eigen::Matrix<double, kPoseSize, 3>, kNumNodes> rotation;
-    std::array<Eigen::Matrix3d, kNumNodes> position;
+    std::array<Eigen::Matrix<double, kNodePoseSize, 3>, kNumSegmentNodes> rotation;
+    std::array<Eigen::Matrix3d, kNumSegmentNodes> position;
   };
 
   // Converts a linear form in the nodes' poses to one in a control point.
   template <typename Vector>
   static PoseVector Gather(const NodesByControlPoint& nodes, const Vector& by_nodes) {
     PoseVector sum = PoseVector::Zero();
-    for (size_t k = 0; k < kNumNodes; ++k) {
-      const auto at = kPoseSize * static_cast<int>(k);
+    for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+      const auto at = kNodePoseSize * static_cast<int>(k);
       sum.head<3>() += nodes.rotations[k].transpose() * by_nodes.template segment<3>(at);
       sum.tail<3>() += nodes.weights[k] * by_nodes.template segment<3>(at + 3);
     }
@@ -239,14 +239,14 @@ class Spread {
 
   static Product Multiply(const LineMatrix& poses, const NodesByControlPoint& nodes) {
     Product product;
-    for (size_t k = 0; k < kNumNodes; ++k) {
-      const auto row = kPoseSize * static_cast<int>(k);
+    for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+      const auto row = kNodePoseSize * static_cast<int>(k);
       product.rotation[k].setZero();
       product.position[k].setZero();
-      for (size_t l = 0; l < kNumNodes; ++l) {
-        const auto column = kPoseSize * static_cast<int>(l);
+      for (size_t l = 0; l < kNumSegmentNodes; ++l) {
+        const auto column = kNodePoseSize * static_cast<int>(l);
         product.rotation[k] +=
-            poses.block<kPoseSize, 3>(row, column).lazyProduct(nodes.rotations[l]);
+            poses.block<kNodePoseSize, 3>(row, column).lazyProduct(nodes.rotations[l]);
         product.position[k] += nodes.weights[l] * poses.block<3, 3>(row + 3, column + 3);
       }
     }
@@ -256,10 +256,10 @@ class Spread {
   // The blocks of two control points that lie in the lower triangle.
   void AddPair(int row, int column, const Product& product, Eigen::MatrixXd* hessian) const {
     const NodesByControlPoint& nodes = nodes_[static_cast<size_t>(row)];
-    const int row_at = kPoseSize * row;
-    const int column_at = kPoseSize * column;
+    const int row_at = kNodePoseSize * row;
+    const int column_at = kNodePoseSize * column;
     Eigen::Matrix3d mixed = nodes.weights[0] * product.rotation[0].bottomRows<3>();
-    for (size_t k = 1; k < kNumNodes; ++k) {
+    for (size_t k = 1; k < kNumSegmentNodes; ++k) {
       mixed += nodes.weights[k] * product.rotation[k].bottomRows<3>();
     }
     if (row < column) {
@@ -267,7 +267,7 @@ class Spread {
       return;
     }
     hessian->block<3, 3>(row_at + 3, column_at) += mixed;
-    for (size_t k = 0; k < kNumNodes; ++k) {
+    for (size_t k = 0; k < kNumSegmentNodes; ++k) {
       hessian->block<3, 3>(row_at, column_at) +=
           nodes.rotations[k].transpose().lazyProduct(product.rotation[k].topRows<3>());
       hessian->block<3, 3>(row_at + 3, column_at + 3) +=
@@ -282,18 +282,18 @@ class Spread {
 
 // Velocities of the body at the nodes of a scan line, in the world's axes.
 struct NodeVelocities {
-  std::array<Eigen::Vector3d, kNumNodes> angular;  // rad/s
-  std::array<Eigen::Vector3d, kNumNodes> linear;   // m/s
+  std::array<Eigen::Vector3d, kNumSegmentNodes> angular;  // rad/s
+  std::array<Eigen::Vector3d, kNumSegmentNodes> linear;   // m/s
 };
 
 // later: in knot intervals.
-NodeVelocities VelocitiesAt(const std::array<SplineNode, kNumNodes>& nodes,
+NodeVelocities VelocitiesAt(const std::array<SplineNode, kNumSegmentNodes>& nodes,
                             double const* const* q,
                             double const* const* p,
                             double later,
                             double knot_interval_s) {
   NodeVelocities velocities;
-  for (size_t k = 0; k < kNumNodes; ++k) {
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
     EvaluateVelocity(q + nodes[k].first,
                      p + nodes[k].first,
                      nodes[k].u + later,
@@ -305,16 +305,20 @@ NodeVelocities VelocitiesAt(const std::array<SplineNode, kNumNodes>& nodes,
 }
 
 // The derivative of the nodes' poses by the scanner's block.
-using NodesByScanner = Eigen::Matrix<double, kLineSize, kScannerBlockSize>;
+using NodesByScanner = Eigen::Matrix<double, kNodePosesSize, kScannerBlockSize>;
 
 NodesByScanner ByScanner(const ScannerPose& scanner,
                          const double* block,
                          const NodePoses& poses,
                          const NodeVelocities& velocities) {
   NodesByScanner by_scanner;
-  for (size_t k = 0; k < kNumNodes; ++k) {
-    by_scanner.middleRows<kPoseSize>(kPoseSize * static_cast<int>(k)) = BodyMotionByScanner(
-        poses.world_from_body[k], scanner, block, velocities.angular[k], velocities.linear[k]);
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+    by_scanner.middleRows<kNodePoseSize>(kNodePoseSize * static_cast<int>(k)) =
+        BodyMotionByScanner(poses.world_from_body[k],
+                            scanner,
+                            block,
+                            velocities.angular[k],
+                            velocities.linear[k]);
   }
   return by_scanner;
 }
@@ -349,8 +353,8 @@ void AddScanner(const LineSystem& line,
   }
 }
 
-bool SameNodes(const std::array<SplineNode, kNumNodes>& a,
-               const std::array<SplineNode, kNumNodes>& b) {
+bool SameNodes(const std::array<SplineNode, kNumSegmentNodes>& a,
+               const std::array<SplineNode, kNumSegmentNodes>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), [](const auto& x, const auto& y) {
     return x.first == y.first && x.u == y.u;
   });
@@ -502,8 +506,8 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
                                             : at.scanner_blocks[scan_line.estimated_scanner];
     const double later =
         scanner_block == nullptr ? 0.0 : scanner_block[kScannerDelayAt] / knot_interval_s_;
-    std::array<int, kNumNodes> first;
-    for (size_t k = 0; k < kNumNodes; ++k) {
+    std::array<int, kNumSegmentNodes> first;
+    for (size_t k = 0; k < kNumSegmentNodes; ++k) {
       const SplineNode& node = scan_line.nodes[k];
       const SplinePose pose = EvaluatePose(&steps[static_cast<size_t>(node.first)],
                                            at.rotations[node.first],
