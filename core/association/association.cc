@@ -136,7 +136,8 @@ Reach ReachOfScan(const Rig& rig,
     const Observation& observation = observations[i];
     if (observation.scan_index != observations[first].scan_index) break;
     const double lever_arm = rig.scanners[static_cast<size_t>(observation.scanner_index)]
-                                 .body_from_scanner.translation.norm();
+                                 .BodyFromScanner(observation.middle_time_ns())
+                                 .translation.norm();
     farthest = std::max(
         farthest, lever_arm + std::max(observation.start().norm(), observation.end().norm()));
   }

@@ -48,8 +48,9 @@ std::vector<BodyLine> LinesInBody(const Rig& rig, const std::vector<Observation>
     if (observation.num_points < kMinPoints || observation.sigma_direction_rad > kMaxSigma) {
       continue;
     }
-    const Rigid3d& body_from_scanner =
-        rig.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+    const Rigid3d body_from_scanner =
+        rig.scanners[static_cast<size_t>(observation.scanner_index)].BodyFromScanner(
+            observation.middle_time_ns());
     BodyLine line;
     line.observation = static_cast<int>(i);
     line.scanner = observation.scanner_index;
@@ -212,8 +213,9 @@ std::optional<ModelFrame> FindModelFrame(const Rig& rig,
   for (const BodyLine& line : lines) {
     if (no_walls.count(line.observation) > 0) continue;
     const Observation& observation = scan[static_cast<size_t>(line.observation)];
-    const Rigid3d& body_from_scanner =
-        rig.scanners[static_cast<size_t>(line.scanner)].body_from_scanner;
+    const Rigid3d body_from_scanner =
+        rig.scanners[static_cast<size_t>(line.scanner)].BodyFromScanner(
+            observation.middle_time_ns());
     if (!planar) {
       const TypeEvidence evidence = JudgeType(observation,
                                               level_from_body * body_from_scanner.rotation,

@@ -6,6 +6,7 @@
 #include "core/check/findings.h"
 #include "core/check/levels.h"
 #include "core/check/words.h"
+#include "core/sensor/recording.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -100,7 +101,8 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   std::vector<size_t> sources;
   std::vector<size_t> indices;  // in the rig, of those present
   std::vector<std::string> names;
-  std::vector<const std::vector<ScanLine>*> lines;
+  Rig starting = present;  // with those on mounts
+  std::vector<const std::vector<ScanLine>*> starting_lines;
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     const Scanner& scanner = rig.scanners[i];
     int topic = -1;
@@ -109,14 +111,16 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
     }
     report->topics_of_scanners.push_back(topic);
     const auto at = static_cast<size_t>(std::max(0, topic));
-    report->heights.push_back(FindHeights(topic < 0 ? std::vector<SampledLine>() : as_sent[at],
-                                          scanner.body_from_scanner));
+    report->heights.push_back(
+        FindHeights(topic < 0 ? std::vector<SampledLine>() : as_sent[at], scanner));
     if (topic < 0 || as_sent[at].empty()) continue;
+    starting.scanners.push_back(scanner);
+    starting_lines.push_back(&report->survey.sample[at]);
+    if (scanner.mount) continue;  // it sees other places at every angle
     present.scanners.push_back(scanner);
     sources.push_back(at);
     indices.push_back(i);
     names.push_back(scanner.name);
-    lines.push_back(&report->survey.sample[at]);
   }
   const MountedRig mounted = AsRigFileSays(present, sources);
   report->agreements = AgreementsOf(as_sent, mounted);
@@ -148,7 +152,7 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   }
   if (report->near) report->other_mounting.reset();
   if (turned) report->other_mounting = turned;
-  report->starts = FindStarts(present, lines);
+  report->starts = FindStarts(starting, starting_lines);
 }
 
 bool HasStop(const CheckReport& report) {
@@ -172,13 +176,20 @@ void JudgeWithRig(CheckReport* report) {
 void JudgeWithoutRig(CheckReport* report) {
   int num_tilted = 0;
   int num_level = 0;
+  int num_nodding = 0;
   for (const OwnAttitude& own : report->attitudes) {
-    if (own.attitude == Attitude::kTilted) ++num_tilted;
+    if (own.attitude == Attitude::kTilted || own.attitude == Attitude::kNodding) ++num_tilted;
+    if (own.attitude == Attitude::kNodding) ++num_nodding;
     if (own.attitude == Attitude::kLevel) ++num_level;
   }
   const auto num_topics = static_cast<int>(report->survey.topics.size());
   report->mappable = Mappable::kInThePlane;
-  if (num_tilted > 0 && num_topics > 1) {
+  if (num_nodding > 0) {
+    report->mappable = Mappable::kInSpace;
+    report->verdict =
+        "can be mapped in 3D once the rig file is filled in, with the mount of "
+        "each scanner that nods";
+  } else if (num_tilted > 0 && num_topics > 1) {
     report->mappable = Mappable::kInSpace;
     report->verdict =
         "can be mapped in 3D once the rig file is filled in: " + std::to_string(num_tilted) +
@@ -234,7 +245,14 @@ void Judge(CheckReport* report) {
 }  // namespace
 
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig) {
-  return CheckSurvey(SurveyRecording(path, rig ? &*rig : nullptr), rig);
+  if (!rig) return CheckSurvey(SurveyRecording(path, nullptr), rig);
+  std::optional<Rig> moving = rig;
+  if (std::any_of(rig->scanners.begin(), rig->scanners.end(), [](const Scanner& scanner) {
+        return scanner.mount.has_value();
+      })) {
+    StartMounts(RecordingReader(path, *rig), &*moving);
+  }
+  return CheckSurvey(SurveyRecording(path, &*moving), moving);
 }
 
 bool SitAtOnePose(const Rig& rig) {
@@ -266,6 +284,10 @@ CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig) {
   report.attitudes = JudgeAttitudes(sample);
   for (const std::vector<SampledLine>& lines : sample) {
     report.turns.push_back(CommonTurns(lines));
+  }
+  for (size_t i = 0; i < sample.size(); ++i) {
+    report.nods.push_back(FindNod(report.survey.sample[i]));
+    if (report.nods.back()) report.attitudes[i].attitude = Attitude::kNodding;
   }
   for (size_t i = 0; i < sample.size() && !rig; ++i) {
     report.travel_directions.push_back(report.attitudes[i].attitude == Attitude::kLevel

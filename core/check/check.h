@@ -9,6 +9,7 @@
 #include "core/check/header_search.h"
 #include "core/check/mounting_fit.h"
 #include "core/check/mounting_search.h"
+#include "core/check/nodding.h"
 #include "core/check/recording_survey.h"
 #include "core/check/scanner_outlook.h"
 #include "core/check/start_search.h"
@@ -26,6 +27,7 @@ struct CheckReport {
   std::vector<Doubling> doublings;     // of topics of the survey
   std::vector<OwnAttitude> attitudes;  // by topic of the survey
   std::vector<std::vector<StepTurn>> turns;  // by topic
+  std::vector<std::optional<Nod>> nods;      // by topic; none: it does not nod
   // Directions of travel of level scanners, by topic; empty with a rig file.
   std::vector<std::optional<TravelDirection>> travel_directions;
 
@@ -47,6 +49,10 @@ struct CheckReport {
   std::optional<double> wheels_late_s;
 
   std::vector<Finding> findings;  // the gravest first
+  // How a topic's scanner nods; none: it does not.
+  std::optional<Nod> NodOf(size_t topic) const {
+    return topic < nods.size() ? nods[topic] : std::nullopt;
+  }
   Mappable mappable = Mappable::kNot;
   std::string verdict;  // one sentence
 };

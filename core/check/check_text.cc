@@ -41,6 +41,8 @@ std::string AttitudeName(Attitude attitude) {
       return "level";
     case Attitude::kTilted:
       return "tilted";
+    case Attitude::kNodding:
+      return "nods";
     case Attitude::kUnknown:
       return "not shown";
   }
@@ -71,6 +73,7 @@ std::string TopicTable(const CheckReport& report) {
                                                  "stands"}};
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     const TopicSurvey& topic = report.survey.topics[i];
+    const std::optional<Nod> nod = report.NodOf(i);
     rows.push_back({OnOneLine(topic.name),
                     std::to_string(topic.stamps.size()),
                     RateOf(topic),
@@ -79,7 +82,8 @@ std::string TopicTable(const CheckReport& report) {
                     PercentOf(ReturnShareOf(topic)),
                     Decimal(topic.RangeQuantile(0.5) * topic.metres_per_unit, 1) + " m",
                     Decimal(1e3 * topic.noise_m, 0) + " mm",
-                    AttitudeName(report.attitudes[i].attitude)});
+                    AttitudeName(report.attitudes[i].attitude) +
+                        (nod ? ", " + Decimal(nod->period_s, 2) + " s" : "")});
   }
   std::vector<size_t> widths(rows.front().size(), 0);
   for (const auto& row : rows) {
@@ -126,7 +130,9 @@ std::string AgreementText(const CheckReport& report) {
   return text;
 }
 
-Json TopicJson(const TopicSurvey& topic, const OwnAttitude& attitude) {
+Json TopicJson(const TopicSurvey& topic,
+               const OwnAttitude& attitude,
+               const std::optional<Nod>& nod) {
   Json json;
   json["topic"] = topic.name;
   json["type"] = topic.type;
@@ -154,6 +160,12 @@ Json TopicJson(const TopicSurvey& topic, const OwnAttitude& attitude) {
   json["turns"] = attitude.num_turns;
   json["still_share"] = attitude.still_share;
   json["alike_share"] = attitude.alike_share;
+  if (nod) {
+    json["nod"] = {{"period_s", nod->period_s},
+                   {"axis_deg", nod->axis_rad * kDegreesPerRadian},
+                   {"changed_share", nod->changed_share},
+                   {"returned_share", nod->returned_share}};
+  }
   return json;
 }
 
@@ -242,7 +254,8 @@ std::string FormatCheckJson(const CheckReport& report) {
   json["duration_s"] = report.survey.duration_s();
   json["topics"] = Json::array();
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
-    json["topics"].push_back(TopicJson(report.survey.topics[i], report.attitudes[i]));
+    json["topics"].push_back(
+        TopicJson(report.survey.topics[i], report.attitudes[i], report.NodOf(i)));
   }
   json["other_topics"] = report.survey.other_topics;
   if (report.rig) AddRigJson(report, &json);

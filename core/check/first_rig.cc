@@ -70,10 +70,26 @@ std::string RotationComment(Attitude attitude, const std::optional<TravelDirecti
              "counter-clockwise";
     case Attitude::kTilted:
       return "# FILL IN; it is not level: it sees floor or ceiling";
+    case Attitude::kNodding:
+      return "# FILL IN, at angle 0 of the mount below";
     case Attitude::kUnknown:
       return "# FILL IN; whether it is level, the scans do not show";
   }
   return "";
+}
+
+// The mount of a scanner that nods.
+std::string MountText(const Nod& nod) {
+  const double degrees = nod.axis_rad / kRadiansPerDegree;
+  return "    mount:                    # it nods, or spins, about an axis that lies in its "
+         "scan "
+         "plane at about " +
+         Decimal(degrees, 0) +
+         " deg\n"
+         "      axis: [0.0, 1.0, 0.0]   # FILL IN, in the body frame\n"
+         "      # FILL IN: joint_topic and joint where the angle was recorded, instead of:\n"
+         "      swing: {amplitude_deg: 30.0, period_s: " +
+         Decimal(nod.period_s, 3) + "}\n";
 }
 
 // Pose of a topic's scanner by the recording's static transforms.
@@ -133,6 +149,7 @@ std::string FormatFirstRig(const CheckReport& report) {
       text += "      rotation_rpy_deg: [0.0, 0.0, " + Decimal(yaw_deg, 1) + "]   " +
               RotationComment(attitude, travel) + "\n";
     }
+    if (const auto nod = report.NodOf(i)) text += MountText(*nod);
     text += "    range_noise_m: " + Decimal(std::max(kMinNoise, topic.noise_m), 3) +
             "                  # neighbouring beams show " + Decimal(topic.noise_m, 3) +
             "; uneven walls and the mounting add to it\n";

@@ -82,6 +82,7 @@ class RigJudge {
     if (!HasAllLines()) return;  // why not is told
     JudgeHeaders();
     JudgeMounting();
+    JudgeNods();
     JudgeAttitudes();
     if (IsPlanar(rig_)) {
       JudgePlanarView();
@@ -254,7 +255,7 @@ class RigJudge {
     if (rig_.scanners.size() < 2) return;
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i)) continue;
-      if (NumCompared(i) >= kMinPlaces) continue;
+      if (NumCompared(i) >= kMinPlaces || rig_.scanners[i].mount) continue;
       Add(Severity::kNote,
           TopicOf(i),
           "scanner " + NameOf(i) +
@@ -264,10 +265,24 @@ class RigJudge {
     }
   }
 
+  void JudgeNods() {
+    for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+      if (!HasLines(i) || rig_.scanners[i].mount) continue;
+      const auto nod = report_->NodOf(static_cast<size_t>(report_->topics_of_scanners[i]));
+      if (!nod) continue;
+      AddMounting(TopicOf(i),
+                  "scanner " + NameOf(i) + " moves against the rig with a period of " +
+                      Decimal(nod->period_s, 2) + " s, about an axis at " +
+                      Decimal(nod->axis_rad * kDegreesPerRadian, 0) +
+                      " deg of its angles, and the rig file has no mount for it",
+                  "add its mount to the rig file");
+    }
+  }
+
   // Only where no other scanner vouches for this one: a rig that swings deceives this test.
   void JudgeAttitudes() {
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
-      if (!HasLines(i) || NumCompared(i) >= kMinPlaces) continue;
+      if (!HasLines(i) || NumCompared(i) >= kMinPlaces || rig_.scanners[i].mount) continue;
       const OwnAttitude& own =
           report_->attitudes[static_cast<size_t>(report_->topics_of_scanners[i])];
       const bool is_tilted = report_->heights[i].is_tilted;
@@ -309,6 +324,7 @@ class RigJudge {
       const HeightView& view = report_->heights[i];
       if (view.floor.is_seen || view.ceiling.is_seen) seeing.push_back(NameOf(i));
       if (view.floor.is_seen) floors.push_back(view.floor.height_m);
+      is_crossed = is_crossed || (rig_.scanners[i].mount && view.is_tilted);
       for (size_t j = 0; j < i; ++j) {
         if (!HasLines(j)) continue;
         const auto normal = [&](size_t k) {

@@ -196,16 +196,18 @@ std::vector<OwnAttitude> JudgeAttitudes(const std::vector<std::vector<SampledLin
   return attitudes;
 }
 
-HeightView FindHeights(const std::vector<SampledLine>& lines,
-                       const Rigid3d& body_from_scanner) {
+HeightView FindHeights(const std::vector<SampledLine>& lines, const Scanner& scanner) {
   HeightView view;
-  const Eigen::Vector3d normal = body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
-  view.is_tilted = normal.head<2>().norm() > kMinTilt;
+  const Eigen::Vector3d normal = scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
+  view.is_tilted = normal.head<2>().norm() > kMinTilt ||
+                   (scanner.mount && scanner.mount->axis.cross(normal).norm() > kMinTilt);
   if (!view.is_tilted || lines.empty()) return view;
   std::map<int, std::vector<double>> heights;  // by bin, one entry a line
   for (const SampledLine& line : lines) {
     std::map<int, double> of_line;
     for (const SampledSegment& segment : line.segments) {
+      const Rigid3d body_from_scanner = scanner.BodyFromScanner(
+          line.InstantAt(segment.At(0.5)) + NanosecondsFromSeconds(scanner.time_offset_s));
       const auto to_body = [&](const Eigen::Vector2d& p) {
         return Eigen::Vector3d(body_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0));
       };

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/check/sampled_line.h"
-#include "core/geometry/rigid3.h"
+#include "core/sensor/rig.h"
 
 namespace plumbline {
 
@@ -12,7 +12,8 @@ namespace plumbline {
 enum class Attitude {
   kUnknown,  // the rig hardly turned, or too little is seen
   kLevel,    // all that it sees turns when the rig does: walls
-  kTilted    // some of what it sees stays when the rig turns: floor or ceiling
+  kTilted,   // some of what it sees stays when the rig turns: floor or ceiling
+  kNodding   // it moves against the rig (nodding.h)
 };
 
 struct OwnAttitude {
@@ -42,11 +43,11 @@ struct LevelTraces {
   double share = 0.0;     // of the scan lines that have such a trace
 };
 struct HeightView {
-  bool is_tilted = false;  // as the rig file says: only then heights are seen
+  bool is_tilted =
+      false;  // as the rig file says, always or now and then: only then heights are seen
   LevelTraces floor;
   LevelTraces ceiling;
 };
-HeightView FindHeights(const std::vector<SampledLine>& lines,
-                       const Rigid3d& body_from_scanner);
+HeightView FindHeights(const std::vector<SampledLine>& lines, const Scanner& scanner);
 
 }  // namespace plumbline

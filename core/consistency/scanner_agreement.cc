@@ -77,6 +77,7 @@ double VisibilityToOthers(const Rig& rig,
   double best = 0.0;
   for (size_t i = 0; i < rig.scanners.size(); ++i) {
     if (i == scanner) continue;
+    if (rig.scanners[i].mount) return 1.0;  // it comes to see any surface
     const Eigen::Vector3d axis =
         rig.scanners[i].body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
     const double cosine = normal_world.z() * axis.z();

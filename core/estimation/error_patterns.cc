@@ -137,19 +137,42 @@ void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
   }
 }
 
-BodyByScanner ErrorPatterns::ByScanner(const Nodes& nodes, int k, int scanner) const {
+Rigid3d ErrorPatterns::BodyFromScanner(const Nodes& nodes, size_t k, int scanner) const {
+  return rig_.scanners[static_cast<size_t>(scanner)].BodyFromScanner(nodes.times_ns[k]);
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMountedBlockSize> ErrorPatterns::ByScanner(
+    const Nodes& nodes, int k, int scanner) const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMountedBlockSize> by_scanner;
   const auto node = static_cast<size_t>(k);
   const auto index = static_cast<size_t>(scanner);
   const int column = scanner_columns_[index];
-  if (column < 0) return BodyByScanner::Zero();
-  const Rigid3d& body_from_scanner = rig_.scanners[index].body_from_scanner;
-  BodyByScanner by_scanner = BodyMotionByScanner(
-      nodes.poses.world_from_body[node],
-      {body_from_scanner.rotation.toRotationMatrix(), body_from_scanner.translation},
-      calibration_.scanners[index].block.data(),
-      nodes.angular[node],
-      nodes.linear[node]);
-  for (int i = 0; i < kScannerBlockSize; ++i) {
+  if (column < 0) {
+    by_scanner.setZero(6, kScannerBlockSize);
+    return by_scanner;
+  }
+  const Scanner& described = rig_.scanners[index];
+  const ScannerEstimate& estimate = calibration_.scanners[index];
+  const Rigid3d& body_from_scanner = described.body_from_scanner;
+  const ScannerPose at_zero = {body_from_scanner.rotation.toRotationMatrix(),
+                               body_from_scanner.translation};
+  if (estimate.is_mounted) {
+    by_scanner = BodyMotionByMounted(
+        nodes.poses.world_from_body[node],
+        at_zero,
+        estimate.stated_mount,
+        MotionOf(*described.mount, nodes.times_ns[node], described.delay_s),
+        estimate.block.data(),
+        nodes.angular[node],
+        nodes.linear[node]);
+  } else {
+    by_scanner = BodyMotionByScanner(nodes.poses.world_from_body[node],
+                                     at_zero,
+                                     estimate.block.data(),
+                                     nodes.angular[node],
+                                     nodes.linear[node]);
+  }
+  for (int i = 0; i < by_scanner.cols(); ++i) {
     if (!layout_.is_free[static_cast<size_t>(column + i)]) by_scanner.col(i).setZero();
   }
   return by_scanner;
@@ -162,24 +185,29 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
                                             const Nodes& nodes) const {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
-  const Rigid3d& body_from_scanner = rig_.scanners[scanner].body_from_scanner;
   const PackedSegment& segment = observation.measurement;
   const int num_nodes = segment.num_nodes();
   Basis basis;
   basis.scanner_column = scanner_columns_[scanner];
+  ScannerAtNodes at_nodes;
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+    const Rigid3d body_from_scanner = BodyFromScanner(nodes, k, observation.scanner_index);
+    at_nodes[k] = nodes.poses.world_from_body[k] *
+                  AxesAndOrigin({body_from_scanner.rotation.toRotationMatrix(),
+                                 body_from_scanner.translation});
+  }
   SegmentRows<Model::kSize> rows;
-  Differentiate(
-      model,
-      segment,
-      weights,
-      AtNodes({body_from_scanner.rotation.toRotationMatrix(), body_from_scanner.translation},
-              nodes.poses),
-      nodes.poses,
-      landmark.parameters.data(),
-      DerivativesNear(model, landmark.parameters.data(), landmark.chart.anchor),
-      basis.scanner_column < 0 ? nullptr
-                               : &calibration_.scanners[scanner].block[kScannerRangeAt],
-      &rows);
+  Differentiate(model,
+                segment,
+                weights,
+                at_nodes,
+                nodes.poses,
+                landmark.parameters.data(),
+                DerivativesNear(model, landmark.parameters.data(), landmark.chart.anchor),
+                basis.scanner_column < 0
+                    ? nullptr
+                    : &calibration_.scanners[scanner].block[kScannerRangeAt],
+                &rows);
   // What slopes and offset do, the same at all nodes; nothing in rows beyond the segment's.
   const SegmentMeasurement::Rows stored = segment.rows().cast<double>();
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, SegmentRows<Model::kSize>::kMaxRows, 3> root;
@@ -198,7 +226,10 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
   basis.first_column = first * block_size;
   CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
   basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
-  basis.scanner_load.setZero();
+  const int scanner_size = basis.scanner_column < 0
+                               ? kScannerBlockSize
+                               : calibration_.scanners[scanner].BlockSize();
+  basis.scanner_load.setZero(scanner_size, 3);
   for (int k = 0; k < num_nodes; ++k) {
     const Eigen::Matrix<double, kNodePoseSize, 3> load =
         rows.jacobian.template middleCols<kNodePoseSize>(kNodePoseSize * k).transpose() * root;
@@ -218,8 +249,7 @@ ErrorPatterns::Basis ErrorPatterns::BasisOf(const Observation& observation,
                                             const Nodes& nodes) const {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d world_from_scanner =
-      nodes.middle *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+      nodes.middle * BodyFromScanner(nodes, 1, observation.scanner_index);
   const Eigen::Vector2d centroid = observation.centroid();
   const SegmentWeights weights =
       WeightsOn(observation,
@@ -325,8 +355,7 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
                                            const Nodes& nodes) {
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d world_from_scanner =
-      nodes.middle *
-      rig_.scanners[static_cast<size_t>(observation.scanner_index)].body_from_scanner;
+      nodes.middle * BodyFromScanner(nodes, 1, observation.scanner_index);
   const int own = kPerScanner * observation.scanner_index;
   coefficients_.leftCols(num_scanner_patterns_).setZero();
   const Eigen::Vector3d by_range = WalkAlong(observation, world_from_scanner, landmark);
@@ -366,7 +395,7 @@ void ErrorPatterns::RescoreCells(const Observation& observation) {
            explained_move_.segment(plane_column, plane_size);
   if (basis.scanner_column >= 0) {
     score += basis.scanner_load.transpose() *
-             explained_move_.segment<kScannerBlockSize>(basis.scanner_column);
+             explained_move_.segment(basis.scanner_column, basis.scanner_load.rows());
   }
   for (const CellShare& share : shares_) {
     cell_scores_[static_cast<size_t>(share.cell)] +=
@@ -398,7 +427,7 @@ void ErrorPatterns::Add(const Observation& observation) {
   loads_.middleRows(plane_column, plane_size).noalias() +=
       basis.plane_load.topRows(plane_size).lazyProduct(coefficients_);
   if (basis.scanner_column >= 0) {
-    loads_.middleRows<kScannerBlockSize>(basis.scanner_column).noalias() +=
+    loads_.middleRows(basis.scanner_column, basis.scanner_load.rows()).noalias() +=
         basis.scanner_load.lazyProduct(coefficients_);
   }
   const auto leading = coefficients_.leftCols(products_.cols());

@@ -104,7 +104,7 @@ class ErrorPatterns {
     int first_column = 0;  // of the control points
     PoseLoad pose_load;    // J^T U, their rows x 3
     Eigen::Matrix3d plane_load;
-    Eigen::Matrix<double, kScannerBlockSize, 3> scanner_load;
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMountedBlockSize, 3> scanner_load;
     int scanner_column = -1;  // of the scanner's block; -1: not estimated
     Eigen::Matrix3d product;  // U^T U
     Eigen::Vector3d score;    // U^T r
@@ -130,7 +130,10 @@ class ErrorPatterns {
                 const SegmentWeights& weights,
                 const Nodes& nodes) const;
   // How a scanner's block moves the body at a node, in the directions that are estimated.
-  BodyByScanner ByScanner(const Nodes& nodes, int k, int scanner) const;
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMountedBlockSize> ByScanner(
+      const Nodes& nodes, int k, int scanner) const;
+  // A scanner's pose in the body at a node.
+  Rigid3d BodyFromScanner(const Nodes& nodes, size_t k, int scanner) const;
   void AddPoseLoad(const Nodes& nodes,
                    int k,
                    const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,

@@ -1,10 +1,12 @@
 #include "core/estimation/estimation_problem.h"
 
 #include <ceres/cost_function.h>
+#include <glog/logging.h>
 
 #include <cmath>
 #include <utility>
 
+#include "core/util/error.h"
 #include "factors/cost/motion_factor.h"
 #include "factors/cost/point_factor.h"
 #include "factors/cost/pose_factor.h"
@@ -94,6 +96,9 @@ void EstimationProblem::AddPoints(const Observation& observation) {
       ObservationWeights(ObservationPoses(*trajectory_, rig_.scanners[scanner], observation),
                          *landmarks_,
                          observation);
+  if (rig_.scanners[scanner].mount) {
+    throw Error("single points know no scanner on a mount: batch: {factor: segment}");
+  }
   unknowns_.Register(LandmarkBlock(landmark.id));
   for (const ObservedPoint& point : observation.points) {
     const Trajectory::Location at = trajectory_->Locate(point.time_ns);
@@ -148,6 +153,7 @@ FactorTerm EstimationProblem::MakeSegmentTerm(const Observation& observation,
                                               double huber_width) const {
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(observation.landmark_id)];
   const auto scanner = static_cast<size_t>(observation.scanner_index);
+  CHECK(!rig_.scanners[scanner].mount) << "single segments know no scanner on a mount";
   const SegmentWeights weights =
       ObservationWeights(ObservationPoses(*trajectory_, rig_.scanners[scanner], observation),
                          *landmarks_,

@@ -185,7 +185,7 @@ std::vector<RowRange> RowRangesOf(const GroupTerm& term,
   for (int i = 0; i < group.num_estimated_scanners(); ++i) {
     add(2 * num_poses + offsets.size() - 1 + static_cast<size_t>(i),
         group.ScannerOffset(i),
-        kScannerBlockSize);
+        group.ScannerSize(i));
   }
   return ranges;
 }

@@ -75,16 +75,15 @@ Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
 void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem) {
   for (size_t i = 0; i < calibration.scanners.size(); ++i) {
     if (!calibration.scanners[i].IsEstimated()) continue;
+    const int size = calibration.scanners[i].BlockSize();
     Prior prior;
     prior.blocks.push_back(ScannerBlockId(static_cast<int>(i)));
-    prior.linear.blocks.push_back({LinearPrior::Kind::kEuclidean,
-                                   kScannerBlockSize,
-                                   Eigen::VectorXd::Zero(kScannerBlockSize)});
-    prior.linear.root.setZero(kScannerBlockSize, kScannerBlockSize);
-    prior.linear.offset.setZero(kScannerBlockSize);
-    for (size_t k = 0; k < kScannerBlockSize; ++k) {
-      const double sigma = calibration.scanners[i].prior_sigma[k];
-      const auto row = static_cast<Eigen::Index>(k);
+    prior.linear.blocks.push_back(
+        {LinearPrior::Kind::kEuclidean, size, Eigen::VectorXd::Zero(size)});
+    prior.linear.root.setZero(size, size);
+    prior.linear.offset.setZero(size);
+    for (int row = 0; row < size; ++row) {
+      const double sigma = calibration.scanners[i].prior_sigma[static_cast<size_t>(row)];
       if (sigma > 0.0) prior.linear.root(row, row) = 1.0 / sigma;
     }
     problem->AddPrior(prior);

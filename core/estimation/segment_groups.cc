@@ -36,6 +36,8 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
   segments.reserve(members.size());
   int num_control_points = kSplineOrder;
   std::array<int64_t, 3> times_ns = {};  // of the nodes; most segments share the last one's
+  std::vector<SegmentGroup::MountAtNodes> mount_motions;
+  int last_mounted = -1;  // scanner of the last motion, at these nodes
   SegmentGroup::Segment segment;
   for (const Observation* observation : members) {
     segment.measurement = &observation->measurement;
@@ -45,9 +47,21 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
         const Trajectory::Location at = trajectory.Locate(times_ns[k]);
         segment.nodes[k] = {at.first - first, at.u};
       }
+      last_mounted = -1;
     }
     num_control_points = std::max(num_control_points, segment.nodes[2].first + kSplineOrder);
     segment.scanner = observation->scanner_index;
+    const Scanner& scanner = rig.scanners[static_cast<size_t>(observation->scanner_index)];
+    segment.mount_motion = -1;
+    if (scanner.mount) {
+      if (observation->scanner_index != last_mounted) {
+        last_mounted = observation->scanner_index;
+        mount_motions.push_back({MotionOf(*scanner.mount, times_ns[0], scanner.delay_s),
+                                 MotionOf(*scanner.mount, times_ns[1], scanner.delay_s),
+                                 MotionOf(*scanner.mount, times_ns[2], scanner.delay_s)});
+      }
+      segment.mount_motion = static_cast<int>(mount_motions.size()) - 1;
+    }
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
     const Landmark& landmark = landmarks[static_cast<size_t>(observation->landmark_id)];
@@ -63,7 +77,8 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
                      scanners,
                      std::move(planes),
                      std::move(segments),
-                     loss.huber_width);
+                     loss.huber_width,
+                     std::move(mount_motions));
   return {first,
           std::move(ids),
           std::make_shared<LinearisedGroup>(std::move(group), loss.landmarks_held)};
@@ -92,7 +107,13 @@ std::vector<SegmentGroup::Scanner> ScannersOf(const Rig& rig,
                            calibration->scanners[i].IsEstimated();
     const Rigid3d& pose =
         estimated ? calibration->scanners[i].stated : rig.scanners[i].body_from_scanner;
-    scanners.push_back({{pose.rotation.toRotationMatrix(), pose.translation}, estimated});
+    std::optional<MountPose> mount;
+    if (rig.scanners[i].mount) {
+      mount =
+          estimated ? calibration->scanners[i].stated_mount : PoseOf(*rig.scanners[i].mount);
+    }
+    scanners.push_back(
+        {{pose.rotation.toRotationMatrix(), pose.translation}, estimated, mount});
   }
   return scanners;
 }

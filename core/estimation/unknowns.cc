@@ -57,7 +57,7 @@ int Unknowns::AmbientSize(const BlockId& block) const {
     case BlockId::Kind::kLandmark:
       return (*landmarks_)[static_cast<size_t>(block.index)].num_parameters();
     case BlockId::Kind::kScanner:
-      return kScannerBlockSize;
+      return Estimate(block).BlockSize();
     case BlockId::Kind::kImu:
       return kImuBlockSize;
     case BlockId::Kind::kGyroscopeBias:

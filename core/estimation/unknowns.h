@@ -54,7 +54,7 @@ class Unknowns {
   // The manifold of a registered block; nullptr: its tangent is the block itself.
   const ceres::Manifold* ManifoldOf(const BlockId& block) const;
 
-  static constexpr int kLargestBlock = std::max<int>(kScannerBlockSize, kImuBlockSize);
+  static constexpr int kLargestBlock = std::max<int>(kMountedBlockSize, kImuBlockSize);
   // Values of the unknowns, by their position in a layout.
   using Values = std::vector<std::array<double, kLargestBlock>>;
   Values ValuesOf(const BlockLayout& layout) const;

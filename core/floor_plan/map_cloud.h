@@ -30,9 +30,9 @@ class BeamOrigins {
   // start_ns: the instant from which the points' times count. poses: in the order of time.
   BeamOrigins(const Rig& rig, std::vector<StampedPose> poses, int64_t start_ns);
 
-  // The scanner's position in the model frame, m; none where there is no pose within 0.2 s, or
-  // no such scanner. Between poses it is interpolated: the points' own spline is not part of a
-  // result.
+  // The scanner's position in the model frame, m, of one on a mount that at angle 0; none
+  // where there is no pose within 0.2 s, or no such scanner. Between poses it is interpolated:
+  // the points' own spline is not part of a result.
   std::optional<Eigen::Vector3d> At(size_t scanner, double time_s) const;
 
  private:

@@ -192,8 +192,8 @@ ScanMotion ScanMatcher::MotionOf(const Line& line, PoseSampler* poses) const {
       line.times_ns.front(), line.middle_ns(), line.times_ns.back()};
   std::array<Rigid3d, 3> world_from_scanner;
   for (size_t k = 0; k < 3; ++k) {
-    world_from_scanner[k] =
-        poses->WorldFromBody(times_ns[k], scanner.delay_s) * scanner.body_from_scanner;
+    world_from_scanner[k] = poses->WorldFromBody(times_ns[k], scanner.delay_s) *
+                            scanner.BodyFromScanner(times_ns[k]);
   }
   return {times_ns, world_from_scanner};
 }

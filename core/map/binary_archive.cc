@@ -192,8 +192,12 @@ void BinaryArchive::operator()(MapGap& gap) {
 }
 
 void BinaryArchive::operator()(ScannerEstimate& scanner) {
-  auto& [stated, is_body, block, prior_sigma, covariance] = scanner;
+  auto& [stated, is_mounted, stated_mount, is_body, block, prior_sigma, covariance] = scanner;
   (*this)(stated);
+  (*this)(is_mounted);
+  (*this)(stated_mount.axis);
+  (*this)(stated_mount.point);
+  (*this)(stated_mount.zero_rad);
   (*this)(is_body);
   (*this)(block);
   (*this)(prior_sigma);

@@ -23,27 +23,47 @@ bool MapState::IsMapped(int64_t time_ns) const {
   });
 }
 
-Matrix6d ScannerCovariance(const MapState& state, const Observation& observation) {
+Matrix6d ScannerCovariance(const Rig& rig,
+                           const MapState& state,
+                           const Observation& observation) {
   const auto index = static_cast<size_t>(observation.scanner_index);
   if (index >= state.calibration.scanners.size()) return Matrix6d::Zero();
   const ScannerEstimate& scanner = state.calibration.scanners[index];
   if (!scanner.IsEstimated()) return Matrix6d::Zero();
+  const Scanner& rig_scanner = rig.scanners[index];
   const int64_t time_ns = observation.middle_time_ns();
   Eigen::Vector3d angular;
   Eigen::Vector3d linear;
   state.trajectory.Velocity(time_ns, &angular, &linear);
-  const BodyByScanner by_scanner = BodyMotionByScanner(
-      state.trajectory.WorldFromBody(time_ns).rotation.toRotationMatrix(),
+  const Eigen::Matrix3d world_from_body =
+      state.trajectory.WorldFromBody(time_ns).rotation.toRotationMatrix();
+  const ScannerPose pose =
       PoseOfScanner({scanner.stated.rotation.toRotationMatrix(), scanner.stated.translation},
-                    scanner.block.data()),
-      scanner.block.data(),
-      angular,
-      linear);
-  Matrix6d covariance = by_scanner * scanner.covariance * by_scanner.transpose();
+                    scanner.block.data());
+  Matrix6d covariance;
+  if (scanner.is_mounted) {
+    const BodyByMounted by_scanner =
+        BodyMotionByMounted(world_from_body,
+                            pose,
+                            scanner.stated_mount,
+                            MotionOf(*rig_scanner.mount, time_ns, rig_scanner.delay_s),
+                            scanner.block.data(),
+                            angular,
+                            linear);
+    covariance = by_scanner * scanner.covariance * by_scanner.transpose();
+  } else {
+    const BodyByScanner by_scanner =
+        BodyMotionByScanner(world_from_body, pose, scanner.block.data(), angular, linear);
+    covariance = by_scanner *
+                 scanner.covariance.topLeftCorner<kScannerBlockSize, kScannerBlockSize>() *
+                 by_scanner.transpose();
+  }
   // An error of the ranges to one surface is a shift along its normal, which can be any.
   const Eigen::Vector2d by_errors(1.0, observation.centroid().norm());
   covariance.bottomRightCorner<3, 3>().diagonal().array() +=
-      by_errors.dot(scanner.covariance.bottomRightCorner<2, 2>() * by_errors);
+      by_errors.dot(scanner.covariance.block<kNumRangeErrors, kNumRangeErrors>(
+                        kScannerRangeAt, kScannerRangeAt) *
+                    by_errors);
   return covariance;
 }
 

@@ -59,7 +59,9 @@ struct MapState {
 // The covariance that the scanner of an observation adds to that of the body's pose at the
 // observation's middle (world-frame rotation and position): what its estimate may be off, as
 // if the body were off; zero where the scanner is not estimated.
-Matrix6d ScannerCovariance(const MapState& state, const Observation& observation);
+Matrix6d ScannerCovariance(const Rig& rig,
+                           const MapState& state,
+                           const Observation& observation);
 
 // Takes an observation into its landmark's extent, times and counts. Observations come in
 // the order of time, or near it.

@@ -18,8 +18,15 @@ std::array<Rigid3d, 3> SampleOnce(const std::array<int64_t, 3>& times_ns,
   return Sample(times_ns, delay_s, &poses);
 }
 
-std::array<Rigid3d, 3> OfScanner(const std::array<Rigid3d, 3>& world_from_body,
-                                 const Rigid3d& body_from_scanner) {
+std::array<Rigid3d, 3> OfScanner(const std::array<int64_t, 3>& times_ns,
+                                 const std::array<Rigid3d, 3>& world_from_body,
+                                 const Scanner& scanner) {
+  if (scanner.mount) {
+    return {world_from_body[0] * scanner.BodyFromScanner(times_ns[0]),
+            world_from_body[1] * scanner.BodyFromScanner(times_ns[1]),
+            world_from_body[2] * scanner.BodyFromScanner(times_ns[2])};
+  }
+  const Rigid3d& body_from_scanner = scanner.body_from_scanner;
   return {world_from_body[0] * body_from_scanner,
           world_from_body[1] * body_from_scanner,
           world_from_body[2] * body_from_scanner};
@@ -37,9 +44,9 @@ ObservationPoses::ObservationPoses(const std::array<int64_t, 3>& node_times_ns,
                                    const Scanner& scanner)
     : times_ns(node_times_ns),
       world_from_body(bodies[1]),
-      world_from_scanner(bodies[1] * scanner.body_from_scanner),
+      world_from_scanner(bodies[1] * scanner.BodyFromScanner(node_times_ns[1])),
       motion(node_times_ns,
-             OfScanner(bodies, scanner.body_from_scanner),
+             OfScanner(node_times_ns, bodies, scanner),
              1.0 - scanner.range_excess_share),
       range_excess_m(scanner.range_excess_m) {}
 

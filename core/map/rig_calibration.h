@@ -11,27 +11,40 @@
 
 namespace plumbline {
 
-using ScannerBlock = std::array<double, kScannerBlockSize>;
-using ScannerMatrix = Eigen::Matrix<double, kScannerBlockSize, kScannerBlockSize>;
+// Numbers of the mount come last; without a mount they are 0.
+using ScannerBlock = std::array<double, kMountedBlockSize>;
+using ScannerMatrix = Eigen::Matrix<double, kMountedBlockSize, kMountedBlockSize>;
 
 // ScannerEstimate is what is estimated of one scanner: a block about the pose and the clock
 // that the rig file states (factors/segment/scanner_block.h).
 struct ScannerEstimate {
   Rigid3d stated;                 // body_from_scanner of the rig file
+  bool is_mounted = false;        // on a mount
+  MountPose stated_mount;         // of the rig file
   bool is_body = false;           // its frame and clock are the body's, held
   ScannerBlock block = {};        // as it is estimated now
   ScannerBlock prior_sigma = {};  // of the rig file's statement; 0: held
   ScannerMatrix covariance = ScannerMatrix::Zero();  // of the block as it is now
 
   bool IsEstimated() const;
+  // Takes the block's covariance from a joint one, in which it begins at a row.
+  void SetCovariance(const Eigen::MatrixXd& joint, Eigen::Index row);
+  int BlockSize() const { return is_mounted ? kMountedBlockSize : kScannerBlockSize; }
 };
 
 // Standard deviations of a block's numbers, as a rig file states them.
-ScannerBlock StatedSigmas(const ScannerUncertainty& uncertainty);
+ScannerBlock StatedSigmas(const Scanner& scanner);
+
+// Axis and zero of a mount, as they are estimated.
+MountPose PoseOf(const Mount& mount);
+// The motion of a mount as it is estimated, at an instant and so many seconds later.
+MountMotion MotionOf(const Mount& mount, int64_t time_ns, double later_s);
 
 // RigCalibration is the part of the state that the scanners are (docs/calibration.md). The
 // body's frame, clock and metre are those of BodyScanner, which are held. A rig that moves in
-// the plane does not show heights and tilts, which are held.
+// the plane does not show heights and tilts, which are held. A turn of a scanner about the
+// axis of its mount is the zero of the mount's angle: the scanner's own is held about that
+// axis of the body which is nearest to the mount's.
 struct RigCalibration {
   std::vector<ScannerEstimate> scanners;  // parallel to the rig's; empty: none is estimated
   std::optional<ImuEstimate> imu;

@@ -260,8 +260,8 @@ MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
   for (const BlockId& block : problem.Layout().blocks) {
     if (IsLandmark(block) || IsControlPoint(block)) continue;
     if (IsScanner(block)) {
-      state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
-          covariance.scanners().block<kScannerBlockSize, kScannerBlockSize>(row, row);
+      state_->calibration.scanners[static_cast<size_t>(block.index)].SetCovariance(
+          covariance.scanners(), row);
     } else {
       SetImuCovariance(block, covariance.scanners(), row, &*state_->calibration.imu);
     }

@@ -79,13 +79,22 @@ ScannerMotion ScanFollower::PredictMotion(const ScanLine& scan_line) const {
   Eigen::Vector3d linear_world;
   state_->trajectory.Velocity(time_ns, &angular_world, &linear_world);
   const Rigid3d world_from_body = state_->trajectory.WorldFromBody(time_ns);
-  const Rigid3d& body_from_scanner =
-      rig_.scanners[static_cast<size_t>(scan_line.scanner_index)].body_from_scanner;
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
+  const Rigid3d body_from_scanner = scanner.BodyFromScanner(time_ns);
   const Eigen::Quaterniond scanner_from_world =
       (world_from_body.rotation * body_from_scanner.rotation).conjugate();
   const Eigen::Vector3d arm_world = world_from_body.rotation * body_from_scanner.translation;
-  const Eigen::Vector3d linear =
+  Eigen::Vector3d linear =
       scanner_from_world * (linear_world + angular_world.cross(arm_world));
+  if (scanner.mount) {
+    const Eigen::Vector3d turn_world =
+        world_from_body.rotation *
+        (scanner.mount->StatedAt(time_ns, scanner.delay_s).rate_rad_s * scanner.mount->axis);
+    const Eigen::Vector3d from_axis_world =
+        arm_world - world_from_body.rotation * scanner.mount->point;
+    linear += scanner_from_world * turn_world.cross(from_axis_world);
+    angular_world += turn_world;
+  }
   motion.velocity_m_s = linear.head<2>();
   motion.yaw_rate_rad_s = (scanner_from_world * angular_world).z();
   return motion;
@@ -468,7 +477,7 @@ void ScanFollower::TakeObservations(int first, int last) {
                               poses_->Of(observation),
                               Relative(tracker_->pose_uncertainty().At(
                                   state_->trajectory, observation.middle_time_ns())) +
-                                  ScannerCovariance(*state_, observation));
+                                  ScannerCovariance(rig_, *state_, observation));
     }
   }
 }

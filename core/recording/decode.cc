@@ -24,6 +24,8 @@ constexpr KnownType kKnownTypes[] = {
     {"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181", MessageKind::kPointCloud2},
     {"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7", MessageKind::kOdometry},
     {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2", MessageKind::kImu},
+    {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd", MessageKind::kJoints},
+    {"std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", MessageKind::kNumber},
     {"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec", MessageKind::kTransforms},
 };
 
@@ -94,6 +96,17 @@ bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage*
 bool DecodeImu(const RecordingTopic& topic, ByteView data, ImuMessage* message) {
   SerialReader reader;
   return OpenRosMessage(topic, data, &reader) && ReadImu(reader, message);
+}
+
+bool DecodeJoints(const RecordingTopic& topic,
+                  ByteView data,
+                  uint64_t receipt_ns,
+                  JointMessage* message) {
+  SerialReader reader;
+  if (!OpenRosMessage(topic, data, &reader)) return false;
+  if (topic.kind == MessageKind::kJoints) return ReadJoints(reader, message);
+  message->stamp_ns = static_cast<int64_t>(receipt_ns);
+  return ReadNumber(reader, message);
 }
 
 bool DecodeTransforms(const RecordingTopic& topic,

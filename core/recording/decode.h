@@ -19,6 +19,11 @@ bool DecodeScanLine(const RecordingTopic& topic,
                     ScanLineMessage* message);
 bool DecodeOdometry(const RecordingTopic& topic, ByteView data, OdometryMessage* message);
 bool DecodeImu(const RecordingTopic& topic, ByteView data, ImuMessage* message);
+// receipt_ns: the stamp of a message that has none.
+bool DecodeJoints(const RecordingTopic& topic,
+                  ByteView data,
+                  uint64_t receipt_ns,
+                  JointMessage* message);
 bool DecodeTransforms(const RecordingTopic& topic,
                       ByteView data,
                       std::vector<Transform>* transforms);

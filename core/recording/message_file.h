@@ -21,6 +21,8 @@ enum class MessageKind {
   kPointCloud2,
   kOdometry,
   kImu,
+  kJoints,
+  kNumber,
   kTransforms
 };
 
@@ -40,9 +42,13 @@ struct RecordingTopic {
   // Transforms between frames, such as those of /tf_static.
   bool HasTransforms() const { return kind == MessageKind::kTransforms; }
   bool HasImu() const { return kind == MessageKind::kImu; }
+  // The angles of joints, or a number that may be one.
+  bool HasJoints() const {
+    return kind == MessageKind::kJoints || kind == MessageKind::kNumber;
+  }
   bool HasScanLines() const {
     return kind != MessageKind::kOther && kind != MessageKind::kOdometry && !HasImu() &&
-           !HasTransforms();
+           !HasJoints() && !HasTransforms();
   }
 };
 

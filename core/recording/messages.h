@@ -68,4 +68,12 @@ struct ImuMessage {
   bool has_linear_acceleration = true;
 };
 
+// JointMessage is the positions of joints: sensor_msgs/JointState, or a number as
+// std_msgs/Float64, whose only joint has no name and whose stamp is that of its receipt.
+struct JointMessage {
+  int64_t stamp_ns = 0;            // since 1970
+  std::vector<std::string> names;  // of the joints
+  std::vector<double> positions;   // rad
+};
+
 }  // namespace plumbline

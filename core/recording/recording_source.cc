@@ -35,6 +35,7 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   ScanLineMessage scan_line;
   OdometryMessage odometry;
   ImuMessage imu;
+  JointMessage joints;
   std::vector<Transform> transforms;
   SegmentJoiner joiner([&](const std::vector<MessageRef>& parts, const ScanLineMessage& line) {
     const MessageRef& first = parts.front();
@@ -56,6 +57,10 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     if (topic.HasImu() && visitor.imu != nullptr) {
       decoded = DecodeImu(topic, data, &imu);
       if (decoded) visitor.imu(message, imu);
+    }
+    if (topic.HasJoints() && visitor.joints != nullptr) {
+      decoded = DecodeJoints(topic, data, message.receipt_ns, &joints);
+      if (decoded) visitor.joints(message, joints);
     }
     if (topic.HasTransforms() && visitor.transforms != nullptr) {
       decoded = DecodeTransforms(topic, data, &transforms);

@@ -25,6 +25,7 @@ struct RecordingVisitor {
   // Also of topics whose scan lines state odometry as well.
   std::function<void(const MessageRef&, const OdometryMessage&)> odometry;
   std::function<void(const MessageRef&, const ImuMessage&)> imu;
+  std::function<void(const MessageRef&, const JointMessage&)> joints;
   std::function<void(const MessageRef&, const std::vector<Transform>&)> transforms;
   // A message of a wanted topic that can not be decoded.
   std::function<void(const MessageRef&)> undecodable;

@@ -20,6 +20,19 @@ bool TakeScanHead(SerialReader* reader, ScanLineMessage* message) {
          reader->Take(&message->range_max);
 }
 
+// A list of numbers of 8 bytes; copied unless values is null.
+bool TakeDoubles(SerialReader* reader, std::vector<double>* values) {
+  uint32_t count = 0;
+  if (!reader->Take(&count) || count > reader->num_left() / sizeof(double)) return false;
+  if (values != nullptr) values->clear();
+  for (uint32_t i = 0; i < count; ++i) {
+    double value = 0.0;
+    if (!reader->Take(&value)) return false;
+    if (values != nullptr) values->push_back(value);
+  }
+  return true;
+}
+
 // A list of beams, each a list of echoes; the first echo counts.
 bool TakeEchoes(SerialReader* reader, uint32_t* num_beams, std::vector<float>* ranges) {
   // Every beam takes at least 4 bytes. Tested before anybody allocates memory.
@@ -78,6 +91,27 @@ bool ReadOdometry(SerialReader reader, OdometryMessage* message) {
          reader.Take(&message->orientation) && reader.Take(&covariance) &&
          reader.Take(&message->linear_velocity) && reader.Take(&message->angular_velocity) &&
          reader.Take(&covariance) && reader.IsAtEnd();
+}
+
+bool ReadJoints(SerialReader reader, JointMessage* message) {
+  std::string frame_id;
+  uint32_t num_names = 0;
+  if (!reader.TakeHeader(&message->stamp_ns, &frame_id) || !reader.Take(&num_names) ||
+      num_names > reader.num_left() / sizeof(uint32_t)) {
+    return false;
+  }
+  message->names.resize(num_names);
+  for (std::string& name : message->names) {
+    if (!reader.TakeText(&name)) return false;
+  }
+  return TakeDoubles(&reader, &message->positions) && TakeDoubles(&reader, nullptr) &&
+         TakeDoubles(&reader, nullptr) && reader.IsAtEnd();
+}
+
+bool ReadNumber(SerialReader reader, JointMessage* message) {
+  message->names.assign(1, "");
+  message->positions.assign(1, 0.0);
+  return reader.Take(&message->positions.front()) && reader.IsAtEnd();
 }
 
 bool ReadImu(SerialReader reader, ImuMessage* message) {

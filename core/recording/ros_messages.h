@@ -15,5 +15,9 @@ bool ReadMultiEchoLaserScan(SerialReader reader, bool with_ranges, ScanLineMessa
 bool ReadTransforms(SerialReader reader, std::vector<Transform>* transforms);
 bool ReadOdometry(SerialReader reader, OdometryMessage* message);
 bool ReadImu(SerialReader reader, ImuMessage* message);
+// Names and positions of a sensor_msgs/JointState.
+bool ReadJoints(SerialReader reader, JointMessage* message);
+// A std_msgs/Float64 as the position of a joint without a name; its stamp is left alone.
+bool ReadNumber(SerialReader reader, JointMessage* message);
 
 }  // namespace plumbline

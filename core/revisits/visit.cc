@@ -32,8 +32,9 @@ PlacedScan Place(const Scanner& scanner, const ScanLine& line, PoseSampler* pose
     const double range_m = line.ranges[static_cast<size_t>(beam)];
     if (!scanner.IsValidRange(range_m) || range_m > kMaxRange) continue;
     const Eigen::Vector2d end = range_m * line.BeamDirection(beam);
+    const int64_t time_ns = line.BeamTime(beam) + offset_ns;
     const Rigid3d world_from_scanner =
-        poses->WorldFromBody(line.BeamTime(beam) + offset_ns) * scanner.body_from_scanner;
+        poses->WorldFromBody(time_ns) * scanner.BodyFromScanner(time_ns);
     const Eigen::Vector3d end_world =
         world_from_scanner * Eigen::Vector3d(end.x(), end.y(), 0.0);
     const bool follows = (end_world.head<2>() - previous).norm() < kMaxStep;
@@ -77,8 +78,8 @@ std::vector<PlacedScan> PlaceScans(const Rig& rig,
     PlacedScan placed = Place(scanner, line, &poses);
     placed.time_ns = begin_ns;
     placed.way_m = way_m;
-    placed.scanner =
-        (poses.WorldFromBody(begin_ns) * scanner.body_from_scanner).translation.head<2>();
+    placed.scanner = (poses.WorldFromBody(begin_ns) * scanner.BodyFromScanner(begin_ns))
+                         .translation.head<2>();
     scans.push_back(std::move(placed));
   }
   return scans;

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/recording/recording_source.h"
+#include "core/sensor/mount_collector.h"
 #include "core/sensor/odometry_collector.h"
+#include "core/sensor/recording_words.h"
 #include "core/sensor/scan_header.h"
 #include "core/sensor/scan_order.h"
 #include "core/util/error.h"
@@ -24,10 +26,6 @@ namespace {
 // Largest number of scan lines that the reader holds back while it brings messages into the
 // order of their stamps, a few MB; beyond that it fetches single messages out of turn.
 constexpr size_t kMaxBufferedScanLines = 512;
-
-// Names and topics in messages, and how many of them.
-constexpr size_t kMaxQuotedBytes = 200;
-constexpr size_t kMaxListedTopics = 20;
 
 // The directions of a scanner's beams. Its lines hardly ever differ in their angles.
 class KnownDirections {
@@ -68,61 +66,15 @@ class KnownDirections {
   std::shared_ptr<const std::vector<Eigen::Vector2d>> directions_;
 };
 
-std::string Shown(const std::string& text) { return OnOneLine(text, kMaxQuotedBytes); }
-
-std::string Quoted(const std::string& text) { return "'" + Shown(text) + "'"; }
-
 bool IsImu(const Rig& rig, const RecordingTopic& topic) {
   return rig.imu && topic.HasImu() && topic.name == rig.imu->topic;
 }
-
-std::string ReceiptText(uint64_t receipt_ns) {
-  char text[64];
-  std::snprintf(text,
-                sizeof(text),
-                "%llu.%09llu s",
-                static_cast<unsigned long long>(receipt_ns / 1'000'000'000),
-                static_cast<unsigned long long>(receipt_ns % 1'000'000'000));
-  return text;
-}
-
-std::string TopicsText(const std::set<std::string>& topics) {
-  std::string text;
-  size_t num_listed = 0;
-  for (const std::string& topic : topics) {
-    if (++num_listed > kMaxListedTopics) {
-      return text + " and " + std::to_string(topics.size() - kMaxListedTopics) + " more";
-    }
-    text += (text.empty() ? " " : ", ") + Shown(topic);
-  }
-  return text.empty() ? " none" : text;
-}
-
-// Messages of one scanner that are lost for one reason.
-struct LostMessages {
-  int count = 0;
-  uint64_t first_receipt_ns = 0;
-
-  void Add(const MessageRef& message) {
-    if (count++ == 0) first_receipt_ns = message.receipt_ns;
-  }
-  // Adds a sentence, if there are any; whose: "scanner 'left'", why: "that can not be
-  // decoded".
-  void WarnOf(const std::string& whose,
-              const std::string& why,
-              std::vector<std::string>* warnings) const {
-    if (count == 0) return;
-    warnings->push_back(whose + ": " + std::to_string(count) +
-                        (count == 1 ? " message is lost " : " messages are lost ") + why +
-                        ", the first recorded at " + ReceiptText(first_receipt_ns));
-  }
-};
 
 }  // namespace
 
 struct RecordingReader::Impl {
   Impl(const std::string& path, const Rig& rig)
-      : source(OpenRecording(path)), scanners(rig.scanners), wheels(rig) {}
+      : source(OpenRecording(path)), scanners(rig.scanners), wheels(rig), mounts(rig) {}
 
   std::unique_ptr<RecordingSource> source;
   std::vector<Scanner> scanners;
@@ -143,6 +95,7 @@ struct RecordingReader::Impl {
   std::shared_ptr<const ImuReadings> imu;
   std::string imu_fault;
   LostMessages imu_lost;  // that can not be decoded
+  MountCollector mounts;  // what tells how these turn
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -231,7 +184,11 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   visitor.with_ranges = observer.scan_line != nullptr;
   visitor.wants = [&](const RecordingTopic& topic) {
     return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
-           (topic.HasOdometry() && topic.name == rig.odometry_topic) || IsImu(rig, topic);
+           (topic.HasOdometry() && topic.name == rig.odometry_topic) || IsImu(rig, topic) ||
+           mounts.Wants(topic);
+  };
+  visitor.joints = [&](const MessageRef& ref, const JointMessage& message) {
+    mounts.Add(source->topics()[ref.topic_index], message);
   };
   visitor.imu = [&](const MessageRef&, const ImuMessage& message) {
     if (!message.has_angular_velocity || !message.has_linear_acceleration) return;
@@ -267,6 +224,8 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   visitor.undecodable = [&](const MessageRef& ref) {
     if (IsImu(rig, source->topics()[ref.topic_index])) {
       imu_lost.Add(ref);
+    } else if (mounts.Wants(source->topics()[ref.topic_index])) {
+      mounts.AddLost(source->topics()[ref.topic_index], ref);
     } else if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
       ++num_odometry_lost;
     } else {
@@ -280,8 +239,18 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   CheckTopics(rig);
   TakeOdometry(rig);
   TakeImu(rig);
+  mounts.Finish(path(), source->topics(), DamageText());
   SortByReceipt();
   order = OrderScanLines(rig, stamps, unusable_reasons);
+  order.positions.erase(std::remove_if(order.positions.begin(),
+                                       order.positions.end(),
+                                       [&](size_t position) {
+                                         return mounts.PassesOver(
+                                             stamps[position].scanner_index,
+                                             stamps[position].stamp_ns,
+                                             order.scan_period_s);
+                                       }),
+                        order.positions.end());
   orders.assign(stamps.size(), -1);
   for (size_t i = 0; i < order.positions.size(); ++i) {
     orders[order.positions[i]] = static_cast<int64_t>(i);
@@ -368,6 +337,7 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   }
   if (!imu_fault.empty()) warnings.push_back("the IMU is left out: " + imu_fault);
   imu_lost.WarnOf("the IMU", "that can not be decoded", &warnings);
+  mounts.AddWarnings(&warnings);
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
   std::string reasons;
@@ -465,6 +435,18 @@ std::shared_ptr<const Odometry> RecordingReader::odometry() const { return impl_
 
 void RecordingReader::DelayOdometry(double seconds) {
   impl_->odometry = std::make_shared<const Odometry>(impl_->odometry->Later(seconds));
+}
+
+const std::vector<std::shared_ptr<const JointAngles>>& RecordingReader::mount_angles() const {
+  return impl_->mounts.angles();
+}
+
+void StartMounts(const RecordingReader& recording, Rig* rig) {
+  for (size_t i = 0; i < rig->scanners.size(); ++i) {
+    if (!rig->scanners[i].mount) continue;
+    rig->scanners[i].mount->start_ns = recording.start_ns();
+    rig->scanners[i].mount->angles = recording.mount_angles()[i];
+  }
 }
 
 std::shared_ptr<const ImuReadings> RecordingReader::imu() const { return impl_->imu; }

@@ -28,7 +28,8 @@ struct RecordingObserver {
 
 // Reads the scan lines of a rig's scanners from a recording of any format that OpenRecording()
 // knows, in the order of their header stamps; scan lines of the same stamp come in the order
-// of the rig's scanners.
+// of the rig's scanners. Scan lines during which nothing tells the angle of their scanner's
+// mount are passed over.
 class RecordingReader {
  public:
   // Throws Error when the file is missing or unreadable, lacks a topic that the rig names, or
@@ -59,6 +60,9 @@ class RecordingReader {
   // Returns the readings of the rig file's IMU; nullptr where it has none, or where they can
   // not be an IMU's, of which a warning tells.
   std::shared_ptr<const ImuReadings> imu() const;
+  // Returns the angles of the rig file's mounts, by scanner; nullptr where a scanner has no
+  // mount, or none whose angle comes from a topic.
+  const std::vector<std::shared_ptr<const JointAngles>>& mount_angles() const;
   // Makes the odometry later by this time.
   void DelayOdometry(double seconds);
   // Sentences about what is damaged or missing and about scan lines that were passed over or
@@ -69,5 +73,8 @@ class RecordingReader {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Gives the mounts of a rig their angles in a recording.
+void StartMounts(const RecordingReader& recording, Rig* rig);
 
 }  // namespace plumbline

@@ -63,11 +63,90 @@ void ReadHeader(const YamlNode& node, Scanner* scanner) {
   }
 }
 
+// Of a mount that was measured by hand, its drive's rate as a data sheet states it.
+MountUncertainty MountMeasuredByHand(bool is_read) {
+  const ScannerUncertainty by_hand = MeasuredByHand();
+  return {by_hand.rotation_rad,
+          by_hand.time_s,
+          is_read ? 0.0 : 0.001,
+          by_hand.rotation_rad,
+          by_hand.translation_m};
+}
+
+MountUncertainty ReadMountUncertainty(const YamlNode& node, MountUncertainty uncertainty) {
+  const auto read_angle = [&](const std::string& name, double* value) {
+    double degrees = *value / kRadiansPerDegree;
+    node.Optional(name, &degrees, 0.0, 30.0);
+    *value = degrees * kRadiansPerDegree;
+  };
+  read_angle("zero_deg", &uncertainty.zero_rad);
+  node.Optional("time_s", &uncertainty.time_s, 0.0, 1.0);
+  node.Optional("rate", &uncertainty.rate, 0.0, 0.1);
+  read_angle("axis_deg", &uncertainty.axis_rad);
+  node.Optional("point_m", &uncertainty.point_m, 0.0, 1.0);
+  node.RejectUnreadKeys();
+  return uncertainty;
+}
+
+Swing ReadSwing(const YamlNode& node) {
+  Swing swing;
+  swing.amplitude_rad = node["amplitude_deg"].AsDouble(0.0, 180.0) * kRadiansPerDegree;
+  swing.period_s = node["period_s"].AsDouble(0.01, 1000.0);
+  double phase_deg = 0.0;
+  node.Optional("phase_deg", &phase_deg, -360.0, 360.0);
+  swing.phase_rad = phase_deg * kRadiansPerDegree;
+  node.RejectUnreadKeys();
+  return swing;
+}
+
+// origin_body: of the scanner, through which the axis goes where the file says nothing else.
+Mount ReadMount(const YamlNode& node, const Eigen::Vector3d& origin_body) {
+  Mount mount;
+  const std::vector<double> axis = node["axis"].AsDoubles(3, -1000.0, 1000.0);
+  mount.axis = Eigen::Vector3d(axis[0], axis[1], axis[2]);
+  if (mount.axis.norm() < 1e-6) node["axis"].Fail("axis must not be of length 0");
+  mount.axis.normalize();
+  mount.point = origin_body;
+  if (node.Has("point")) {
+    const std::vector<double> point = node["point"].AsDoubles(3, -100.0, 100.0);
+    mount.point = Eigen::Vector3d(point[0], point[1], point[2]);
+  }
+  node.Optional("joint_topic", &mount.joint_topic);
+  node.Optional("joint", &mount.joint);
+  if (!mount.joint.empty() && !mount.IsRead()) {
+    node["joint"].Fail("joint names one of the joints in the messages of a joint_topic");
+  }
+  const bool has_rate = node.Has("rate_deg_s");
+  if (has_rate) {
+    mount.rate_rad_s = node["rate_deg_s"].AsDouble(-36000.0, 36000.0) * kRadiansPerDegree;
+  }
+  if (node.Has("swing")) {
+    if (has_rate) node["swing"].Fail("give either rate_deg_s or swing, not both");
+    mount.swing = ReadSwing(node["swing"]);
+  }
+  if (!mount.IsRead() && !has_rate && !mount.swing) {
+    node.Fail("a mount needs a joint_topic, a rate_deg_s or a swing");
+  }
+  double zero_deg = 0.0;
+  node.Optional("zero_deg", &zero_deg, -360.0, 360.0);
+  mount.zero_rad = zero_deg * kRadiansPerDegree;
+  node.Optional("time_offset_s", &mount.time_offset_s, -10.0, 10.0);
+  mount.uncertainty = MountMeasuredByHand(mount.IsRead());
+  if (node.Has("uncertainty")) {
+    mount.uncertainty = ReadMountUncertainty(node["uncertainty"], mount.uncertainty);
+  }
+  node.RejectUnreadKeys();
+  return mount;
+}
+
 Scanner ReadScanner(const YamlNode& node) {
   Scanner scanner;
   scanner.name = node["name"].AsString();
   scanner.topic = node["topic"].AsString();
   scanner.body_from_scanner = ReadRigid(node["body_from_scanner"]);
+  if (node.Has("mount")) {
+    scanner.mount = ReadMount(node["mount"], scanner.body_from_scanner.translation);
+  }
   const YamlNode noise = node["range_noise_m"];
   scanner.estimates_noise = noise.AsString() == kEstimate;
   if (!scanner.estimates_noise) scanner.range_noise_m = noise.AsDouble(1e-6, 10.0);
@@ -129,6 +208,28 @@ std::string HeaderText(const Scanner& scanner) {
   return text;
 }
 
+std::string MountText(const Mount& mount) {
+  const auto degrees = [](double radians) { return Format(radians / kRadiansPerDegree); };
+  std::string text = "    mount:\n      axis: " + Format(mount.axis) +
+                     "\n      point: " + Format(mount.point) + "\n";
+  if (mount.IsRead()) text += "      joint_topic: " + Quote(mount.joint_topic) + "\n";
+  if (!mount.joint.empty()) text += "      joint: " + Quote(mount.joint) + "\n";
+  if (mount.swing) {
+    text += "      swing: {amplitude_deg: " + degrees(mount.swing->amplitude_rad) +
+            ", period_s: " + Format(mount.swing->period_s) +
+            ", phase_deg: " + degrees(mount.swing->phase_rad) + "}\n";
+  } else if (mount.rate_rad_s != 0.0 || !mount.IsRead()) {
+    text += "      rate_deg_s: " + degrees(mount.rate_rad_s) + "\n";
+  }
+  return text + "      zero_deg: " + degrees(mount.zero_rad) +
+         "\n      time_offset_s: " + Format(mount.time_offset_s) +
+         "\n      uncertainty: {zero_deg: " + degrees(mount.uncertainty.zero_rad) +
+         ", time_s: " + Format(mount.uncertainty.time_s) +
+         ", rate: " + Format(mount.uncertainty.rate) +
+         ", axis_deg: " + degrees(mount.uncertainty.axis_rad) +
+         ", point_m: " + Format(mount.uncertainty.point_m) + "}\n";
+}
+
 void WriteScanner(const Scanner& scanner, std::ostream& out) {
   const Rigid3d& pose = scanner.body_from_scanner;
   out << "  - name: " << Quote(scanner.name) << "\n"
@@ -136,7 +237,7 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "    body_from_scanner:\n"
       << "      translation: " << Format(pose.translation) << "\n"
       << "      rotation_rpy_deg: " << Format(RollPitchYawDegrees(pose.rotation)) << "\n"
-      << "    range_noise_m: "
+      << (scanner.mount ? MountText(*scanner.mount) : "") << "    range_noise_m: "
       << (scanner.estimates_noise ? kEstimate : Format(scanner.range_noise_m)) << "\n"
       << "    angle_noise_deg: " << Format(scanner.angle_noise_rad / kRadiansPerDegree) << "\n"
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
@@ -250,11 +351,33 @@ void WriteImu(const Imu& imu, std::ostream& out) {
       << "}\n";
 }
 
-// The angle between a scan plane and the horizontal one of the body.
+double TiltOf(const Eigen::Vector3d& normal_body) {
+  return std::atan2(normal_body.head<2>().norm(), std::abs(normal_body.z()));
+}
+
+// The angle between a scan plane and the horizontal one of the body; the largest that a mount
+// gives it.
 double Tilt(const Scanner& scanner) {
   const Eigen::Vector3d normal_body =
       scanner.body_from_scanner.rotation * Eigen::Vector3d::UnitZ();
-  return std::atan2(normal_body.head<2>().norm(), std::abs(normal_body.z()));
+  double tilt = TiltOf(normal_body);
+  if (!scanner.mount) return tilt;
+  const Mount& mount = *scanner.mount;
+  const double reach = mount.swing ? mount.swing->amplitude_rad : 0.5 * M_PI;
+  for (const double angle : {mount.zero_rad - reach, mount.zero_rad, mount.zero_rad + reach}) {
+    tilt = std::max(tilt, TiltOf(mount.TurnBy(angle).rotation * normal_body));
+  }
+  return tilt;
+}
+
+bool IsExact(const ScannerUncertainty& uncertainty) {
+  return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
+         uncertainty.time_s == 0.0;
+}
+
+bool IsExact(const MountUncertainty& uncertainty) {
+  return uncertainty.zero_rad == 0.0 && uncertainty.time_s == 0.0 && uncertainty.rate == 0.0 &&
+         uncertainty.axis_rad == 0.0 && uncertainty.point_m == 0.0;
 }
 
 }  // namespace
@@ -324,9 +447,7 @@ bool AllScannersHorizontal(const Rig& rig, double tolerance_rad) {
 std::optional<size_t> ExactlyPlacedScanner(const Rig& rig) {
   const auto exact =
       std::find_if(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
-        const ScannerUncertainty& uncertainty = scanner.uncertainty;
-        return uncertainty.rotation_rad == 0.0 && uncertainty.translation_m == 0.0 &&
-               uncertainty.time_s == 0.0;
+        return !scanner.mount && IsExact(scanner.uncertainty);
       });
   if (exact == rig.scanners.end()) return std::nullopt;
   return static_cast<size_t>(exact - rig.scanners.begin());
@@ -334,14 +455,23 @@ std::optional<size_t> ExactlyPlacedScanner(const Rig& rig) {
 
 size_t BodyScanner(const Rig& rig) {
   if (const auto exact = ExactlyPlacedScanner(rig)) return *exact;
-  if (IsPlanar(rig)) return 0;
+  const auto moves = [](const Scanner& scanner) { return scanner.mount.has_value(); };
+  const bool all_move = std::all_of(rig.scanners.begin(), rig.scanners.end(), moves);
+  const auto can_be_body = [&](const Scanner& scanner) { return all_move || !moves(scanner); };
+  if (IsPlanar(rig)) {
+    return static_cast<size_t>(
+        std::find_if(rig.scanners.begin(), rig.scanners.end(), can_be_body) -
+        rig.scanners.begin());
+  }
   // A level scanner sees neither floor nor ceiling, by which the body's attitude is known. Of
   // scanners that are about as steep it is the first, however a rig file is off.
   double steepest = 0.0;
-  for (const Scanner& scanner : rig.scanners) steepest = std::max(steepest, Tilt(scanner));
+  for (const Scanner& scanner : rig.scanners) {
+    if (can_be_body(scanner)) steepest = std::max(steepest, Tilt(scanner));
+  }
   const auto body =
       std::find_if(rig.scanners.begin(), rig.scanners.end(), [&](const Scanner& scanner) {
-        return 2.0 * Tilt(scanner) >= steepest;
+        return can_be_body(scanner) && 2.0 * Tilt(scanner) >= steepest;
       });
   return static_cast<size_t>(body - rig.scanners.begin());
 }
@@ -349,10 +479,9 @@ size_t BodyScanner(const Rig& rig) {
 bool EstimatesScanners(const Rig& rig) {
   return rig.scanners.size() > 1 &&
          std::any_of(rig.scanners.begin(), rig.scanners.end(), [](const Scanner& scanner) {
-           const ScannerUncertainty& uncertainty = scanner.uncertainty;
-           return uncertainty.rotation_rad > 0.0 || uncertainty.translation_m > 0.0 ||
-                  uncertainty.time_s > 0.0 || uncertainty.range_m > 0.0 ||
-                  uncertainty.range_scale > 0.0;
+           return !IsExact(scanner.uncertainty) || scanner.uncertainty.range_m > 0.0 ||
+                  scanner.uncertainty.range_scale > 0.0 ||
+                  (scanner.mount && !IsExact(scanner.mount->uncertainty));
          });
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/geometry/rigid3.h"
 #include "core/sensor/imu.h"
+#include "core/sensor/mount.h"
 
 namespace plumbline {
 
@@ -24,7 +25,8 @@ struct ScannerUncertainty {
 struct Scanner {
   std::string name;
   std::string topic;  // of its sensor_msgs/LaserScan messages
-  Rigid3d body_from_scanner;
+  Rigid3d body_from_scanner;    // at the angle zero of its mount, where it has one
+  std::optional<Mount> mount;   // none: it does not move against the body
   double range_noise_m = 0.03;  // standard deviation of one range
   // Whether the noise is to be taken from the recording; `range_noise_m: estimate` in the
   // file.
@@ -59,6 +61,10 @@ struct Scanner {
   double field_of_view_deg = 270.0;
   double scan_rate_hz = 40.0;
 
+  // The pose at a beam's instant, at its estimated delay after it.
+  Rigid3d BodyFromScanner(int64_t time_ns) const {
+    return mount ? mount->TurnAt(time_ns, delay_s) * body_from_scanner : body_from_scanner;
+  }
   // The range without its estimated excess, m.
   double TrueRange(double range_m) const {
     return (range_m - range_excess_m) * (1.0 - range_excess_share);
@@ -93,11 +99,13 @@ void WriteRig(const Rig& rig, const std::string& path);
 // True when only planar motion is to be estimated: the rig file says so, or all scan planes
 // are horizontal and see no heights.
 bool IsPlanar(const Rig& rig);
-// True when every scan plane is horizontal in the body frame to within tolerance_rad.
+// True when every scan plane is horizontal in the body frame to within tolerance_rad, at every
+// angle of its mount.
 bool AllScannersHorizontal(const Rig& rig, double tolerance_rad);
 
-// The scanner whose pose and clock are the body's: the first that is known exactly, else of the
-// steep ones the first; of a rig that moves in the plane the first.
+// The scanner whose pose and clock are the body's, one without a mount if there is one: the
+// first that is known exactly, else of the steep ones the first; of a rig that moves in the
+// plane the first.
 size_t BodyScanner(const Rig& rig);
 // The first scanner whose pose and clock are known exactly; nullopt: there is none.
 std::optional<size_t> ExactlyPlacedScanner(const Rig& rig);

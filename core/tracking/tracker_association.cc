@@ -123,7 +123,7 @@ Tracker::Association Tracker::ChooseUnder(const Matrix6d& unsteady,
                                    static_cast<double>(end_ns - begin_ns)
                              : 0.0;
     const Eigen::Matrix<double, 6, 12> by_motion = PoseByMotion(share);
-    const Matrix6d of_scanner = ScannerCovariance(*state_, observation);
+    const Matrix6d of_scanner = ScannerCovariance(rig_, *state_, observation);
     const size_t num_before = hypotheses.size();
     for (const Hypothesis& possible :
          HypothesesOf(observation,
@@ -176,13 +176,14 @@ bool Tracker::Associate(int first_observation,
       middle_ns = poses.times_ns[1];
       covariance = pose_uncertainty_.At(state_->trajectory, middle_ns);
     }
-    const int id = TellsDirection(observation)
-                       ? FindLandmark(observation,
-                                      poses,
-                                      covariance + ScannerCovariance(*state_, observation),
-                                      near,
-                                      options_.association)
-                       : -1;
+    const int id =
+        TellsDirection(observation)
+            ? FindLandmark(observation,
+                           poses,
+                           covariance + ScannerCovariance(rig_, *state_, observation),
+                           near,
+                           options_.association)
+            : -1;
     changed |= id != observation.landmark_id;
     observation.landmark_id = id;
   }

@@ -201,7 +201,7 @@ ScanPlacement RecordingResegmenter::PlacementAt(const ScanLine& scan_line, int b
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const int64_t time_ns = BeamInstant(scan_line, beam, rig_);
   return PlacementOf(resegmenter_.sampler()->WorldFromBody(time_ns, scanner.delay_s) *
-                     scanner.body_from_scanner);
+                     scanner.BodyFromScanner(time_ns));
 }
 
 // Adds, from beams that no segment has, those that single planes explain.

@@ -289,8 +289,8 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
     const BlockId& block = equations.blocks[i];
     const int row = equations.offsets[i];
     if (IsScanner(block)) {
-      state_->calibration.scanners[static_cast<size_t>(block.index)].covariance =
-          covariance.block<kScannerBlockSize, kScannerBlockSize>(row, row);
+      state_->calibration.scanners[static_cast<size_t>(block.index)].SetCovariance(covariance,
+                                                                                   row);
     }
     if (block.group > ScannerBlockId(0).group) {
       SetImuCovariance(block, covariance, row, &*state_->calibration.imu);

@@ -23,7 +23,9 @@ int LinearisedGroup::BlockSize(int block) const {
   if (block < num_control_points) return 4;
   if (block < 2 * num_control_points) return 3;
   const auto plane = static_cast<size_t>(block - 2 * num_control_points);
-  if (plane >= group_.planes().size()) return kScannerBlockSize;
+  if (plane >= group_.planes().size()) {
+    return group_.ScannerSize(static_cast<int>(plane - group_.planes().size()));
+  }
   return PlaneModelSize(group_.planes()[plane].model);
 }
 
@@ -59,8 +61,15 @@ bool LinearisedGroup::Move(double const* const* parameters, Eigen::VectorXd* ste
       const bool is_plane = !is_position && i < 2 * num_control_points + num_planes;
       for (int k = 0; k < (is_plane ? size - 1 : size); ++k) {
         const bool is_shift =
-            is_position || (!is_plane && k >= kScannerShiftAt && k != kScannerDelayAt);
-        const double limit = is_shift ? validity_.shift_m : validity_.turn_rad;
+            is_position ||
+            (!is_plane &&
+             ((k >= kScannerShiftAt && k < kMountZeroAt && k != kScannerDelayAt) ||
+              k >= kMountShiftAt));
+        double limit = is_shift ? validity_.shift_m : validity_.turn_rad;
+        if (!is_position && !is_plane && (k == kMountDelayAt || k == kMountRateAt)) {
+          limit /=
+              group_.MountReach(i - 2 * num_control_points - num_planes)[k - kMountDelayAt];
+        }
         if (std::abs((*step)[row + k]) > limit) return false;
       }
     }

@@ -60,7 +60,7 @@ struct SegmentGroup::Values {
   double const* const* positions;
   double const* const* planes;
   double const* const* scanner_blocks;  // of those that are estimated
-  std::vector<ScannerPose> scanners;
+  std::vector<ScannerPose> scanners;    // at angle zero of their mounts
   std::vector<PlaneDerivatives> plane_derivatives;
 };
 
@@ -152,6 +152,8 @@ void FillUpperBlocks(LineSystem* line) {
     }
   }
 }
+
+}  // namespace
 
 // The chain rule through the spline, from the nodes' poses to the control points: adds a
 // line's system to the group's.
@@ -280,6 +282,8 @@ class Spread {
   std::array<NodesByControlPoint, kMaxControlPoints> nodes_;
 };
 
+namespace {
+
 // Velocities of the body at the nodes of a scan line, in the world's axes.
 struct NodeVelocities {
   std::array<Eigen::Vector3d, kNumSegmentNodes> angular;  // rad/s
@@ -305,17 +309,34 @@ NodeVelocities VelocitiesAt(const std::array<SplineNode, kNumSegmentNodes>& node
 }
 
 // The derivative of the nodes' poses by the scanner's block.
-using NodesByScanner = Eigen::Matrix<double, kNodePosesSize, kScannerBlockSize>;
+template <int kSize>
+using NodesByScanner = Eigen::Matrix<double, kNodePosesSize, kSize>;
 
-NodesByScanner ByScanner(const ScannerPose& scanner,
-                         const double* block,
-                         const NodePoses& poses,
-                         const NodeVelocities& velocities) {
-  NodesByScanner by_scanner;
+NodesByScanner<kScannerBlockSize> ByScanner(const ScannerPose& scanner,
+                                            const double* block,
+                                            const NodePoses& poses,
+                                            const NodeVelocities& velocities) {
+  NodesByScanner<kScannerBlockSize> by_scanner;
   for (size_t k = 0; k < kNumSegmentNodes; ++k) {
-    by_scanner.middleRows<kNodePoseSize>(kNodePoseSize * static_cast<int>(k)) =
-        BodyMotionByScanner(poses.world_from_body[k],
-                            scanner,
+    by_scanner.middleRows<kNodePoseSize>(kNodePoseSize * static_cast<int>(k)) = BodyMotionByScanner(
+        poses.world_from_body[k], scanner, block, velocities.angular[k], velocities.linear[k]);
+  }
+  return by_scanner;
+}
+
+NodesByScanner<kMountedBlockSize> ByMounted(const ScannerPose& at_zero,
+                                            const MountPose& mount,
+                                            const MountAtNodes& motion,
+                                            const double* block,
+                                            const NodePoses& poses,
+                                            const NodeVelocities& velocities) {
+  NodesByScanner<kMountedBlockSize> by_scanner;
+  for (size_t k = 0; k < kNumNodes; ++k) {
+    by_scanner.middleRows<kPoseSize>(kPoseSize * static_cast<int>(k)) =
+        BodyMotionByMounted(poses.world_from_body[k],
+                            at_zero,
+                            mount,
+                            motion[k],
                             block,
                             velocities.angular[k],
                             velocities.linear[k]);
@@ -324,30 +345,39 @@ NodesByScanner ByScanner(const ScannerPose& scanner,
 }
 
 // Adds a line's system to the rows of its scanner, which begin at this one.
+template <int kSize>
 void AddScanner(const LineSystem& line,
-                const NodesByScanner& by_scanner,
+                const NodesByScanner<kSize>& by_scanner,
                 const std::vector<int>& plane_offsets,
                 const Spread& spread,
                 int row,
                 SegmentGroup::Quadratic* quadratic) {
-  NodesByScanner by_nodes = line.poses * by_scanner;
-  quadratic->gradient.segment<kScannerBlockSize>(row) +=
-      by_scanner.transpose() * line.gradient;
-  quadratic->gradient.segment<kNumRangeErrors>(row + kScannerRangeAt) += line.range_gradient;
-  auto own = quadratic->hessian.block<kScannerBlockSize, kScannerBlockSize>(row, row);
+  NodesByScanner<kSize> by_nodes = line.poses * by_scanner;
+  quadratic->gradient.template segment<kSize>(row) += by_scanner.transpose() * line.gradient;
+  quadratic->gradient.template segment<kNumRangeErrors>(row + kScannerRangeAt) +=
+      line.range_gradient;
+  auto own = quadratic->hessian.template block<kSize, kSize>(row, row);
   own += by_scanner.transpose() * by_nodes;
-  own.bottomRows<kNumRangeErrors>() += line.range_with_poses.transpose() * by_scanner;
-  own.bottomRightCorner<kNumRangeErrors, kNumRangeErrors>() += line.range2;
-  by_nodes.rightCols<kNumRangeErrors>() += line.range_with_poses;
-  for (int i = 0; i < kScannerBlockSize; ++i) {
+  const Eigen::Matrix<double, kNumRangeErrors, kSize> range_by_scanner =
+      line.range_with_poses.transpose() * by_scanner;
+  own.template middleRows<kNumRangeErrors>(kScannerRangeAt) += range_by_scanner;
+  own.template block<kNumRangeErrors, kNumRangeErrors>(kScannerRangeAt, kScannerRangeAt) +=
+      line.range2;
+  if constexpr (kSize > kScannerBlockSize) {
+    own.template middleCols<kNumRangeErrors>(kScannerRangeAt)
+        .template bottomRows<kSize - kScannerBlockSize>() +=
+        range_by_scanner.template rightCols<kSize - kScannerBlockSize>().transpose();
+  }
+  by_nodes.template middleCols<kNumRangeErrors>(kScannerRangeAt) += line.range_with_poses;
+  for (int i = 0; i < kSize; ++i) {
     spread.AddRow(by_nodes.col(i), row + i, &quadratic->hessian);
   }
   for (size_t i = 0; i < line.sees_plane.size(); ++i) {
     if (!line.sees_plane[i]) continue;
     for (int column = plane_offsets[i]; column < plane_offsets[i + 1]; ++column) {
-      quadratic->hessian.block<kScannerBlockSize, 1>(row, column) +=
+      quadratic->hessian.template block<kSize, 1>(row, column) +=
           by_scanner.transpose() * line.cross.col(column - plane_offsets[0]);
-      quadratic->hessian.block<kNumRangeErrors, 1>(row + kScannerRangeAt, column) +=
+      quadratic->hessian.template block<kNumRangeErrors, 1>(row + kScannerRangeAt, column) +=
           line.range_with_planes.row(column - plane_offsets[0]).transpose();
     }
   }
@@ -367,12 +397,14 @@ SegmentGroup::SegmentGroup(int num_control_points,
                            std::vector<Scanner> scanners,
                            std::vector<Plane> planes,
                            std::vector<Segment> segments,
-                           double huber_width)
+                           double huber_width,
+                           std::vector<MountAtNodes> mount_motions)
     : num_control_points_(num_control_points),
       knot_interval_s_(knot_interval_s),
       scanners_(std::move(scanners)),
       planes_(std::move(planes)),
       plane_offsets_(1, 6 * num_control_points),
+      mount_motions_(std::move(mount_motions)),
       huber_width_(huber_width) {
   CHECK_GE(num_control_points, kSplineOrder);
   CHECK_LE(num_control_points, kMaxControlPoints);
@@ -382,29 +414,37 @@ SegmentGroup::SegmentGroup(int num_control_points,
   for (const Segment& segment : segments) {
     CHECK(segment.scanner >= 0 && segment.scanner < static_cast<int>(scanners_.size()));
     CHECK(segment.plane >= 0 && segment.plane < static_cast<int>(planes_.size()));
+    CHECK_EQ(scanners_[static_cast<size_t>(segment.scanner)].mount.has_value(),
+             segment.mount_motion >= 0);
     for (const SplineNode& node : segment.nodes) {
       CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
     }
   }
+  scanner_offsets_.push_back(plane_offsets_.back());
   std::vector<int> among_estimated;  // by scanner; -1: constant
   for (const Scanner& scanner : scanners_) {
     among_estimated.push_back(scanner.estimated ? num_estimated_scanners_++ : -1);
+    if (!scanner.estimated) continue;
+    scanner_offsets_.push_back(scanner_offsets_.back() + scanner.BlockSize());
   }
+  SetMountReaches(among_estimated, segments);
   const auto estimated = [&](const Segment& segment) {
     return among_estimated[static_cast<size_t>(segment.scanner)];
   };
   // Segments with the same nodes stand one after the other.
   std::stable_sort(segments.begin(), segments.end(), [&](const auto& a, const auto& b) {
-    return std::make_tuple(a.nodes[0].first, a.nodes[0].u, estimated(a)) <
-           std::make_tuple(b.nodes[0].first, b.nodes[0].u, estimated(b));
+    return std::make_tuple(a.nodes[0].first, a.nodes[0].u, estimated(a), a.mount_motion) <
+           std::make_tuple(b.nodes[0].first, b.nodes[0].u, estimated(b), b.mount_motion);
   });
   members_.reserve(segments.size());
   for (const Segment& segment : segments) {
     const int num_nodes = segment.measurement->num_nodes();
     if (scan_lines_.empty() || num_nodes != scan_lines_.back().num_nodes ||
         estimated(segment) != scan_lines_.back().estimated_scanner ||
+        segment.mount_motion != scan_lines_.back().mount_motion ||
         !SameNodes(segment.nodes, scan_lines_.back().nodes)) {
-      scan_lines_.push_back({segment.nodes, num_nodes, estimated(segment), 0});
+      scan_lines_.push_back(
+          {segment.nodes, num_nodes, estimated(segment), segment.mount_motion, 0});
     }
     members_.push_back({segment.measurement,
                         static_cast<float>(segment.weights.scale),
@@ -414,6 +454,21 @@ SegmentGroup::SegmentGroup(int num_control_points,
     scan_lines_.back().end = members_.size();
   }
   scan_lines_.shrink_to_fit();
+}
+
+void SegmentGroup::SetMountReaches(const std::vector<int>& among_estimated,
+                                   const std::vector<Segment>& segments) {
+  mount_reaches_.assign(static_cast<size_t>(num_estimated_scanners_), Eigen::Vector2d::Ones());
+  for (const Segment& segment : segments) {
+    const int estimated = among_estimated[static_cast<size_t>(segment.scanner)];
+    if (estimated < 0 || segment.mount_motion < 0) continue;
+    Eigen::Vector2d& reach = mount_reaches_[static_cast<size_t>(estimated)];
+    for (const MountMotion& motion :
+         mount_motions_[static_cast<size_t>(segment.mount_motion)]) {
+      const Eigen::Vector2d by(1.0, motion.since_start_s);
+      reach = reach.cwiseMax((motion.rate_rad_s * by).cwiseAbs());
+    }
+  }
 }
 
 void SegmentGroup::Linearise(double const* const* parameters, Quadratic* quadratic) const {
@@ -452,9 +507,9 @@ void SegmentGroup::SumMembers(size_t begin,
                               LineSystem* line,
                               Quadratic* quadratic) const {
   const bool is_estimated = scan_line.estimated_scanner >= 0;
-  const double* const range_errors =
-      is_estimated ? at.scanner_blocks[scan_line.estimated_scanner] + kScannerRangeAt
-                   : nullptr;
+  const double* const scanner_block =
+      is_estimated ? at.scanner_blocks[scan_line.estimated_scanner] : nullptr;
+  const double* const range_errors = is_estimated ? scanner_block + kScannerRangeAt : nullptr;
   ScannerAtNodes scanner;
   int scanner_at_nodes = -1;
   for (size_t next = begin; next < scan_line.end; ++next) {
@@ -463,7 +518,17 @@ void SegmentGroup::SumMembers(size_t begin,
     line->sees_plane[plane] = !kPlanesHeld;
     if (segment.scanner != scanner_at_nodes) {
       scanner_at_nodes = segment.scanner;
-      scanner = AtNodes(at.scanners[static_cast<size_t>(segment.scanner)], poses);
+      const auto index = static_cast<size_t>(segment.scanner);
+      if (scan_line.mount_motion < 0) {
+        scanner = AtNodes(at.scanners[index], poses);
+      } else {
+        scanner = AtNodes(at.scanners[index],
+                          is_estimated ? PoseOfMount(*scanners_[index].mount, scanner_block)
+                                       : *scanners_[index].mount,
+                          mount_motions_[static_cast<size_t>(scan_line.mount_motion)],
+                          scanner_block,
+                          poses);
+      }
     }
     VisitPlaneModel(planes_[plane].model, planes_[plane].chart, [&](const auto& model) {
       using Model = std::decay_t<decltype(model)>;
@@ -483,6 +548,44 @@ void SegmentGroup::SumMembers(size_t begin,
       if (is_estimated) AddRange(rows, column, line);
     });
   }
+}
+
+// Adds a line's system to the rows of its estimated scanner.
+void SegmentGroup::AddOwnScanner(const ScanLine& scan_line,
+                                 const Values& at,
+                                 const NodePoses& poses,
+                                 const LineSystem& line,
+                                 const Spread& spread,
+                                 size_t scanner,
+                                 Quadratic* quadratic) const {
+  const double* const block = at.scanner_blocks[scan_line.estimated_scanner];
+  const NodeVelocities velocities = VelocitiesAt(scan_line.nodes,
+                                                 at.rotations,
+                                                 at.positions,
+                                                 block[kScannerDelayAt] / knot_interval_s_,
+                                                 knot_interval_s_);
+  const int row = ScannerOffset(scan_line.estimated_scanner);
+  if (scan_line.mount_motion < 0) {
+    AddScanner<kScannerBlockSize>(line,
+                                  ByScanner(at.scanners[scanner], block, poses, velocities),
+                                  plane_offsets_,
+                                  spread,
+                                  row,
+                                  quadratic);
+    return;
+  }
+  AddScanner<kMountedBlockSize>(
+      line,
+      ByMounted(at.scanners[scanner],
+                *scanners_[scanner].mount,
+                mount_motions_[static_cast<size_t>(scan_line.mount_motion)],
+                block,
+                poses,
+                velocities),
+      plane_offsets_,
+      spread,
+      row,
+      quadratic);
 }
 
 template <bool kPlanesHeld>
@@ -525,18 +628,13 @@ void SegmentGroup::Sum(double const* const* parameters, Quadratic* quadratic) co
     const Spread spread(first, poses, scan_line.num_nodes);
     spread.Add(line, plane_offsets_, quadratic);
     if (!kPlanesHeld && scanner_block != nullptr) {
-      const auto scanner = static_cast<size_t>(members_[begin].scanner);
-      AddScanner(
-          line,
-          ByScanner(at.scanners[scanner],
-                    scanner_block,
+      AddOwnScanner(scan_line,
+                    at,
                     poses,
-                    VelocitiesAt(
-                        scan_line.nodes, at.rotations, at.positions, later, knot_interval_s_)),
-          plane_offsets_,
-          spread,
-          ScannerOffset(scan_line.estimated_scanner),
-          quadratic);
+                    line,
+                    spread,
+                    static_cast<size_t>(members_[begin].scanner),
+                    quadratic);
     }
     begin = scan_line.end;
   }

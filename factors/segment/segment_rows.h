@@ -33,13 +33,35 @@ struct NodePoses {
 // metre is, and origin, seen from the body's position, in the world's axes.
 using ScannerAtNodes = std::array<Eigen::Matrix3d, kNumSegmentNodes>;
 
-inline ScannerAtNodes AtNodes(const ScannerPose& body_from_scanner, const NodePoses& poses) {
+inline Eigen::Matrix3d AxesAndOrigin(const ScannerPose& body_from_scanner) {
   Eigen::Matrix3d in_body = body_from_scanner.rotation;
   in_body.leftCols<2>() *= body_from_scanner.range_scale;
   in_body.col(2) = body_from_scanner.translation;
+  return in_body;
+}
+
+inline ScannerAtNodes AtNodes(const ScannerPose& body_from_scanner, const NodePoses& poses) {
+  const Eigen::Matrix3d in_body = AxesAndOrigin(body_from_scanner);
   ScannerAtNodes nodes;
   for (size_t k = 0; k < kNumSegmentNodes; ++k) {
     nodes[k] = poses.world_from_body[k] * in_body;
+  }
+  return nodes;
+}
+
+// The motion of a scanner's mount at the nodes of a scan line.
+using MountAtNodes = std::array<MountMotion, kNumSegmentNodes>;
+
+// As above, of a scanner on a mount; block: nullptr where the scanner is not estimated.
+inline ScannerAtNodes AtNodes(const ScannerPose& at_zero,
+                              const MountPose& mount,
+                              const MountAtNodes& motion,
+                              const double* block,
+                              const NodePoses& poses) {
+  ScannerAtNodes nodes;
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+    const double angle_rad = MotionOfMount(mount, motion[k], block).angle_rad;
+    nodes[k] = poses.world_from_body[k] * AxesAndOrigin(TurnedBy(angle_rad, mount, at_zero));
   }
   return nodes;
 }

@@ -31,6 +31,13 @@
 namespace plumbline {
 namespace {
 
+// The experiment with mounts as the rig file states them.
+Experiment WithExactMounts(Experiment experiment) {
+  experiment.mounts.errors = experiment.mounts.jitter_rad = experiment.mounts.backlash_rad =
+      0.0;
+  return experiment;
+}
+
 // Whether two faces are parts of one plane, or of one cylinder.
 bool AreOneSurface(const Face& a, const Face& b) {
   if (a.curvature == 0.0 || b.curvature == 0.0) {
@@ -106,13 +113,20 @@ class BoundComputer {
   BoundComputer(const Experiment& experiment,
                 const MapperOptions& options,
                 std::optional<uint64_t> seed)
-      : experiment_(experiment),
+      : experiment_(WithExactMounts(experiment)),
         options_(options),
         seed_(seed),
-        simulator_(experiment),
+        simulator_(experiment_),
         plane_of_face_(PlaneOfFace(experiment.building)),
-        planar_(IsPlanar(experiment.rig)),
-        rig_(experiment.rig) {}
+        planar_(IsPlanar(experiment.rig)) {
+    for (size_t i = 0; i < experiment_.rig.scanners.size(); ++i) {
+      auto& mount = experiment_.rig.scanners[i].mount;
+      if (!mount) continue;
+      mount->start_ns = simulator_.first_line_ns();
+      if (mount->IsRead()) mount->angles = simulator_.true_rig().scanners[i].mount->angles;
+    }
+    rig_ = experiment_.rig;
+  }
 
   Bound Run(const ProgressCallback& progress) {
     int num_done = 0;
@@ -348,8 +362,8 @@ class BoundComputer {
     PoseSampler poses(state_->trajectory);
     std::array<Rigid3d, 3> world_from_scanner;
     for (size_t k = 0; k < 3; ++k) {
-      world_from_scanner[k] =
-          poses.WorldFromBody(times_ns[k], scanner.delay_s) * scanner.body_from_scanner;
+      world_from_scanner[k] = poses.WorldFromBody(times_ns[k], scanner.delay_s) *
+                              scanner.BodyFromScanner(times_ns[k]);
     }
     return {times_ns, world_from_scanner};
   }
@@ -365,9 +379,9 @@ class BoundComputer {
       Segment& segment = run.segment;
       // The line's normal in the scan plane, which the beams' weights need.
       const int middle = (segment.first_beam + segment.last_beam) / 2;
+      const int64_t middle_ns = BeamInstant(scan_line, middle, experiment_.rig);
       const Rigid3d world_from_scanner =
-          state_->trajectory.WorldFromBody(BeamInstant(scan_line, middle, experiment_.rig)) *
-          scanner.body_from_scanner;
+          state_->trajectory.WorldFromBody(middle_ns) * scanner.BodyFromScanner(middle_ns);
       const Eigen::Vector2d at = scan_line.ranges[static_cast<size_t>(segment.first_beam)] *
                                  scan_line.BeamDirection(segment.first_beam);
       const Eigen::Vector3d normal =
@@ -389,7 +403,7 @@ class BoundComputer {
     }
   }
 
-  const Experiment& experiment_;
+  Experiment experiment_;
   const MapperOptions& options_;
   std::optional<uint64_t> seed_;
   Simulator simulator_;
@@ -477,7 +491,7 @@ std::string BoundTable(const Bound& bound) {
                 RmsSigma(calibration, At::kTurn, At::kShift),
                 1e3 * RmsSigma(calibration, At::kShift, At::kTime),
                 1e3 * RmsSigma(calibration, At::kTime, At::kRange),
-                1e3 * RmsSigma(calibration, At::kRange, kScannerBlockSize));
+                1e3 * RmsSigma(calibration, At::kRange, At::kRange + kNumRangeErrors));
   text += line;
   for (const std::string& unobserved : UnobservedInWords(calibration)) {
     text += "not shown: " + unobserved + "\n";

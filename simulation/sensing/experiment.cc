@@ -219,6 +219,19 @@ Experiment ReadExperiment(const std::string& path) {
   } else {
     experiment.rig.imu.reset();
   }
+  if (root.Has("mounts")) {
+    const auto is_mounted = [](const Scanner& scanner) { return scanner.mount.has_value(); };
+    if (std::none_of(
+            experiment.rig.scanners.begin(), experiment.rig.scanners.end(), is_mounted)) {
+      root["mounts"].Fail("the rig file has no mount");
+    }
+    experiment.mounts = ReadMountOptions(root["mounts"]);
+  }
+  for (const Scanner& scanner : experiment.rig.scanners) {
+    if (!scanner.mount || scanner.mount->swing || scanner.mount->rate_rad_s != 0.0) continue;
+    root["rig"].Fail("scanner " + scanner.name +
+                     ": to simulate its mount, it needs a swing or a rate_deg_s");
+  }
   double start_time_s = kDefaultStart;
   root.Optional("start_time_s", &start_time_s, 1.0, kLatestStart);
   experiment.path.start_ns = NanosecondsFromSeconds(start_time_s);

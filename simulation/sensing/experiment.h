@@ -8,6 +8,7 @@
 #include "core/sensor/rig.h"
 #include "simulation/sensing/faults.h"
 #include "simulation/sensing/inertial.h"
+#include "simulation/sensing/mounts.h"
 #include "simulation/sensing/wheels.h"
 #include "simulation/world/building.h"
 #include "simulation/world/moving_things.h"
@@ -33,6 +34,7 @@ struct Experiment {
   MovingOptions moving;
   std::optional<WheelOptions> wheels;    // none: the recording has no odometry
   std::optional<InertialOptions> inertial;  // none: the recording has no IMU
+  MountOptions mounts;
   std::vector<double> scanner_phases_s;  // of each scanner's first scan line, after the start
 };
 

@@ -4,6 +4,7 @@
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/Imu.h>
+#include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 
 #include <cmath>
@@ -38,6 +39,7 @@ struct RecordingWriter::Impl {
   sensor_msgs::LaserScan message;
   nav_msgs::Odometry odometry;
   sensor_msgs::Imu imu;
+  sensor_msgs::JointState joints;
 
   [[noreturn]] void Fail(const std::exception& exception) {
     throw Error(file.path() + ": can not be written: " + exception.what());
@@ -133,6 +135,25 @@ void RecordingWriter::Write(const ImuSample& sample) {
   message.linear_acceleration.z = sample.specific_force.z();
   try {
     impl_->bag->write(impl_->rig.imu->topic, stamp, message);
+  } catch (const std::exception& exception) {
+    impl_->Fail(exception);
+  }
+  ++message.header.seq;
+}
+
+void RecordingWriter::Write(const MountReading& reading) {
+  CHECK(impl_->bag != nullptr) << "Write() after Close()";
+  CHECK_GT(reading.stamp_ns, 0) << "ROS stamps begin after 0";
+  const auto& mount = impl_->rig.scanners.at(reading.scanner).mount;
+  CHECK(mount && mount->IsRead()) << "nothing tells the mount's angle";
+  sensor_msgs::JointState& message = impl_->joints;
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<uint64_t>(reading.stamp_ns));
+  message.header.stamp = stamp;
+  message.name.assign(1, mount->joint.empty() ? "mount" : mount->joint);
+  message.position.assign(1, reading.angle_rad);
+  try {
+    impl_->bag->write(mount->joint_topic, stamp, message);
   } catch (const std::exception& exception) {
     impl_->Fail(exception);
   }

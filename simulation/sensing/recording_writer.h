@@ -7,6 +7,7 @@
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
+#include "simulation/sensing/mounts.h"
 
 namespace plumbline {
 
@@ -22,6 +23,8 @@ class RecordingWriter {
   void Write(const OdometrySample& sample);
   // In the topic of the rig's IMU, as sensor_msgs/Imu without an orientation.
   void Write(const ImuSample& sample);
+  // In the topic of the scanner's mount, as sensor_msgs/JointState without velocities.
+  void Write(const MountReading& reading);
   void Close();
 
  private:

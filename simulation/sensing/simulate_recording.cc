@@ -101,6 +101,8 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
     imu = SimulateImu(path, *experiment.rig.imu, *experiment.inertial, seed);
   }
   auto next_imu = imu.samples.begin();
+  const std::vector<MountReading>& angles = simulator.mounts().readings;
+  auto next_angle = angles.begin();
   int num_done = 0;
   simulator.Run([&](const PerfectScanLine& perfect) {
     for (; next_wheels != wheels.end() && next_wheels->time_ns < perfect.scan_line.stamp_ns;
@@ -110,6 +112,10 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
     for (; next_imu != imu.samples.end() && next_imu->time_ns < perfect.scan_line.stamp_ns;
          ++next_imu) {
       writer.Write(*next_imu);
+    }
+    for (; next_angle != angles.end() && next_angle->stamp_ns < perfect.scan_line.stamp_ns;
+         ++next_angle) {
+      writer.Write(*next_angle);
     }
     const auto scanner_index = static_cast<size_t>(perfect.scan_line.scanner_index);
     const std::optional<ScanLine> recorded = recorder.Record(perfect);
@@ -126,6 +132,7 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
   });
   for (; next_wheels != wheels.end(); ++next_wheels) writer.Write(*next_wheels);
   for (; next_imu != imu.samples.end(); ++next_imu) writer.Write(*next_imu);
+  for (; next_angle != angles.end(); ++next_angle) writer.Write(*next_angle);
   writer.Close();
   WriteRig(experiment.rig, (directory / "rig.yaml").string());
   const std::vector<StampedPose> trajectory = TruthTrajectory(path);
@@ -135,6 +142,10 @@ SimulationSummary SimulateRecording(const std::string& experiment_path,
   WriteFileAtomically((directory / "truth_planes.json").string(), FormatPlanes(faces));
   if (experiment.inertial) {
     WriteFileAtomically((directory / "truth_imu.json").string(), FormatInertialTruth(imu));
+  }
+  if (!simulator.mounts().truths.empty()) {
+    WriteFileAtomically((directory / "truth_mounts.json").string(),
+                        FormatMountTruth(simulator.mounts().truths));
   }
   for (size_t i = 1; i < trajectory.size(); ++i) {
     summary.path_length_m += (trajectory[i].world_from_body.translation -

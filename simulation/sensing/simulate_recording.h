@@ -46,10 +46,10 @@ std::string SimulationTable(const SimulationSummary& summary,
                             const std::string& output_directory);
 
 // Reads the experiment, simulates it and writes recording.bag, rig.yaml, truth_trajectory.tum
-// and truth_planes.json, and truth_imu.json where the rig has an IMU, into output_directory,
-// which is created where it is missing. Each file appears whole or not at all. progress is
-// called after every scan line. Throws Error for a bad experiment or a file that can not be
-// written.
+// and truth_planes.json, truth_imu.json where the rig has an IMU and truth_mounts.json where
+// scanners are on mounts, into output_directory, which is created where it is missing. Each
+// file appears whole or not at all. progress is called after every scan line. Throws Error for
+// a bad experiment or a file that can not be written.
 SimulationSummary SimulateRecording(const std::string& experiment_path,
                                     uint64_t seed,
                                     const std::string& output_directory,

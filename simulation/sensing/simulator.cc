@@ -70,8 +70,12 @@ Simulator::Simulator(const Experiment& experiment, uint64_t seed)
       unevenness_(experiment.faults.surfaces, experiment.building, seed),
       seed_(seed) {
   faults_.scanners.resize(rig_.scanners.size());
-  CheckPath();
   MakeSchedule();
+  if (!schedule_.empty()) {
+    mounts_ = SimulateMounts(
+        experiment.mounts, first_line_ns(), path_.start_ns(), path_.end_ns(), seed, &rig_);
+  }
+  CheckPath();
   if (schedule_.empty()) {
     throw Error(experiment.path.location + ": the path is too short for a single scan line");
   }
@@ -87,7 +91,7 @@ void Simulator::CheckPath() const {
     const Rigid3d world_from_body = path_.PoseAt(time_ns);
     std::vector<Eigen::Vector3d> origins = {world_from_body.translation};
     for (const Scanner& scanner : rig_.scanners) {
-      origins.push_back(world_from_body * scanner.body_from_scanner.translation);
+      origins.push_back(world_from_body * scanner.BodyFromScanner(time_ns).translation);
     }
     for (const Eigen::Vector3d& p : origins) CheckPlace(p, time_ns);
   }
@@ -146,7 +150,8 @@ PerfectScanLine Simulator::Take(const ScheduledLine& scheduled) const {
       faults_.scanners[static_cast<size_t>(scheduled.scanner_index)].mirrored;
   for (int beam = 0; beam < scanner.beams; ++beam) {
     const int64_t time_ns = line.scan_line.BeamTime(beam) + offset_ns;
-    const Rigid3d world_from_scanner = path_.PoseAt(time_ns) * scanner.body_from_scanner;
+    const Rigid3d world_from_scanner =
+        path_.PoseAt(time_ns) * scanner.BodyFromScanner(time_ns);
     const Eigen::Vector2d beam_direction = line.scan_line.BeamDirection(beam);
     const Eigen::Vector3d origin = world_from_scanner.translation;
     const Eigen::Vector3d direction =

@@ -49,6 +49,9 @@ class Simulator {
   // The rig that measures, which is not what the rig file says where the experiment has
   // faults.
   const Rig& true_rig() const { return rig_; }
+  const SimulatedMounts& mounts() const { return mounts_; }
+  // Stamp of the first scan line.
+  int64_t first_line_ns() const { return schedule_.front().stamp_ns; }
 
  private:
   struct ScheduledLine {
@@ -67,6 +70,7 @@ class Simulator {
                                          int beam) const;
 
   Rig rig_;
+  SimulatedMounts mounts_;
   std::vector<double> scanner_phases_s_;
   Path path_;
   bool building_is_closed_ = true;

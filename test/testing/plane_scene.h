@@ -68,7 +68,7 @@ inline ScanLine TakeScanLine(const PlaneScene& scene,
   std::normal_distribution<double> noise(0.0, 1.0);
   for (int beam = 0; beam < scanner.beams; ++beam) {
     const Rigid3d world_from_scanner =
-        world_from_body(line.BeamTime(beam)) * scanner.body_from_scanner;
+        world_from_body(line.BeamTime(beam)) * scanner.BodyFromScanner(line.BeamTime(beam));
     const Eigen::Vector2d direction = line.BeamDirection(beam);
     const double range = CastRay(
         scene,

@@ -32,14 +32,14 @@ TEST(ScannerOutlookTest, WithoutTurnsNothingIsTold) {
 TEST(ScannerOutlookTest, FindsFloorAndCeiling) {
   const Rig rig = MixedRig();
   const auto sample = TurningRig(rig).TakeSample();
-  EXPECT_FALSE(FindHeights(sample[0], rig.scanners[0].body_from_scanner).is_tilted);
+  EXPECT_FALSE(FindHeights(sample[0], rig.scanners[0]).is_tilted);
   for (size_t i = 1; i < 3; ++i) {
-    const HeightView view = FindHeights(sample[i], rig.scanners[i].body_from_scanner);
+    const HeightView view = FindHeights(sample[i], rig.scanners[i]);
     EXPECT_TRUE(view.is_tilted);
     ASSERT_TRUE(view.floor.is_seen) << i;
     EXPECT_NEAR(view.floor.height_m, TurningRig::kFloorHeight, 0.05) << i;
   }
-  const HeightView upright = FindHeights(sample[2], rig.scanners[2].body_from_scanner);
+  const HeightView upright = FindHeights(sample[2], rig.scanners[2]);
   ASSERT_TRUE(upright.ceiling.is_seen);
   EXPECT_NEAR(upright.ceiling.height_m, TurningRig::kCeilingHeight, 0.05);
 }

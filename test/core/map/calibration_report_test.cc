@@ -28,7 +28,8 @@ class CalibrationReportTest : public testing::Test {
     for (int i = 0; i < 2; ++i) {
       covariance.block<kScannerBlockSize, kScannerBlockSize>(kScannerBlockSize * i,
                                                              kScannerBlockSize * i) =
-          calibration.scanners[static_cast<size_t>(i)].covariance;
+          calibration.scanners[static_cast<size_t>(i)]
+              .covariance.topLeftCorner<kScannerBlockSize, kScannerBlockSize>();
     }
     const int clock = kScannerBlockSize + kScannerDelayAt;
     covariance(clock, clock) = clock_sigma_s * clock_sigma_s;
@@ -74,6 +75,45 @@ TEST_F(CalibrationReportTest, MetreIsThatOfTheBodysScanner) {
   EXPECT_DOUBLE_EQ(calibrated.scanners[1].range_scale, 0.997);
   EXPECT_EQ(calibrated.scanners[0].uncertainty.range_scale, 0.0);
   EXPECT_EQ(calibrated.scanners[0].uncertainty.range_m, rig_.scanners[0].uncertainty.range_m);
+}
+
+// The turn about the axis of a mount is the zero of its angle.
+TEST_F(CalibrationReportTest, DescribesAMount) {
+  Mount mount;
+  mount.axis = Eigen::Vector3d(0.1, 1.0, 0.0).normalized();
+  mount.rate_rad_s = 2.0;
+  mount.uncertainty = {0.02, 0.002, 0.001, 0.01, 0.003};
+  rig_.scanners[1].mount = mount;
+  RigCalibration calibration(rig_, false);
+  ScannerEstimate& scanner = calibration.scanners[1];
+  EXPECT_EQ(scanner.prior_sigma[kScannerTurnAt + 1], 0.0);
+  EXPECT_EQ(scanner.prior_sigma[kScannerTurnAt], 0.02);
+  scanner.block[kMountZeroAt] = 0.01;
+  scanner.block[kMountDelayAt] = 0.001;
+  scanner.block[kMountRateAt] = 0.0005;
+  scanner.block[kMountTiltAt] = 0.02;
+  scanner.block[kMountShiftAt + 1] = -0.002;
+  const int size = kScannerBlockSize + kMountedBlockSize;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(size, size) * 1e-8;
+  const Calibration found = DescribeCalibration(rig_, rig_, calibration, covariance);
+  ASSERT_EQ(found.scanners[1].parameters.size(), static_cast<size_t>(kMountedBlockSize));
+  for (int k = 0; k < kMountedBlockSize; ++k) {
+    const CalibratedParameter& parameter =
+        found.scanners[1].parameters[static_cast<size_t>(k)];
+    const double unit =
+        parameter.name.find("_deg") == std::string::npos ? 1.0 : kRadiansPerDegree;
+    EXPECT_NEAR(parameter.value * unit, scanner.block[static_cast<size_t>(k)], 1e-9)
+        << parameter.name;
+  }
+  EXPECT_EQ(found.scanners[1].parameters[kMountZeroAt].name, "mount_zero_deg");
+  EXPECT_TRUE(found.scanners[1].parameters[1].IsHeld());
+  // A rig as it is found is what the next map starts from.
+  scanner.SetCovariance(covariance.bottomRightCorner(kMountedBlockSize, kMountedBlockSize), 0);
+  const Mount calibrated = *CalibratedRig(rig_, calibration).scanners[1].mount;
+  EXPECT_NEAR(calibrated.zero_rad, 0.01, 1e-12);
+  EXPECT_NEAR(calibrated.time_offset_s, 0.001, 1e-12);
+  EXPECT_NEAR(calibrated.rate_rad_s, 2.001, 1e-12);
+  EXPECT_NEAR(calibrated.uncertainty.zero_rad, 1e-4, 1e-12);
 }
 
 // A rig that started elsewhere is held against what the file says.

@@ -5,6 +5,7 @@
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/Imu.h>
+#include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
 
@@ -551,6 +552,82 @@ TEST_F(ImuTopicTest, ATopicThatIsMissingIsNamed) {
                   ": has no sensor_msgs/Imu in topic /imu/raw that the rig names; topics with "
                   "IMUs in this recording: /imu");
   }
+}
+
+class MountTopicTest : public RecordingTest {
+ protected:
+  // A joint that turns by 0.1 rad from one of a scanner's lines to the next, beside one that
+  // stands. first, last: of the messages that are left out.
+  void Record(int first_lost = 0, int last_lost = -1) {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    for (int i = 0; i < 20; ++i) {
+      const int64_t stamp_ns = kStart + i * kPeriod;
+      RecordingTest::Record(&bag, "/top_scan", MakeMessage(stamp_ns));
+      if (i >= first_lost && i <= last_lost) continue;
+      sensor_msgs::JointState message;
+      message.header.stamp.fromNSec(static_cast<uint64_t>(stamp_ns));
+      message.name = {"other", "nod"};
+      message.position = {7.0, 0.1 * i};
+      RecordingTest::Record(&bag, "/joint_states", message);
+    }
+  }
+
+  Rig RigWith(const std::string& topic, const std::string& joint) {
+    Rig rig = MakeRig({"top"});
+    Mount mount;
+    mount.joint_topic = topic;
+    mount.joint = joint;
+    mount.time_offset_s = 0.001;
+    rig.scanners[0].mount = mount;
+    return rig;
+  }
+
+  std::string ErrorWith(const std::string& topic, const std::string& joint) {
+    try {
+      RecordingReader reader(path_, RigWith(topic, joint));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(MountTopicTest, AnglesHaveTheRecordingsTime) {
+  Record();
+  Rig rig = RigWith("/joint_states", "nod");
+  const RecordingReader reader(path_, rig);
+  EXPECT_THAT(reader.warnings(), IsEmpty());
+  StartMounts(reader, &rig);
+  EXPECT_EQ(rig.scanners[0].mount->start_ns, kStart);
+  EXPECT_NEAR(
+      rig.scanners[0].mount->AngleAt(kStart + 3 * kPeriod + 1'000'000, 0.0), 0.3, 1e-9);
+  EXPECT_EQ(reader.num_scan_lines(), 20);
+}
+
+TEST_F(MountTopicTest, LinesWithoutAnAngleArePassedOverAndCounted) {
+  Record(5, 9);
+  const RecordingReader reader(path_, RigWith("/joint_states", "nod"));
+  EXPECT_LT(reader.num_scan_lines(), 20);
+  EXPECT_GE(reader.num_scan_lines(), 12);
+  ASSERT_EQ(reader.warnings().size(), 1u);
+  EXPECT_THAT(reader.warnings().front(),
+              testing::HasSubstr("passed over as nothing tells the angle of the mount then"));
+}
+
+TEST_F(MountTopicTest, WhatDoesNotTellTheAngleIsNamed) {
+  Record();
+  EXPECT_EQ(ErrorWith("/joints", "nod"),
+            path_ +
+                ": has no angles in topic /joints of the mount of scanner 'top'; topics "
+                "with angles in this recording: /joint_states");
+  EXPECT_EQ(ErrorWith("/joint_states", "tilt"),
+            path_ +
+                ": topic /joint_states does not tell how the mount of scanner 'top' turns by "
+                "joint 'tilt': it has no readings");
+  EXPECT_EQ(ErrorWith("/joint_states", "other"),
+            path_ +
+                ": topic /joint_states does not tell how the mount of scanner 'top' turns by "
+                "joint 'other': its angle never changes");
 }
 
 // A rig file that states the time between beams puts it right.

@@ -237,6 +237,80 @@ TEST(Rig, AnImuIsWrittenAsItWasRead) {
   expect_same(read.imu->accelerometer, rig.imu->accelerometer);
 }
 
+// A scanner's text with a mount.
+std::string Mounted(const std::string& mount) { return "scanners:\n" + kScanner + mount; }
+
+TEST(Rig, AMountIsReadAndWritten) {
+  Rig rig =
+      ReadText(Mounted("    mount:\n"
+                       "      axis: [0, 2, 0]\n"
+                       "      joint_topic: /joint_states\n"
+                       "      joint: nod\n"
+                       "      swing: {amplitude_deg: 30, period_s: 0.8, phase_deg: 90}\n"
+                       "      zero_deg: 5\n"
+                       "      time_offset_s: 0.01\n"
+                       "      uncertainty: {zero_deg: 2, point_m: 0.02}\n"));
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_TRUE(rig.scanners[0].mount);
+    const Mount& mount = *rig.scanners[0].mount;
+    EXPECT_EQ(mount.axis, Eigen::Vector3d(0.0, 1.0, 0.0));
+    EXPECT_EQ(mount.point, rig.scanners[0].body_from_scanner.translation);
+    EXPECT_EQ(mount.joint_topic, "/joint_states");
+    EXPECT_EQ(mount.joint, "nod");
+    ASSERT_TRUE(mount.swing);
+    EXPECT_NEAR(mount.swing->amplitude_rad, M_PI / 6.0, 1e-12);
+    EXPECT_EQ(mount.swing->period_s, 0.8);
+    EXPECT_NEAR(mount.swing->phase_rad, M_PI / 2.0, 1e-12);
+    EXPECT_NEAR(mount.zero_rad, 5.0 * M_PI / 180.0, 1e-12);
+    EXPECT_EQ(mount.time_offset_s, 0.01);
+    EXPECT_NEAR(mount.uncertainty.zero_rad, 2.0 * M_PI / 180.0, 1e-12);
+    EXPECT_EQ(mount.uncertainty.point_m, 0.02);
+    EXPECT_EQ(mount.uncertainty.time_s, 0.002);
+    EXPECT_EQ(mount.uncertainty.rate, 0.0) << "the angle is read";
+    WriteRig(rig, TestPath());
+    rig = ReadRig(TestPath());
+  }
+  rig = ReadText(Mounted("    mount: {axis: [0, 0, 1], point: [1, 2, 3], rate_deg_s: -90}\n"));
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_TRUE(rig.scanners[0].mount);
+    EXPECT_EQ(rig.scanners[0].mount->point, Eigen::Vector3d(1.0, 2.0, 3.0));
+    EXPECT_NEAR(rig.scanners[0].mount->rate_rad_s, -M_PI / 2.0, 1e-12);
+    EXPECT_EQ(rig.scanners[0].mount->uncertainty.rate, 0.001);
+    EXPECT_FALSE(rig.scanners[0].mount->swing);
+    WriteRig(rig, TestPath());
+    rig = ReadRig(TestPath());
+  }
+}
+
+TEST(Rig, ErrorsOfMountsNameTheLine) {
+  EXPECT_EQ(ErrorOf(Mounted("    mount: {axis: [0, 0, 0], rate_deg_s: 1}\n")),
+            ":8: axis must not be of length 0");
+  EXPECT_EQ(ErrorOf(Mounted("    mount: {axis: [0, 0, 1]}\n")),
+            ":8: a mount needs a joint_topic, a rate_deg_s or a swing");
+  EXPECT_EQ(ErrorOf(Mounted("    mount: {axis: [0, 0, 1], rate_deg_s: 1, joint: tilt}\n")),
+            ":8: joint names one of the joints in the messages of a joint_topic");
+  EXPECT_EQ(ErrorOf(Mounted("    mount:\n      axis: [0, 0, 1]\n      rate_deg_s: 1\n"
+                            "      swing: {amplitude_deg: 1, period_s: 1}\n")),
+            ":11: give either rate_deg_s or swing, not both");
+  EXPECT_EQ(ErrorOf(Mounted("    mount: {axis: [0, 0, 1], rate_deg_s: 1, speed: 2}\n")),
+            ":8: unknown key 'speed'");
+}
+
+TEST(Rig, AScannerThatNodsSeesHeightsAndIsNotTheBodys) {
+  const std::string swing = "swing: {amplitude_deg: 30, period_s: 1}";
+  Rig rig = ReadText(Mounted("    mount: {axis: [0, 1, 0], " + swing + "}\n"));
+  rig.scanners[0].body_from_scanner.rotation.setIdentity();
+  EXPECT_FALSE(IsPlanar(rig));
+  rig.scanners[0].mount->axis = Eigen::Vector3d::UnitZ();
+  EXPECT_TRUE(IsPlanar(rig)) << "it turns in its own plane";
+  rig.scanners.push_back(rig.scanners[0]);
+  EXPECT_EQ(BodyScanner(rig), 0u) << "all are on mounts";
+  rig.scanners[1].mount.reset();
+  EXPECT_EQ(BodyScanner(rig), 1u);
+  rig.scanners[0].mount->axis = Eigen::Vector3d::UnitY();
+  EXPECT_EQ(BodyScanner(rig), 1u);
+}
+
 TEST(Rig, UnwritablePathIsNamed) {
   Rig rig;
   rig.scanners.resize(1);

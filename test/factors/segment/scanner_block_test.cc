@@ -50,5 +50,86 @@ TEST(ScannerBlock, MovesWhatIsSeenAsTheBodysMotionWould) {
   }
 }
 
+using MountedBlock = Eigen::Matrix<double, kMountedBlockSize, 1>;
+
+// A swing of one radian, at an instant.
+constexpr double kFrequency = 6.0;  // rad/s
+MountMotion MotionAt(double time_s, double since_start_s) {
+  return {std::sin(kFrequency * time_s),
+          kFrequency * std::cos(kFrequency * time_s),
+          -kFrequency * kFrequency * std::sin(kFrequency * time_s),
+          since_start_s,
+          0.0};
+}
+
+// A place that a scanner on a mount sees, in the world.
+Eigen::Vector3d SeenOnMount(const ScannerPose& stated,
+                            const MountPose& stated_mount,
+                            const MountMotion& motion,
+                            const MountedBlock& block,
+                            const Eigen::Vector3d& p_scanner) {
+  const MountPose mount = PoseOfMount(stated_mount, block.data());
+  const double angle = MotionOfMount(mount, motion, block.data()).angle_rad;
+  return Seen(TurnedBy(angle, mount, PoseOfScanner(stated, block.data())),
+              Eigen::Matrix<double, kScannerBlockSize, 1>::Unit(kScannerDelayAt) *
+                  block[kScannerDelayAt],
+              p_scanner);
+}
+
+TEST(ScannerBlock, OnAMountMovesWhatIsSeenAsTheBodysMotionWould) {
+  const ScannerPose stated = {Exp(Eigen::Vector3d(-0.3, 0.8, 0.1)).toRotationMatrix(),
+                              {0.1, -0.3, 0.2}};
+  const MountPose mount = {
+      Eigen::Vector3d(0.3, 0.9, -0.2).normalized(), {0.05, -0.1, 0.15}, 0.2};
+  const Eigen::Vector3d p_scanner(4.0, -2.5, 0.0);
+  MountedBlock block;
+  block << 0.2, -0.1, 0.3, 0.02, -0.03, 0.01, 0.001, 0.0, 0.0,  // of the scanner
+      0.02, 0.003, 0.0002, 0.03, -0.02, 0.01, -0.02;            // of the mount
+  for (const double time_s : {0.0, 0.1, 0.4}) {
+    const MountMotion motion = MotionAt(time_s, 9.0);
+    const Eigen::Matrix3d body =
+        Exp(Eigen::Vector3d(block[kScannerDelayAt] * kAngular)).toRotationMatrix() * kBody;
+    const BodyByMounted by_scanner = BodyMotionByMounted(body,
+                                                         PoseOfScanner(stated, block.data()),
+                                                         mount,
+                                                         motion,
+                                                         block.data(),
+                                                         kAngular,
+                                                         kLinear);
+    const Eigen::Vector3d from_body = SeenOnMount(stated, mount, motion, block, p_scanner) -
+                                      kPosition - block[kScannerDelayAt] * kLinear;
+    for (int k = 0; k < kMountedBlockSize; ++k) {
+      if (k == kScannerRangeAt || k == kScannerScaleAt) continue;  // not a motion
+      MountedBlock less = block;
+      MountedBlock more = block;
+      less[k] -= kStep;
+      more[k] += kStep;
+      const Eigen::Vector3d numerical = (SeenOnMount(stated, mount, motion, more, p_scanner) -
+                                         SeenOnMount(stated, mount, motion, less, p_scanner)) /
+                                        (2.0 * kStep);
+      const Eigen::Vector3d turn = by_scanner.col(k).head<3>();
+      const Eigen::Vector3d shift = by_scanner.col(k).tail<3>();
+      EXPECT_LT((turn.cross(from_body) + shift - numerical).norm(),
+                1e-7 * numerical.norm() + 1e-7)
+          << "parameter " << k << " at " << time_s;
+    }
+  }
+}
+
+TEST(ScannerBlock, AMountsClockAndRateMoveItsAngle) {
+  const MountPose mount;
+  MountedBlock block = MountedBlock::Zero();
+  block[kMountDelayAt] = 0.003;
+  block[kMountRateAt] = 0.0004;
+  const double later_s = 0.0004 * 9.0 - 0.003;
+  const MountMotion moved = MotionOfMount(mount, MotionAt(0.3, 9.0), block.data());
+  EXPECT_NEAR(moved.angle_rad, std::sin(kFrequency * (0.3 + later_s)), 1e-7);
+  EXPECT_NEAR(moved.rate_rad_s, kFrequency * std::cos(kFrequency * (0.3 + later_s)), 1e-4);
+  // About the instant that the block stands for, the parabola adds nothing.
+  MountMotion about = MotionAt(0.3, 9.0);
+  about.later_s = later_s;
+  EXPECT_NEAR(MotionOfMount(mount, about, block.data()).angle_rad, about.angle_rad, 1e-15);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -269,5 +269,94 @@ TEST(SegmentGroup, WithPlanesHeldItsModelIsAboutThePoses) {
             1e-8 * expected.gradient.norm());
 }
 
+// One segment with one residual, of an estimated scanner on a mount.
+struct MountedScene {
+  SegmentScene scene{3};
+  Eigen::VectorXd scanner_block{kMountedBlockSize};
+  std::vector<SegmentGroup::MountAtNodes> motions;
+
+  // i: the scene's segment, which is on that one of its planes.
+  explicit MountedScene(int i) {
+    TestRandom random(5);
+    SegmentGroup::Segment segment = scene.segments[static_cast<size_t>(i)];
+    SegmentMeasurement measurement = segment.measurement->Unpack();
+    measurement.num_nodes = 3;
+    measurement.node_times_ns = {0, 1, 2};
+    measurement.rows.setZero(1, SegmentMeasurement::kColumns);
+    for (double& value : measurement.rows.reshaped()) value = random.Uniform(-1.0, 1.0);
+    measurement.range_rest = measurement.range_offset = 0.0;
+    segment.measurement =
+        &scene.measurements.emplace_back(measurement, segment.measurement->frame());
+    segment.mount_motion = 0;
+    scene.segments = {segment};
+    SegmentGroup::Scanner& scanner = scene.scanners[static_cast<size_t>(segment.scanner)];
+    scanner.estimated = true;
+    scanner.mount = {random.Vector(1.0).normalized(), random.Vector(0.2), 0.1};
+    motions.push_back({MountMotion{0.5, 3.0, -10.0, 8.0, 0.001},
+                       MountMotion{0.53, 2.9, -10.0, 8.01, 0.001},
+                       MountMotion{0.56, 2.8, -10.0, 8.02, 0.001}});
+    scanner_block << random.Vector(0.2), random.Vector(0.1), random.Uniform(-0.003, 0.003),
+        random.Uniform(-0.5, 0.5), random.Uniform(-0.01, 0.01), random.Uniform(-0.05, 0.05),
+        random.Uniform(-0.003, 0.003), random.Uniform(-0.0003, 0.0003), 0.02, -0.03, 0.01,
+        0.02;
+  }
+
+  SegmentGroup::Quadratic At(const Eigen::VectorXd& block) const {
+    const SegmentGroup group(kNumControlPoints,
+                             kKnotInterval,
+                             scene.scanners,
+                             scene.planes,
+                             scene.segments,
+                             0.0,
+                             motions);
+    std::vector<const double*> parameters = scene.blocks.pointers();
+    parameters.push_back(block.data());
+    SegmentGroup::Quadratic quadratic;
+    group.Linearise(parameters.data(), &quadratic);
+    return quadratic;
+  }
+};
+
+TEST(SegmentGroup, ScannersOnMountsAreBlocksOfItsModel) {
+  constexpr double kStep = 1e-6;
+  for (const int plane : {0, 1, 2}) {
+    MountedScene mounted(plane);
+    const SegmentGroup::Quadratic at = mounted.At(mounted.scanner_block);
+    ASSERT_EQ(at.gradient.size(), 6 * kNumControlPoints + 9 + kMountedBlockSize);
+    const Eigen::VectorXd gradient = at.gradient.tail<kMountedBlockSize>();
+    EXPECT_GT(gradient.norm(), 0.0);
+    for (int k = 0; k < kMountedBlockSize; ++k) {
+      Eigen::VectorXd less = mounted.scanner_block;
+      Eigen::VectorXd more = mounted.scanner_block;
+      less[k] -= kStep;
+      more[k] += kStep;
+      EXPECT_NEAR(gradient[k],
+                  (mounted.At(more).cost - mounted.At(less).cost) / (2.0 * kStep),
+                  1e-5 * gradient.norm())
+          << "parameter " << k;
+    }
+    // The matrix of a single residual r with the gradient r j is j j^T.
+    const Eigen::MatrixXd expected = at.gradient * at.gradient.transpose() / (2.0 * at.cost);
+    const Eigen::MatrixXd full = at.hessian.selfadjointView<Eigen::Lower>();
+    EXPECT_LT((full - expected).norm(), 1e-6 * expected.norm());
+  }
+}
+
+TEST(SegmentGroup, AMountThatStandsIsAnotherPose) {
+  MountedScene mounted(2);
+  for (SegmentGroup::Scanner& scanner : mounted.scene.scanners) scanner.estimated = false;
+  const auto index = static_cast<size_t>(mounted.scene.segments[0].scanner);
+  mounted.motions[0].fill(MountMotion{0.5, 0.0, 0.0, 0.0, 0.0});
+  const SegmentGroup::Quadratic moving = mounted.At(mounted.scanner_block);
+  SegmentGroup::Scanner& scanner = mounted.scene.scanners[index];
+  scanner.body_from_scanner =
+      TurnedBy(0.5 + scanner.mount->zero_rad, *scanner.mount, scanner.body_from_scanner);
+  scanner.mount.reset();
+  mounted.scene.segments[0].mount_motion = -1;
+  const SegmentGroup::Quadratic standing = mounted.At(mounted.scanner_block);
+  EXPECT_NEAR(moving.cost, standing.cost, 1e-12 * standing.cost);
+  EXPECT_LT((moving.gradient - standing.gradient).norm(), 1e-10 * standing.gradient.norm());
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,57 @@
+#include "core/check/nodding.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "test/core/check/turning_rig.h"
+
+namespace plumbline {
+namespace {
+
+// Lines of ten seconds of the paper's rig, whose first scanner is on a mount, or is not.
+std::vector<ScanLine> LinesOf(const std::optional<Mount>& mount, size_t scanner = 0) {
+  Rig rig = MakePaperRig();
+  for (Scanner& each : rig.scanners) each.scan_rate_hz = TurningRig::kRate;
+  rig.scanners[0].mount = mount;
+  std::vector<ScanLine> lines;
+  std::mt19937_64 random(1);
+  for (int k = 0; k < static_cast<int>(10.0 * TurningRig::kRate); ++k) {
+    const int64_t stamp_ns =
+        TurningRig::kStartNs + NanosecondsFromSeconds(k / TurningRig::kRate);
+    lines.push_back(SixWalls::Take(
+        SixWalls::Room(), rig, stamp_ns, TurningRig::WorldFromBody, &random)[scanner]);
+  }
+  return lines;
+}
+
+Mount Nodding(double period_s) {
+  Mount mount;
+  mount.axis = Eigen::Vector3d::UnitY();
+  mount.swing = Swing{M_PI / 6.0, period_s, 0.3};
+  mount.start_ns = TurningRig::kStartNs;
+  return mount;
+}
+
+TEST(NoddingTest, FindsPeriodAndAxis) {
+  for (const double period_s : {1.0, 1.7}) {
+    const std::optional<Nod> nod = FindNod(LinesOf(Nodding(period_s)));
+    ASSERT_TRUE(nod);
+    EXPECT_NEAR(nod->period_s, period_s, 0.05);
+    // The scanner's axis x points to the right, along the mount's.
+    EXPECT_LT(std::abs(std::remainder(nod->axis_rad, M_PI)), 0.2);
+    EXPECT_LT(nod->returned_share, 0.5 * nod->changed_share);
+  }
+}
+
+TEST(NoddingTest, AScannerThatStandsDoesNotNod) {
+  for (const size_t scanner : {0, 1, 2})
+    EXPECT_FALSE(FindNod(LinesOf({}, scanner))) << scanner;
+  EXPECT_FALSE(FindNod({}));
+}
+
+}  // namespace
+}  // namespace plumbline
