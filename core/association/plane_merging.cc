@@ -179,10 +179,25 @@ std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
       });
 }
 
-bool IsRedundant(const Landmark& weak,
-                 const Landmark& strong,
-                 double range_noise_m,
-                 const AssociationOptions& options) {
+namespace {
+
+// Points of a patch on its surface, across it from side to side.
+std::vector<Eigen::Vector3d> PointsAcross(const Landmark& landmark) {
+  const PatchExtent& extent = landmark.extent;
+  std::vector<Eigen::Vector3d> points;
+  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const Eigen::Vector2d low = extent.min_corner();
+    const Eigen::Vector2d size = extent.max_corner() - low;
+    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
+    points.push_back(on_axes -
+                     landmark.SignedDistance(on_axes) * landmark.NormalNear(on_axes));
+  }
+  return points;
+}
+
+}  // namespace
+
+bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;  // of the weak one's cells
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
   // So does a chord of an arc.
@@ -190,27 +205,26 @@ bool IsRedundant(const Landmark& weak,
       (weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral) ||
       strong.IsCurved();
   if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
-  const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;
   int count = 0;
-  bool meet = false;
-  // Mean square distance over the patch, from a few points across it.
-  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const Eigen::Vector2d low = extent.min_corner();
-    const Eigen::Vector2d size = extent.max_corner() - low;
-    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
-    const Eigen::Vector3d normal = weak.NormalNear(on_axes);
-    const Eigen::Vector3d point = on_axes - weak.SignedDistance(on_axes) * normal;
+  for (const Eigen::Vector3d& point : PointsAcross(weak)) {
     const double distance = strong.SignedDistance(point);
-    const double variance = DistanceVariance(weak, strong, point, normal);
-    meet = meet || MeetAt(weak, strong, point, variance, options);
     sum_squares += distance * distance;
     ++count;
   }
   // Single ranges do not tell planes apart that are nearer than this.
   const double limit = kOutlierSigmas * range_noise_m;
-  return meet && sum_squares < count * limit * limit &&
-         extent.OverlapWith(strong.extent) > kMinOverlap;
+  return sum_squares < count * limit * limit &&
+         weak.extent.OverlapWith(strong.extent) > kMinOverlap;
+}
+
+bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options) {
+  const std::vector<Eigen::Vector3d> points = PointsAcross(weak);
+  return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
+    const double variance =
+        DistanceVariance(weak, strong, point, weak.NormalNear(point).normalized());
+    return MeetAt(weak, strong, point, variance, options);
+  });
 }
 
 void MergeInto(int into_id, int from_id, MapState* state) {

@@ -20,16 +20,16 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
                                                      int since_scan);
 
 // Whether `weak` is redundant, a plane that only repeats `strong`: it faces the same side,
-// lies for the most part where `strong` has been seen too, differs from it by no more than
-// single ranges can tell, and meets it somewhere. Segments that took in beams of a
-// neighbouring surface (an open door's jamb, seen along the wall) make redundant planes, and
-// so do traces of a roof that look like a wall's, whichever side that faces. A plane that is
-// significantly off all along is another surface: a door leaf in its frame, of which beams
-// from far away were taken for the wall's.
-bool IsRedundant(const Landmark& weak,
-                 const Landmark& strong,
-                 double range_noise_m,
-                 const AssociationOptions& options);
+// lies for the most part where `strong` has been seen too, and differs from it by no more than
+// single ranges can tell. Two surfaces can not both be seen there; segments that took in beams
+// of a neighbouring surface (an open door's jamb, seen along the wall) make redundant planes,
+// and so do traces of a roof that look like a wall's, whichever side that faces.
+bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
+
+// Whether two surfaces do not differ significantly, given their covariances, somewhere across
+// what was seen of `weak`. Of two that meet nowhere neither repeats the other: a door leaf in
+// its frame, of which beams from far away were taken for the wall's.
+bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options);
 
 // Finds pairs of cylinders that are one, as FindMergeablePlanes does for planes.
 std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,

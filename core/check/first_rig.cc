@@ -81,8 +81,7 @@ std::string RotationComment(Attitude attitude, const std::optional<TravelDirecti
 // The mount of a scanner that nods.
 std::string MountText(const Nod& nod) {
   const double degrees = nod.axis_rad / kRadiansPerDegree;
-  return "    mount:                    # it nods, or spins, about an axis that lies in its "
-         "scan "
+  return "    mount:                    # it nods about an axis that lies in its scan "
          "plane at about " +
          Decimal(degrees, 0) +
          " deg\n"

@@ -39,22 +39,27 @@ Sectors SectorsOf(const ScanLine& line) {
   return sectors;
 }
 
-bool HasChanged(float before, float after) {
-  return std::abs(after - before) > 0.1f * std::max(before, after);
+// By how much a range has changed, as a share of it; a half where it is another surface's, or
+// an echo comes or goes.
+double Change(float before, float after) {
+  const double other = 0.5;
+  if (std::isnan(before) || std::isnan(after)) {
+    return std::isnan(before) == std::isnan(after) ? 0.0 : other;
+  }
+  return std::min(other, std::abs(std::log(static_cast<double>(after / before))));
 }
 
-// The share of the directions with echoes in both lines whose range has changed; NaN where
-// there are hardly any.
-double ChangedShare(const Sectors& before, const Sectors& after) {
+// The mean change over the directions with an echo in either line; NaN where there are hardly
+// any.
+double MeanChange(const Sectors& before, const Sectors& after) {
   int count = 0;
-  int changed = 0;
+  double sum = 0.0;
   for (size_t i = 0; i < before.size(); ++i) {
-    if (std::isnan(before[i]) || std::isnan(after[i])) continue;
+    if (std::isnan(before[i]) && std::isnan(after[i])) continue;
     ++count;
-    changed += HasChanged(before[i], after[i]);
+    sum += Change(before[i], after[i]);
   }
-  return 4 * count < static_cast<int>(before.size()) ? std::nan("")
-                                                     : static_cast<double>(changed) / count;
+  return 4 * count < static_cast<int>(before.size()) ? std::nan("") : sum / count;
 }
 
 class NodSearch {
@@ -125,8 +130,8 @@ class NodSearch {
       const int middle = LineAfter(i, half);
       const int end = LineAfter(i, 2 * half);
       if (middle < 0 || end < 0) continue;
-      const double changed = ChangedShare(sectors_[i], sectors_[static_cast<size_t>(middle)]);
-      const double returned = ChangedShare(sectors_[i], sectors_[static_cast<size_t>(end)]);
+      const double changed = MeanChange(sectors_[i], sectors_[static_cast<size_t>(middle)]);
+      const double returned = MeanChange(sectors_[i], sectors_[static_cast<size_t>(end)]);
       if (std::isnan(changed) || std::isnan(returned)) continue;
       candidate.changed += changed;
       candidate.returned += returned;
@@ -142,7 +147,7 @@ class NodSearch {
     const double mean = sum / count;
     const double stddev = std::sqrt(std::max(0.0, squares / count - mean * mean));
     candidate.is_significant = mean > 3.0 * stddev / std::sqrt(num_periods) &&
-                               candidate.returned < 0.5 * candidate.changed;
+                               candidate.returned < 0.7 * candidate.changed;
     return candidate;
   }
 
@@ -172,9 +177,9 @@ class NodSearch {
       if (middle < 0) continue;
       const Sectors& after = sectors_[static_cast<size_t>(middle)];
       for (size_t k = 0; k < counts.size(); ++k) {
-        if (std::isnan(sectors_[i][k]) || std::isnan(after[k])) continue;
+        if (std::isnan(sectors_[i][k]) && std::isnan(after[k])) continue;
         counts[k] += 1.0;
-        changed[k] += HasChanged(sectors_[i][k], after[k]);
+        changed[k] += Change(sectors_[i][k], after[k]);
       }
     }
     // Least squares of a constant and the second harmonic, over the sectors that see anything.

@@ -14,12 +14,13 @@ struct Nod {
   // Of the axis in the scan plane, from the direction of angle 0, in -pi/2 .. pi/2: ranges
   // along the axis change least.
   double axis_rad = 0.0;
-  double changed_share = 0.0;   // of the directions, after half a period
-  double returned_share = 0.0;  // of the directions, that are others after a whole period
+  // Mean change of the ranges as a share of them, half a period later and a whole one.
+  double changed_share = 0.0;
+  double returned_share = 0.0;
 };
 
 // Finds how a scanner nods from its lines, sorted by stamp; nothing where it does not, or by
-// so little that hardly any range changes by a tenth.
+// so little that ranges change as much by the way of the rig.
 std::optional<Nod> FindNod(const std::vector<ScanLine>& lines);
 
 }  // namespace plumbline

@@ -147,7 +147,8 @@ int DropRedundantPlanes(const Rig& rig, const MapperOptions& options, MapState* 
     const auto is_repeated_by = [&](const Landmark& strong) {
       return weak.num_points > 0 && weak.num_points < strong.num_points &&
              IsWithinGap(strong, weak.first_scan, options.loop_closure) &&
-             IsRedundant(weak, strong, range_noise_m, options.association);
+             IsRedundant(weak, strong, range_noise_m) &&
+             Meet(weak, strong, options.association);
     };
     is_redundant.push_back(
         std::any_of(state->landmarks.begin(), state->landmarks.end(), is_repeated_by));

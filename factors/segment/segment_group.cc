@@ -331,8 +331,8 @@ NodesByScanner<kMountedBlockSize> ByMounted(const ScannerPose& at_zero,
                                             const NodePoses& poses,
                                             const NodeVelocities& velocities) {
   NodesByScanner<kMountedBlockSize> by_scanner;
-  for (size_t k = 0; k < kNumNodes; ++k) {
-    by_scanner.middleRows<kPoseSize>(kPoseSize * static_cast<int>(k)) =
+  for (size_t k = 0; k < kNumSegmentNodes; ++k) {
+    by_scanner.middleRows<kNodePoseSize>(kNodePoseSize * static_cast<int>(k)) =
         BodyMotionByMounted(poses.world_from_body[k],
                             at_zero,
                             mount,

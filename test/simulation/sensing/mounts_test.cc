@@ -113,7 +113,7 @@ TEST(MountsTest, ADriveThatNobodyReadsIsFasterAndShakes) {
   double squares = 0.0;
   constexpr int kTimes = 150;
   for (int i = 0; i < kTimes; ++i) {
-    const int64_t time_ns = kStart + i * 20'000'000;  // where it has been drawn
+    const int64_t time_ns = kStart + int64_t{20'000'000} * i;  // where it has been drawn
     const double off = rig.scanners[1].mount->AngleAt(time_ns, 0.0) -
                        2.0 * (1.0 + rate) * SecondsBetween(kStart, time_ns);
     squares += off * off;
