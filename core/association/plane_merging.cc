@@ -70,6 +70,28 @@ struct Compared {
   }
 };
 
+// The variance of the distance between two surfaces at a point, along a normal.
+double DistanceVariance(const Landmark& a,
+                        const Landmark& b,
+                        const Eigen::Vector3d& point,
+                        const Eigen::Vector3d& normal) {
+  const Eigen::RowVector3d by_a = a.DeviationJacobian(point, normal).row(0);
+  const Eigen::RowVector3d by_b = b.DeviationJacobian(point, normal).row(0);
+  return by_a.dot(by_a * a.covariance) + by_b.dot(by_b * b.covariance);
+}
+
+// Whether two surfaces do not differ significantly at a point, given that variance.
+bool MeetAt(const Landmark& a,
+            const Landmark& b,
+            const Eigen::Vector3d& point,
+            double variance,
+            const AssociationOptions& options) {
+  const double flatness2 = options.surface_flatness_m * options.surface_flatness_m;
+  const double difference = a.SignedDistance(point) - b.SignedDistance(point);
+  return difference * difference <=
+         TwoDegreesQuantile(options.significance) * (variance + 2.0 * flatness2);
+}
+
 // Whether two cylinders agree at both ends and in the middle of the smaller one, b.
 bool AreOneCylinder(const Landmark& a,
                     const Landmark& b,
@@ -83,16 +105,9 @@ bool AreOneCylinder(const Landmark& a,
     const Eigen::Vector3d p = b.extent.ToWorld({low + share * width_m, middle});
     const Eigen::Vector3d normal = b.NormalNear(p);
     if (a.NormalNear(p).dot(normal) < kMinFacingCosine) return false;
-    const Eigen::RowVector3d by_a = a.DeviationJacobian(p, normal).row(0);
-    const Eigen::RowVector3d by_b = b.DeviationJacobian(p, normal).row(0);
-    const double variance = by_a.dot(by_a * a.covariance) + by_b.dot(by_b * b.covariance);
+    const double variance = DistanceVariance(a, b, p, normal);
     if (variance > range_noise_m * range_noise_m) return false;
-    const double difference = a.SignedDistance(p) - b.SignedDistance(p);
-    const double flatness2 = options.surface_flatness_m * options.surface_flatness_m;
-    if (difference * difference >
-        TwoDegreesQuantile(options.significance) * (variance + 2.0 * flatness2)) {
-      return false;
-    }
+    if (!MeetAt(a, b, p, variance, options)) return false;
   }
   return a.extent.IsNear(b.extent, options.max_gap_m);
 }
@@ -163,6 +178,24 @@ std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
       });
 }
 
+namespace {
+
+// Points of a patch on its surface, across it from side to side.
+std::vector<Eigen::Vector3d> PointsAcross(const Landmark& landmark) {
+  const PatchExtent& extent = landmark.extent;
+  std::vector<Eigen::Vector3d> points;
+  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const Eigen::Vector2d low = extent.min_corner();
+    const Eigen::Vector2d size = extent.max_corner() - low;
+    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
+    points.push_back(on_axes -
+                     landmark.SignedDistance(on_axes) * landmark.NormalNear(on_axes));
+  }
+  return points;
+}
+
+}  // namespace
+
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;   // of the weak one's cells
   constexpr double kRangeSigmas = 5.0;  // within which single ranges do not tell planes apart
@@ -172,23 +205,25 @@ bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_nois
       (weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral) ||
       strong.IsCurved();
   if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
-  const PatchExtent& extent = weak.extent;
   double sum_squares = 0.0;
   int count = 0;
-  // Mean square distance over the patch, from a few points across it.
-  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const Eigen::Vector2d low = extent.min_corner();
-    const Eigen::Vector2d size = extent.max_corner() - low;
-    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
-    const Eigen::Vector3d point =
-        on_axes - weak.SignedDistance(on_axes) * weak.NormalNear(on_axes);
+  for (const Eigen::Vector3d& point : PointsAcross(weak)) {
     const double distance = strong.SignedDistance(point);
     sum_squares += distance * distance;
     ++count;
   }
   const double limit = kRangeSigmas * range_noise_m;
   return sum_squares < count * limit * limit &&
-         extent.OverlapWith(strong.extent) > kMinOverlap;
+         weak.extent.OverlapWith(strong.extent) > kMinOverlap;
+}
+
+bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options) {
+  const std::vector<Eigen::Vector3d> points = PointsAcross(weak);
+  return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
+    const double variance =
+        DistanceVariance(weak, strong, point, weak.NormalNear(point).normalized());
+    return MeetAt(weak, strong, point, variance, options);
+  });
 }
 
 void MergeInto(int into_id, int from_id, MapState* state) {

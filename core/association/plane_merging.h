@@ -26,6 +26,11 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 // and so do traces of a roof that look like a wall's, whichever side that faces.
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
+// Whether two surfaces do not differ significantly, given their covariances, somewhere across
+// what was seen of `weak`. Of two that meet nowhere neither repeats the other: a door leaf in
+// its frame, of which beams from far away were taken for the wall's.
+bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options);
+
 // As FindMergeablePlanes, for cylinders.
 std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
                                                         const MapState& state,

@@ -94,7 +94,7 @@ class Batch {
     const RuleOptions& rules = options_.rules;
     int num_dropped = 0;
     if (rules.redundant_planes) {
-      num_dropped += DropRedundantPlanes(rig_, options_.loop_closure, state_);
+      num_dropped += DropRedundantPlanes(rig_, options_, state_);
     }
     if (rules.passed_through_planes) num_dropped += DropPassedThrough(rig_, state_);
     std::vector<bool> is_merged(state_->landmarks.size(), false);

@@ -34,7 +34,7 @@ std::vector<int> MergePlanes(const Rig& rig,
 int DropContradictedPlanes(MapState* state);
 
 // Drops landmarks that only repeat one with more points (IsRedundant).
-int DropRedundantPlanes(const Rig& rig, const LoopClosureOptions& options, MapState* state);
+int DropRedundantPlanes(const Rig& rig, const MapperOptions& options, MapState* state);
 
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
 int DropPassedThrough(const Rig& rig, MapState* state);
