@@ -265,8 +265,7 @@ bool ScanFollower::IsRedundantPlane(const TentativePlane& plane) const {
       state_->landmarks.begin(), state_->landmarks.end(), [&](const Landmark& landmark) {
         return landmark.num_segments > 0 &&
                IsWithinGap(landmark, scan_index, options_.loop_closure) &&
-               IsRedundant(
-                   plane.landmark, landmark, MaxRangeNoise(rig_), options_.association);
+               IsRedundant(plane.landmark, landmark, MaxRangeNoise(rig_));
       });
 }
 
