@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/association/association.h"
@@ -146,6 +147,19 @@ std::vector<std::pair<int, int>> FindPairs(const MapState& state,
   return pairs;
 }
 
+// Points of a patch on its surface, across it from side to side.
+std::array<Eigen::Vector3d, 5> PointsAcross(const Landmark& landmark) {
+  const Eigen::Vector2d low = landmark.extent.min_corner();
+  const Eigen::Vector2d size = landmark.extent.max_corner() - low;
+  std::array<Eigen::Vector3d, 5> points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double share = static_cast<double>(i) / (points.size() - 1);
+    const Eigen::Vector3d on_axes = landmark.extent.ToWorld(low + share * size);
+    points[i] = on_axes - landmark.SignedDistance(on_axes) * landmark.NormalNear(on_axes);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
@@ -179,24 +193,6 @@ std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
       });
 }
 
-namespace {
-
-// Points of a patch on its surface, across it from side to side.
-std::vector<Eigen::Vector3d> PointsAcross(const Landmark& landmark) {
-  const PatchExtent& extent = landmark.extent;
-  std::vector<Eigen::Vector3d> points;
-  for (const double u : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const Eigen::Vector2d low = extent.min_corner();
-    const Eigen::Vector2d size = extent.max_corner() - low;
-    const Eigen::Vector3d on_axes = extent.ToWorld(low + u * size);
-    points.push_back(on_axes -
-                     landmark.SignedDistance(on_axes) * landmark.NormalNear(on_axes));
-  }
-  return points;
-}
-
-}  // namespace
-
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;  // of the weak one's cells
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
@@ -205,21 +201,20 @@ bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_nois
       (weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral) ||
       strong.IsCurved();
   if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
+  const std::array<Eigen::Vector3d, 5> points = PointsAcross(weak);
   double sum_squares = 0.0;
-  int count = 0;
-  for (const Eigen::Vector3d& point : PointsAcross(weak)) {
+  for (const Eigen::Vector3d& point : points) {
     const double distance = strong.SignedDistance(point);
     sum_squares += distance * distance;
-    ++count;
   }
   // Single ranges do not tell planes apart that are nearer than this.
   const double limit = kOutlierSigmas * range_noise_m;
-  return sum_squares < count * limit * limit &&
+  return sum_squares < static_cast<double>(points.size()) * limit * limit &&
          weak.extent.OverlapWith(strong.extent) > kMinOverlap;
 }
 
 bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options) {
-  const std::vector<Eigen::Vector3d> points = PointsAcross(weak);
+  const std::array<Eigen::Vector3d, 5> points = PointsAcross(weak);
   return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
     const double variance =
         DistanceVariance(weak, strong, point, weak.NormalNear(point).normalized());

@@ -21,9 +21,9 @@ std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
 
 // Whether `weak` is redundant, a plane that only repeats `strong`: it faces the same side,
 // lies for the most part where `strong` has been seen too, and differs from it by no more than
-// single ranges can tell. Two surfaces can not both be seen there; segments that took in beams
-// of a neighbouring surface (an open door's jamb, seen along the wall) make redundant planes,
-// and so do traces of a roof that look like a wall's, whichever side that faces.
+// single ranges can tell. Segments that took in beams of a neighbouring surface (an open
+// door's jamb, seen along the wall) make redundant planes, and so do traces of a roof that
+// look like a wall's, whichever side that faces.
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m);
 
 // Whether two surfaces do not differ significantly, given their covariances, somewhere across

@@ -33,7 +33,7 @@ std::vector<int> MergePlanes(const Rig& rig,
 // segments of all planes deviate, and a landmark is compared with their mean.
 int DropContradictedPlanes(MapState* state);
 
-// Drops landmarks that only repeat one with more points (IsRedundant).
+// Drops landmarks that only repeat one with more points (IsRedundant) and meet it (Meet).
 int DropRedundantPlanes(const Rig& rig, const MapperOptions& options, MapState* state);
 
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
