@@ -146,7 +146,9 @@ class NodSearch {
     candidate.returned /= count;
     const double mean = sum / count;
     const double stddev = std::sqrt(std::max(0.0, squares / count - mean * mean));
-    candidate.is_significant = mean > 3.0 * stddev / std::sqrt(num_periods) &&
+    // A rig that sways by a few degrees changes ranges by a few per cent.
+    candidate.is_significant = candidate.changed > 0.1 &&
+                               mean > 3.0 * stddev / std::sqrt(num_periods) &&
                                candidate.returned < 0.7 * candidate.changed;
     return candidate;
   }

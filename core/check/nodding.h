@@ -20,7 +20,7 @@ struct Nod {
 };
 
 // Finds how a scanner nods from its lines, sorted by stamp; nothing where it does not, or by
-// so little that ranges change as much by the way of the rig.
+// so little that ranges change as much by the way of the rig, or by its sway.
 std::optional<Nod> FindNod(const std::vector<ScanLine>& lines);
 
 }  // namespace plumbline

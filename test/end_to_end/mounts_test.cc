@@ -22,7 +22,8 @@ class MountsTest : public MappingTest {
   // what the rig file states, and within a limit.
   void ExpectFound(const std::string& name, double limit) const {
     const nlohmann::json truth = Json("truth_mounts.json")["scanners"][0];
-    for (const auto& scanner : Json("result/calibration.json")["scanners"]) {
+    const nlohmann::json found = Json("result/calibration.json")["scanners"];
+    for (const auto& scanner : found) {
       if (scanner["name"] != truth["name"]) continue;
       for (const auto& parameter : scanner["parameters"]) {
         if (parameter["name"] != name) continue;

@@ -28,6 +28,7 @@ const fs::path kConfigs = PLUMBLINE_CONFIGS_DIR;
 constexpr const char* kExperiments[] = {
     "corridor",
     "large_building",
+    "mounts/nodding_corner",
     "office",
     "ramp_and_arc",
     "room",

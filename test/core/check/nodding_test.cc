@@ -69,6 +69,20 @@ TEST(NoddingTest, FindsPeriodAndAxis) {
   }
 }
 
+// The walk of somebody whose hands sway.
+Rigid3d Sway(int64_t time_ns) {
+  const double time_s = SecondsBetween(TurningRig::kStartNs, time_ns);
+  const double roll_rad = 0.05 * std::sin(2.0 * M_PI * 0.9 * time_s);
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX())),
+          Walk(time_ns).translation};
+}
+
+TEST(NoddingTest, ARigThatSwaysDoesNotNod) {
+  for (const size_t scanner : {0, 1, 2}) {
+    EXPECT_FALSE(FindNod(LinesOf(Sway, {}, scanner))) << scanner;
+  }
+}
+
 TEST(NoddingTest, AScannerThatStandsDoesNotNod) {
   for (const size_t scanner : {0, 1, 2}) {
     EXPECT_FALSE(FindNod(LinesOf(Walk, {}, scanner))) << scanner;
