@@ -10,8 +10,9 @@
 namespace plumbline {
 namespace {
 
-// Lines of a topic that are compared, and least number of beams with a return in both.
-constexpr int64_t kEnough = 200;
+// Least number of beams with a return in both topics. As many lines are compared: one such
+// beam a line is enough.
+constexpr int64_t kMinBoth = 200;
 constexpr double kCopiedShare = 0.5;  // of these; chance leaves a few per cent of ranges in mm
 
 // The line whose stamp is nearest.
@@ -35,7 +36,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
       if (lines[a].empty() || lines[b].empty()) continue;
       int64_t num_both = 0;
       int64_t num_same = 0;
-      const size_t stride = 1 + lines[b].size() / size_t{kEnough};
+      const size_t stride = 1 + lines[b].size() / size_t{kMinBoth};
       for (size_t i = 0; i < lines[b].size(); i += stride) {
         const ScanLine& copy = lines[b][i];
         const ScanLine& original = NearestOf(lines[a], copy.stamp_ns);
@@ -56,7 +57,7 @@ std::vector<Doubling> FindDoublings(const std::vector<std::vector<ScanLine>>& li
       }
       const double share =
           static_cast<double>(num_same) / static_cast<double>(std::max<int64_t>(1, num_both));
-      if (num_both >= kEnough && share > kCopiedShare) doublings.push_back({a, b, share});
+      if (num_both >= kMinBoth && share > kCopiedShare) doublings.push_back({a, b, share});
     }
   }
   return doublings;

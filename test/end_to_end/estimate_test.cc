@@ -97,12 +97,14 @@ INSTANTIATE_TEST_SUITE_P(FactorsOfSegmentsAndOfBeams,
                          testing::Values(std::make_pair("batch: {factor: segment}\n",
                                                         "batch: {factor: point}\n")));
 
-// Ceres evaluates each segment anew, groups keep their linearisations.
+// The default, ceres::Solve, against our own Gauss-Newton on the same groups.
 INSTANTIATE_TEST_SUITE_P(
     SolversOfBatchAndWindow,
     OneMapTest,
-    testing::Values(std::make_pair("", "batch: {solver: ceres}\n"),
-                    std::make_pair("", "window: {solver: ceres}\nbatch: {solver: ceres}\n")));
+    testing::Values(
+        std::make_pair("", "batch: {solver: gauss_newton}\n"),
+        std::make_pair("",
+                       "window: {solver: gauss_newton}\nbatch: {solver: gauss_newton}\n")));
 
 TEST_F(MappingEstimateTest, WindowsEstimatesAreKeptWhereAskedFor) {
   Scenario scenario = Base();
