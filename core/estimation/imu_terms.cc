@@ -266,4 +266,13 @@ void AddImuPrior(const ImuEstimate& imu, EstimationProblem* problem) {
   }
 }
 
+MapperOptions WithoutMotionPrior(MapperOptions options) {
+  constexpr double kWeaker = 30.0;
+  TrajectoryOptions& trajectory = options.trajectory;
+  trajectory.acceleration_density_m_s2 *= kWeaker;
+  trajectory.angular_acceleration_density_deg_s2 *= kWeaker;
+  trajectory.estimate_densities = false;
+  return options;
+}
+
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 
 #include "core/estimation/block_layout.h"
 #include "core/map/map_state.h"
+#include "core/options/mapper_options.h"
 
 namespace plumbline {
 
@@ -25,6 +26,11 @@ void SetImuCovariance(const BlockId& block,
                       const Eigen::MatrixXd& covariance,
                       Eigen::Index row,
                       ImuEstimate* imu);
+
+// Returns the options for a rig whose IMU measures its accelerations: a prior 30 times weaker
+// than that of any rig bends no motion. One that fits the motion shrinks it by some
+// thousandths, which the IMU's scales would take for theirs.
+MapperOptions WithoutMotionPrior(MapperOptions options);
 
 // Means of readings in a knot interval.
 inline constexpr int kImuMeansPerInterval = 2;

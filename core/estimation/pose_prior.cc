@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "core/estimation/imu_terms.h"
 #include "core/util/error.h"
 
 namespace plumbline {
@@ -87,6 +88,21 @@ void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* prob
       if (sigma > 0.0) prior.linear.root(row, row) = 1.0 / sigma;
     }
     problem->AddPrior(prior);
+  }
+}
+
+void SetCalibrationCovariance(const EstimationProblem& problem,
+                              const Eigen::MatrixXd& covariance,
+                              RigCalibration* calibration) {
+  Eigen::Index row = 0;
+  for (const BlockId& block : problem.Layout().blocks) {
+    if (IsLandmark(block) || IsControlPoint(block)) continue;
+    if (IsScanner(block)) {
+      calibration->scanners[static_cast<size_t>(block.index)].SetCovariance(covariance, row);
+    } else {
+      SetImuCovariance(block, covariance, row, &*calibration->imu);
+    }
+    row += problem.unknowns().TangentSize(block);
   }
 }
 

@@ -26,4 +26,10 @@ Prior PosePrior(const PoseGaussian& gaussian, bool planar);
 // Adds what the rig file says of the estimated scanners.
 void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem);
 
+// Takes the covariances of scanners and IMU from the problem's joint one
+// (MapCovariance::scanners()).
+void SetCalibrationCovariance(const EstimationProblem& problem,
+                              const Eigen::MatrixXd& covariance,
+                              RigCalibration* calibration);
+
 }  // namespace plumbline

@@ -256,17 +256,7 @@ MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
     landmark.covariance.topLeftCorner(size, size) =
         covariance.landmarks().block(offsets[i], offsets[i], size, size);
   }
-  Eigen::Index row = 0;
-  for (const BlockId& block : problem.Layout().blocks) {
-    if (IsLandmark(block) || IsControlPoint(block)) continue;
-    if (IsScanner(block)) {
-      state_->calibration.scanners[static_cast<size_t>(block.index)].SetCovariance(
-          covariance.scanners(), row);
-    } else {
-      SetImuCovariance(block, covariance.scanners(), row, &*state_->calibration.imu);
-    }
-    row += problem.unknowns().TangentSize(block);
-  }
+  SetCalibrationCovariance(problem, covariance.scanners(), &state_->calibration);
   return covariance;
 }
 

@@ -15,6 +15,7 @@
 #include "core/association/plane_candidates.h"
 #include "core/association/plane_merging.h"
 #include "core/consistency/consistency.h"
+#include "core/estimation/imu_terms.h"
 #include "core/map/plane_patches.h"
 #include "core/mapping/part_joining.h"
 #include "core/mapping/recording_follower.h"
@@ -222,18 +223,6 @@ std::vector<MapResult> EstimateParts(const Rig& rig,
   if (results.empty()) throw Error(failed);
   if (!failed.empty()) results[LongestPart(results)].warnings.push_back(failed);
   return results;
-}
-
-// Returns the options for a rig whose IMU measures its accelerations: a prior 30 times weaker
-// than that of any rig bends no motion. One that fits the motion shrinks it by some
-// thousandths, which the IMU's scales would take for theirs.
-MapperOptions WithoutMotionPrior(MapperOptions options) {
-  constexpr double kWeaker = 30.0;
-  TrajectoryOptions& trajectory = options.trajectory;
-  trajectory.acceleration_density_m_s2 *= kWeaker;
-  trajectory.angular_acceleration_density_deg_s2 *= kWeaker;
-  trajectory.estimate_densities = false;
-  return options;
 }
 
 // The maps of the recording's parts, joined where they match. Where the scans contradict what

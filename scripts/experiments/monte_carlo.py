@@ -24,7 +24,8 @@ REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json
 OPTIONAL = ("result/trajectory_covariance.csv", "result/plane_covariance.csv",
             "result/window_trajectory.tum", "result/window_trajectory_covariance.csv",
             "result/window_planes.json", "result/window_plane_covariance.csv",
-            "result/calibration.json", "truth/truth_mounts.json", "exit_codes.json")
+            "result/calibration.json", "truth/truth_mounts.json", "truth/truth_imu.json",
+            "truth/rig.yaml", "exit_codes.json")
 
 # Key in summary.json, name in the table, its unit, value in that unit per value in the file,
 # decimals, file and keys in it.

@@ -12,11 +12,13 @@
 #include "core/association/association.h"
 #include "core/estimation/ceres_solver.h"
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/imu_terms.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/pose_prior.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/calibration_report.h"
+#include "core/map/imu_report.h"
 #include "core/map/map_state.h"
 #include "core/map/plane_patches.h"
 #include "core/result/calibration_text.h"
@@ -114,7 +116,8 @@ class BoundComputer {
                 const MapperOptions& options,
                 std::optional<uint64_t> seed)
       : experiment_(WithExactMounts(experiment)),
-        options_(options),
+        options_(experiment.inertial && !IsPlanar(experiment.rig) ? WithoutMotionPrior(options)
+                                                                  : options),
         seed_(seed),
         simulator_(experiment_),
         plane_of_face_(PlaneOfFace(experiment.building)),
@@ -150,6 +153,10 @@ class BoundComputer {
     Bound bound;
     bound.calibration = DescribeCalibration(
         experiment_.rig, experiment_.rig, state_->calibration, covariance.scanners());
+    if (state_->imu != nullptr) {
+      SetCalibrationCovariance(*problem, covariance.scanners(), &state_->calibration);
+      bound.calibration.imu = DescribeImu(*state_);
+    }
     bound.planes =
         StatedCovariance(state_->landmarks, PlanePatches(*state_), covariance.landmarks());
     for (const PlanePatch& plane : bound.planes.planes()) {
@@ -176,6 +183,12 @@ class BoundComputer {
         rig_, planar_, &state_->trajectory, &state_->landmarks, &state_->calibration);
     AddScannerPriors(state_->calibration, problem.get());
     problem->AddTrajectoryTerms(options_.trajectory, motion_noise_, state_->origin_time_ns);
+    if (state_->imu != nullptr) {
+      const int num_intervals = state_->trajectory.num_control_points() - kSplineOrder + 1;
+      state_->calibration.imu->ExtendTo(num_intervals);
+      AddImuPrior(*state_->calibration.imu, problem.get());
+      AddImu(*state_, 0, num_intervals, 1, problem.get());
+    }
     std::vector<const Observation*> observations;
     for (const Observation& observation : state_->observations) {
       Landmark& landmark = state_->landmarks[static_cast<size_t>(observation.landmark_id)];
@@ -300,9 +313,26 @@ class BoundComputer {
                         : MotionProfile::Uniform(initial, trajectory);
     state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, path.start_ns(), {}});
     state_->calibration = RigCalibration(experiment_.rig, planar_);
+    if (experiment_.inertial) {
+      state_->calibration.imu.emplace(*experiment_.rig.imu, planar_, interval_s);
+      state_->imu = ReadingsOfImu();
+    }
     LandmarkOf(reference, 0);
     state_->landmarks.front().heading_fixed = true;
     return true;
+  }
+
+  // What the IMU reads along the path; without a seed as a perfect one.
+  std::shared_ptr<const ImuReadings> ReadingsOfImu() const {
+    InertialOptions options = *experiment_.inertial;
+    if (!seed_) options.errors = 0.0;
+    const Imu& imu = *experiment_.rig.imu;
+    std::vector<ImuSample> samples =
+        SimulateImu(simulator_.path(), imu, options, seed_.value_or(0)).samples;
+    for (ImuSample& sample : samples) {
+      sample.time_ns += NanosecondsFromSeconds(imu.time_offset_s);
+    }
+    return std::make_shared<const ImuReadings>(std::move(samples), imu);
   }
 
   // The path, continued beyond its ends as its mirror image there.
@@ -404,7 +434,7 @@ class BoundComputer {
   }
 
   Experiment experiment_;
-  const MapperOptions& options_;
+  MapperOptions options_;
   std::optional<uint64_t> seed_;
   Simulator simulator_;
   std::vector<int> plane_of_face_;
@@ -481,18 +511,27 @@ std::string BoundTable(const Bound& bound) {
                 rotations[rotations.size() / 2] * kDegreesPerRadian,
                 rotations.back() * kDegreesPerRadian);
   text += line;
-  if (bound.calibration.empty()) return text;
-  using At = CalibratedScanner::At;
   const Calibration& calibration = bound.calibration;
-  std::snprintf(line,
-                sizeof(line),
-                "scanners: rotations %.4f deg, translations %.3f mm, clocks %.4f ms, range "
-                "biases %.3f mm\n",
-                RmsSigma(calibration, At::kTurn, At::kShift),
-                1e3 * RmsSigma(calibration, At::kShift, At::kTime),
-                1e3 * RmsSigma(calibration, At::kTime, At::kRange),
-                1e3 * RmsSigma(calibration, At::kRange, At::kRange + kNumRangeErrors));
-  text += line;
+  if (!calibration.scanners.empty()) {
+    using At = CalibratedScanner::At;
+    std::snprintf(line,
+                  sizeof(line),
+                  "scanners: rotations %.4f deg, translations %.3f mm, clocks %.4f ms, range "
+                  "biases %.3f mm\n",
+                  RmsSigma(calibration, At::kTurn, At::kShift),
+                  1e3 * RmsSigma(calibration, At::kShift, At::kTime),
+                  1e3 * RmsSigma(calibration, At::kTime, At::kRange),
+                  1e3 * RmsSigma(calibration, At::kRange, At::kRange + kNumRangeErrors));
+    text += line;
+  }
+  if (calibration.imu) {
+    text += "IMU:";
+    for (const CalibratedParameter& parameter : calibration.imu->parameters) {
+      std::snprintf(line, sizeof(line), " %s %.3g", parameter.name.c_str(), parameter.sigma);
+      text += line;
+    }
+    text += "\n";
+  }
   for (const std::string& unobserved : UnobservedInWords(calibration)) {
     text += "not shown: " + unobserved + "\n";
   }

@@ -20,7 +20,8 @@ struct Bound {
   std::vector<int> face_ids;
   std::vector<StampedPose> trajectory;
   std::vector<StampedCovariance> poses;  // of the same instants
-  // The scanners that the rig file does not know exactly: values are off the rig file.
+  // The scanners and the IMU that the rig file does not know exactly: values are off the rig
+  // file.
   Calibration calibration;
 };
 

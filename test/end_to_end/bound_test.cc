@@ -303,5 +303,36 @@ TEST(Bound, KnowsRampsAndArcs) {
   EXPECT_EQ(num_cylinders, 1);
 }
 
+// A better gyroscope and accelerometer hold poses better, and what the rig file says of them
+// is found to better than it says.
+TEST_F(BoundTest, KnowsTheImu) {
+  Simulate(scenario_);
+  Experiment experiment = ReadExperiment(Path("experiment.yaml"));
+  experiment.rig.imu =
+      ReadRig(std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper_imu.yaml").imu;
+  experiment.inertial = InertialOptions();
+  const auto compute = [&] { return ComputeBound(experiment, {}, [](double) {}); };
+  const Bound bound = compute();
+  ASSERT_TRUE(bound.calibration.imu);
+  for (const CalibratedParameter& parameter : bound.calibration.imu->parameters) {
+    EXPECT_NEAR(parameter.value, 0.0, 1e-12) << parameter.name;
+    EXPECT_GT(parameter.sigma, 0.0) << parameter.name;
+    if (parameter.IsHeld()) continue;
+    EXPECT_LE(parameter.sigma, parameter.prior_sigma) << parameter.name;
+  }
+  for (InertialErrors* errors :
+       {&experiment.rig.imu->gyroscope, &experiment.rig.imu->accelerometer}) {
+    errors->noise *= 0.1;
+    errors->bias_instability *= 0.1;
+  }
+  const Bound better = compute();
+  EXPECT_LT(PoseVariance(better), PoseVariance(bound));
+  for (size_t i = 0; i < bound.calibration.imu->parameters.size(); ++i) {
+    EXPECT_LE(better.calibration.imu->parameters[i].sigma,
+              bound.calibration.imu->parameters[i].sigma)
+        << bound.calibration.imu->parameters[i].name;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
