@@ -15,7 +15,7 @@ from fake_programs import PATIENCE_S, SCRIPTS, ScriptTest, wait_until
 sys.path.insert(0, str(SCRIPTS / "experiments"))
 import job_runner  # noqa: E402
 
-RESULTS = ["evaluation.json", "exit_codes.json", "planes.json", "summary.json",
+RESULTS = ["evaluation.json", "exit_codes.json", "planes.json", "rig.yaml", "summary.json",
            "trajectory.tum", "trajectory_covariance.csv", "truth_planes.json", "truth_trajectory.tum"]
 
 
