@@ -150,6 +150,7 @@ Scanner ReadScanner(const YamlNode& node) {
   const YamlNode noise = node["range_noise_m"];
   scanner.estimates_noise = noise.AsString() == kEstimate;
   if (!scanner.estimates_noise) scanner.range_noise_m = noise.AsDouble(1e-6, 10.0);
+  node.Optional("range_noise_per_m2", &scanner.range_noise_per_m2, 0.0, 1.0);
   scanner.min_range_m = node["min_range_m"].AsDouble(0.0, 1000.0);
   scanner.max_range_m = node["max_range_m"].AsDouble(0.0, 1000.0);
   if (scanner.min_range_m >= scanner.max_range_m) {
@@ -239,6 +240,9 @@ void WriteScanner(const Scanner& scanner, std::ostream& out) {
       << "      rotation_rpy_deg: " << Format(RollPitchYawDegrees(pose.rotation)) << "\n"
       << (scanner.mount ? MountText(*scanner.mount) : "") << "    range_noise_m: "
       << (scanner.estimates_noise ? kEstimate : Format(scanner.range_noise_m)) << "\n"
+      << (scanner.range_noise_per_m2 == 0.0
+              ? ""
+              : "    range_noise_per_m2: " + Format(scanner.range_noise_per_m2) + "\n")
       << "    angle_noise_deg: " << Format(scanner.angle_noise_rad / kRadiansPerDegree) << "\n"
       << "    min_range_m: " << Format(scanner.min_range_m) << "\n"
       << "    max_range_m: " << Format(scanner.max_range_m) << "\n"
@@ -488,7 +492,7 @@ bool EstimatesScanners(const Rig& rig) {
 double MaxRangeNoise(const Rig& rig) {
   double range_noise_m = 0.0;
   for (const Scanner& scanner : rig.scanners) {
-    range_noise_m = std::max(range_noise_m, scanner.range_noise_m);
+    range_noise_m = std::max(range_noise_m, scanner.RangeStddev(scanner.max_range_m));
   }
   return range_noise_m;
 }

@@ -27,7 +27,10 @@ struct Scanner {
   std::string topic;  // of its sensor_msgs/LaserScan messages
   Rigid3d body_from_scanner;    // at the angle zero of its mount, where it has one
   std::optional<Mount> mount;   // none: it does not move against the body
-  double range_noise_m = 0.03;  // standard deviation of one range
+  // Standard deviation of one range, and what the square of the range adds, times this: the
+  // errors of a triangulation. Both are independent of each other.
+  double range_noise_m = 0.03;
+  double range_noise_per_m2 = 0.0;
   // Whether the noise is to be taken from the recording; `range_noise_m: estimate` in the
   // file.
   bool estimates_noise = false;
@@ -65,6 +68,12 @@ struct Scanner {
   Rigid3d BodyFromScanner(int64_t time_ns) const {
     return mount ? mount->TurnAt(time_ns, delay_s) * body_from_scanner : body_from_scanner;
   }
+  // Variance and standard deviation of the noise of a range, m^2 and m.
+  double RangeVariance(double range_m) const {
+    const double growth_m = range_noise_per_m2 * range_m * range_m;
+    return range_noise_m * range_noise_m + growth_m * growth_m;
+  }
+  double RangeStddev(double range_m) const { return std::sqrt(RangeVariance(range_m)); }
   // The range without its estimated excess, m.
   double TrueRange(double range_m) const {
     return (range_m - range_excess_m) * (1.0 - range_excess_share);
@@ -114,7 +123,7 @@ std::optional<size_t> ExactlyPlacedScanner(const Rig& rig);
 // incidence, where those of real scanners depend on the surface.
 bool EstimatesScanners(const Rig& rig);
 
-// Returns the largest range noise of a rig's scanners, m.
+// Returns the largest range noise of a rig's scanners, that at the end of their reach, m.
 double MaxRangeNoise(const Rig& rig);
 
 }  // namespace plumbline

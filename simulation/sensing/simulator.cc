@@ -47,7 +47,8 @@ ScanLine AddNoise(const PerfectScanLine& perfect,
   scan_line.ranges.reserve(perfect.beams.size());
   for (const std::optional<RayHit>& hit : perfect.beams) {
     // Drawn for every beam, so that no setting changes the others' noise.
-    const double error = noise.scale * scanner.range_noise_m * random.Gaussian();
+    const double stddev_m = hit ? scanner.RangeStddev(hit->range) : scanner.range_noise_m;
+    const double error = noise.scale * stddev_m * random.Gaussian();
     const bool lost = random.Uniform() < noise.dropout;
     float range = std::numeric_limits<float>::infinity();
     if (hit && !lost) {
