@@ -16,16 +16,22 @@ namespace {
 constexpr double kMinFreedom = 200.0;
 constexpr double kIncidenceBin = 15.0;  // degrees
 
-// Sum of squared whitened residuals that a free line leaves, and their degrees of freedom.
+// Sum of squared whitened residuals that a free line leaves, their degrees of freedom, and how
+// much more noise is stated for them than at range 0, m times the degrees of freedom.
 struct Scatter {
   double chi2 = 0.0;
   double freedom = 0.0;
+  double growth_m = 0.0;
 
   void Add(const Scatter& other) {
     chi2 += other.chi2;
     freedom += other.freedom;
+    growth_m += other.growth_m;
   }
-  double Noise(double stated_m) const { return stated_m * std::sqrt(chi2 / freedom); }
+  // stated_m: at range 0.
+  double Noise(double stated_m) const {
+    return (stated_m + growth_m / freedom) * std::sqrt(chi2 / freedom);
+  }
 };
 
 struct ScannerScatter {
@@ -35,12 +41,16 @@ struct ScannerScatter {
 };
 
 Scatter ScatterOf(const Observation& observation,
+                  const Scanner& scanner,
                   const ObservationPoses& poses,
                   const LandmarkView& surface) {
   const LineDeviation deviation = DeviationFromPlane(observation, poses, surface);
   const double of_line =
       deviation.value.dot(deviation.covariance.ldlt().solve(deviation.value));
-  return {deviation.chi2 - of_line, observation.num_points - 2.0};
+  const double freedom = observation.num_points - 2.0;
+  const double growth_m =
+      scanner.RangeStddev(observation.centroid().norm()) - scanner.range_noise_m;
+  return {deviation.chi2 - of_line, freedom, growth_m * freedom};
 }
 
 double IncidenceDegrees(const Eigen::Vector2d& centroid,
@@ -76,8 +86,9 @@ std::vector<ScannerNoise> EstimateRangeNoise(const Rig& rig, const MapState& sta
     const LandmarkView& surface = surfaces[static_cast<size_t>(observation.landmark_id)];
     const ObservationPoses& poses = shared_poses.Of(observation);
     const Eigen::Vector2d centroid = observation.centroid();
-    const Scatter scatter = ScatterOf(observation, poses, surface);
-    ScannerScatter& of_scanner = scatters[static_cast<size_t>(observation.scanner_index)];
+    const auto scanner = static_cast<size_t>(observation.scanner_index);
+    const Scatter scatter = ScatterOf(observation, rig.scanners[scanner], poses, surface);
+    ScannerScatter& of_scanner = scatters[scanner];
     of_scanner.all.Add(scatter);
     of_scanner.by_octave[std::ilogb(centroid.norm())].Add(scatter);
     of_scanner

@@ -248,9 +248,9 @@ CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& ri
   if (!rig) return CheckSurvey(SurveyRecording(path, nullptr), rig);
   std::optional<Rig> moving = rig;
   if (std::any_of(rig->scanners.begin(), rig->scanners.end(), [](const Scanner& scanner) {
-        return scanner.mount.has_value();
+        return scanner.mount || scanner.camera_row;
       })) {
-    StartMounts(RecordingReader(path, *rig), &*moving);
+    PlaceScanners(RecordingReader(path, *rig), &*moving);
   }
   return CheckSurvey(SurveyRecording(path, &*moving), moving);
 }
@@ -271,10 +271,17 @@ std::string InWords(const Finding& finding) {
                    (finding.advice.empty() ? "" : " (" + finding.advice + ")"));
 }
 
-CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& rig) {
+CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& stated) {
+  const std::optional<Rig> rig =
+      stated ? std::make_optional(WithoutCameraRows(*stated)) : std::nullopt;
   CheckReport report;
   report.rig = rig;
   report.survey = std::move(survey);
+  if (rig && rig->scanners.empty()) {
+    report.mappable = Mappable::kInSpace;
+    report.verdict = "can be mapped; images of depth cameras are not looked at before";
+    return report;
+  }
   std::vector<std::vector<SampledLine>> sample;
   for (size_t i = 0; i < report.survey.topics.size(); ++i) {
     sample.push_back(SegmentSample(report.survey.sample[i],

@@ -238,6 +238,7 @@ class RangeJudge {
 
   void JudgeNoise() {
     if (scanner_ == nullptr || scanner_->estimates_noise || topic_.noise_m == 0.0) return;
+    if (scanner_->range_noise_per_m2 > 0.0) return;  // it has no single figure
     const double ratio = topic_.noise_m / scanner_->range_noise_m;
     const std::string figures = "neighbouring beams show a noise of " +
                                 Decimal(1e3 * topic_.noise_m, 0) + " mm, the rig file says " +

@@ -204,7 +204,7 @@ void ScanMatcher::MatchLine(const Line& line,
                             const MotionVector& error,
                             PoseSampler* poses,
                             ScanMatch* match) const {
-  const double noise_m = rig_->scanners[static_cast<size_t>(line.scanner_index)].range_noise_m;
+  const Scanner& scanner = rig_->scanners[static_cast<size_t>(line.scanner_index)];
   const double surface_stddev_m = options_.surface_stddev_m * (1 << level);
   const double surface_variance = surface_stddev_m * surface_stddev_m;
   const ScanMotion motion = MotionOf(line, poses);
@@ -224,6 +224,7 @@ void ScanMatcher::MatchLine(const Line& line,
     const Eigen::Vector3d p_world = current.sum / current.num;
     const Eigen::Vector3d deviation = p_world - current.cell->Mean();
     match->num_known += current.num;
+    const double noise_m = scanner.RangeStddev((p_world - from_world).norm());
     bool is_near = true;
     for (int i = 0; i < current.cell->num_directions(); ++i) {
       const SurfaceDirection& direction = current.cell->direction(i);

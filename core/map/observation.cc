@@ -119,6 +119,7 @@ class BeamSums {
            SegmentMoments* moments,
            std::vector<ObservedPoint>* points)
       : range_variance_(scanner.range_noise_m * scanner.range_noise_m),
+        noise_growth_(scanner.range_noise_per_m2 * scanner.range_noise_per_m2),
         angle_variance_(scanner.angle_noise_rad * scanner.angle_noise_rad),
         increment_ns_(scan_line.time_increment_s * 1e9),
         start_ns_(start_ns),
@@ -134,9 +135,11 @@ class BeamSums {
       const double cosine = beams.normal_x[i] * x + beams.normal_y[i] * y;
       const double sine = beams.normal_x[i] * y - beams.normal_y[i] * x;
       const double range = RangeAt(beams.distance[i], cosine, beams.measured[i]);
-      const double across_variance = range * range * angle_variance_;
+      const double range2 = range * range;
+      const double range_variance = range_variance_ + noise_growth_ * (range2 * range2);
+      const double across_variance = range2 * angle_variance_;
       const double weight =
-          1.0 / (range_variance_ * cosine * cosine + across_variance * sine * sine);
+          1.0 / (range_variance * cosine * cosine + across_variance * sine * sine);
       points.x[i] = range * x;
       points.y[i] = range * y;
       points.since_start_ns[i] = beams.since_start[i] * increment_ns_;
@@ -164,6 +167,7 @@ class BeamSums {
   }
 
   double range_variance_;
+  double noise_growth_;  // what the fourth power of the range adds, times this
   double angle_variance_;
   double increment_ns_;
   int64_t start_ns_;

@@ -26,6 +26,8 @@ constexpr KnownType kKnownTypes[] = {
     {"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2", MessageKind::kImu},
     {"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd", MessageKind::kJoints},
     {"std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", MessageKind::kNumber},
+    {"sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743", MessageKind::kImage},
+    {"sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214", MessageKind::kCameraInfo},
     {"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec", MessageKind::kTransforms},
 };
 
@@ -107,6 +109,16 @@ bool DecodeJoints(const RecordingTopic& topic,
   if (topic.kind == MessageKind::kJoints) return ReadJoints(reader, message);
   message->stamp_ns = static_cast<int64_t>(receipt_ns);
   return ReadNumber(reader, message);
+}
+
+bool DecodeImage(const RecordingTopic& topic, ByteView data, ImageMessage* message) {
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadImage(reader, message);
+}
+
+bool DecodeCameraInfo(const RecordingTopic& topic, ByteView data, CameraInfoMessage* message) {
+  SerialReader reader;
+  return OpenRosMessage(topic, data, &reader) && ReadCameraInfo(reader, message);
 }
 
 bool DecodeTransforms(const RecordingTopic& topic,

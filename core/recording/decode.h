@@ -24,6 +24,8 @@ bool DecodeJoints(const RecordingTopic& topic,
                   ByteView data,
                   uint64_t receipt_ns,
                   JointMessage* message);
+bool DecodeImage(const RecordingTopic& topic, ByteView data, ImageMessage* message);
+bool DecodeCameraInfo(const RecordingTopic& topic, ByteView data, CameraInfoMessage* message);
 bool DecodeTransforms(const RecordingTopic& topic,
                       ByteView data,
                       std::vector<Transform>* transforms);

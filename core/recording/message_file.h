@@ -23,7 +23,9 @@ enum class MessageKind {
   kImu,
   kJoints,
   kNumber,
-  kTransforms
+  kTransforms,
+  kImage,
+  kCameraInfo
 };
 
 // RecordingTopic is what one publisher of one topic has left in a recording.
@@ -46,9 +48,11 @@ struct RecordingTopic {
   bool HasJoints() const {
     return kind == MessageKind::kJoints || kind == MessageKind::kNumber;
   }
+  bool HasImages() const { return kind == MessageKind::kImage; }
+  bool HasCameraInfos() const { return kind == MessageKind::kCameraInfo; }
   bool HasScanLines() const {
-    return kind != MessageKind::kOther && kind != MessageKind::kOdometry && !HasImu() &&
-           !HasJoints() && !HasTransforms();
+    return kind == MessageKind::kLaserScan || kind == MessageKind::kMultiEchoLaserScan ||
+           kind == MessageKind::kPointCloud2;
   }
 };
 

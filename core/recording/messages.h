@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/bag/byte_source.h"
+
 namespace plumbline {
 
 // No scanner takes longer for a scan line.
@@ -74,6 +76,27 @@ struct JointMessage {
   int64_t stamp_ns = 0;            // since 1970
   std::vector<std::string> names;  // of the joints
   std::vector<double> positions;   // rad
+};
+
+// ImageMessage is a picture as rows of pixels: sensor_msgs/Image.
+struct ImageMessage {
+  int64_t stamp_ns = 0;  // since 1970
+  std::string frame_id;
+  uint32_t height = 0;   // rows
+  uint32_t width = 0;    // pixels of a row
+  std::string encoding;  // of a pixel, as ROS names them, such as "16UC1"
+  bool is_big_endian = false;
+  uint32_t row_bytes = 0;  // from the begin of a row to that of the next
+  ByteView data;           // at least height * row_bytes; the message's own, not a copy
+};
+
+// CameraInfoMessage says how a camera maps directions to pixels: sensor_msgs/CameraInfo.
+struct CameraInfoMessage {
+  uint32_t height = 0;  // of its images, pixels
+  uint32_t width = 0;
+  std::vector<double> distortion;          // of the lens
+  std::array<double, 9> camera = {};       // K, by rows
+  std::array<double, 12> projection = {};  // P of the rectified image, by rows
 };
 
 }  // namespace plumbline

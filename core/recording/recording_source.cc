@@ -37,6 +37,8 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
   ImuMessage imu;
   JointMessage joints;
   std::vector<Transform> transforms;
+  ImageMessage image;
+  CameraInfoMessage camera_info;
   SegmentJoiner joiner([&](const std::vector<MessageRef>& parts, const ScanLineMessage& line) {
     const MessageRef& first = parts.front();
     if (parts.size() > 1) segments_[KeyOf(first)].assign(parts.begin() + 1, parts.end());
@@ -65,6 +67,14 @@ void RecordingSource::Visit(const RecordingVisitor& visitor) {
     if (topic.HasTransforms() && visitor.transforms != nullptr) {
       decoded = DecodeTransforms(topic, data, &transforms);
       if (decoded) visitor.transforms(message, transforms);
+    }
+    if (topic.HasImages() && visitor.image != nullptr) {
+      decoded = DecodeImage(topic, data, &image);
+      if (decoded) visitor.image(message, image);
+    }
+    if (topic.HasCameraInfos() && visitor.camera_info != nullptr) {
+      decoded = DecodeCameraInfo(topic, data, &camera_info);
+      if (decoded) visitor.camera_info(message, camera_info);
     }
     if (!decoded && visitor.undecodable != nullptr) visitor.undecodable(message);
     return decoded;
@@ -101,6 +111,13 @@ void RecordingSource::ReadScanLine(const MessageRef& message, ScanLineMessage* s
   for (const MessageRef& part : segments->second) {
     DecodeAgain(part, &segment_);
     AppendSegment(segment_, scan_line);
+  }
+}
+
+void RecordingSource::ReadImage(const MessageRef& message, ImageMessage* image) {
+  const RecordingTopic& topic = topics()[message.topic_index];
+  if (!DecodeImage(topic, Unpacked(topic, file_->Read(message)), image)) {
+    throw Error(path() + ": has changed while it was read");
   }
 }
 

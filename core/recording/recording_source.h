@@ -27,6 +27,8 @@ struct RecordingVisitor {
   std::function<void(const MessageRef&, const ImuMessage&)> imu;
   std::function<void(const MessageRef&, const JointMessage&)> joints;
   std::function<void(const MessageRef&, const std::vector<Transform>&)> transforms;
+  std::function<void(const MessageRef&, const ImageMessage&)> image;
+  std::function<void(const MessageRef&, const CameraInfoMessage&)> camera_info;
   // A message of a wanted topic that can not be decoded.
   std::function<void(const MessageRef&)> undecodable;
   bool with_ranges = true;  // false: scan lines without ranges, which is faster
@@ -53,6 +55,8 @@ class RecordingSource {
   // Reads a visited scan line again, with ranges. Throws Error when the file has changed
   // since.
   void ReadScanLine(const MessageRef& message, ScanLineMessage* scan_line);
+  // Reads a visited image again; its data are valid until the next call.
+  void ReadImage(const MessageRef& message, ImageMessage* image);
   // Sentences for the user about what is damaged or missing, after Visit().
   const std::vector<std::string>& warnings() const { return warnings_; }
 

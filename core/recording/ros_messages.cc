@@ -114,6 +114,36 @@ bool ReadNumber(SerialReader reader, JointMessage* message) {
   return reader.Take(&message->positions.front()) && reader.IsAtEnd();
 }
 
+bool ReadImage(SerialReader reader, ImageMessage* message) {
+  uint8_t is_big_endian = 0;
+  uint32_t num_bytes = 0;
+  if (!reader.TakeHeader(&message->stamp_ns, &message->frame_id) ||
+      !reader.Take(&message->height) || !reader.Take(&message->width) ||
+      !reader.TakeText(&message->encoding) || !reader.Take(&is_big_endian) ||
+      !reader.Take(&message->row_bytes) || !reader.Take(&num_bytes) ||
+      !reader.TakeBytes(num_bytes, &message->data) || !reader.IsAtEnd()) {
+    return false;
+  }
+  message->is_big_endian = is_big_endian != 0;
+  return uint64_t{message->height} * message->row_bytes <= num_bytes;
+}
+
+bool ReadCameraInfo(SerialReader reader, CameraInfoMessage* message) {
+  int64_t stamp_ns = 0;
+  std::string frame_id;
+  std::string distortion_model;
+  std::array<double, 9> rectification;
+  std::array<uint32_t, 2> binning;
+  std::array<uint32_t, 4> region;
+  uint8_t rectifies = 0;
+  return reader.TakeHeader(&stamp_ns, &frame_id) && reader.Take(&message->height) &&
+         reader.Take(&message->width) && reader.TakeText(&distortion_model) &&
+         TakeDoubles(&reader, &message->distortion) && reader.Take(&message->camera) &&
+         reader.Take(&rectification) && reader.Take(&message->projection) &&
+         reader.Take(&binning) && reader.Take(&region) && reader.Take(&rectifies) &&
+         reader.IsAtEnd();
+}
+
 bool ReadImu(SerialReader reader, ImuMessage* message) {
   std::array<double, 4> orientation;
   std::array<double, 9> covariance_of_orientation;

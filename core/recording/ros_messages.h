@@ -19,5 +19,8 @@ bool ReadImu(SerialReader reader, ImuMessage* message);
 bool ReadJoints(SerialReader reader, JointMessage* message);
 // A std_msgs/Float64 as the position of a joint without a name; its stamp is left alone.
 bool ReadNumber(SerialReader reader, JointMessage* message);
+// A sensor_msgs/Image, whose data stay where they are.
+bool ReadImage(SerialReader reader, ImageMessage* message);
+bool ReadCameraInfo(SerialReader reader, CameraInfoMessage* message);
 
 }  // namespace plumbline

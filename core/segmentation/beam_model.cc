@@ -26,7 +26,8 @@ EIGEN_ALWAYS_INLINE BeamModel::FourIntersections BeamModel::IntersectFour(
   at.point_x = slope * ox + numerator * ux;
   at.point_y = slope * oy + numerator * uy;
   at.f = slope * (Four(range_ + i) * slope - numerator);
-  at.variance = range_variance_ * slope.square().square() + by_angle.square();
+  at.variance = range_variance_ * slope.square().square() +
+                noise_growth_ * numerator.square().square() + by_angle.square();
   at.is_met = numerator.min(slope * (2.0 * max_range_) - numerator);
   return at;
 }
@@ -40,6 +41,7 @@ BeamModel::BeamModel(const ScanLine& scan_line,
                      double outlier_threshold)
     : num_beams_(scan_line.num_beams()),
       range_variance_(scanner.range_noise_m * scanner.range_noise_m),
+      noise_growth_(scanner.range_noise_per_m2 * scanner.range_noise_per_m2),
       angle_noise_(scanner.angle_noise_rad),
       max_range_(scanner.max_range_m),
       outlier_threshold_(outlier_threshold) {

@@ -77,12 +77,13 @@ struct LineEquations {
 // Beam i starts at o and points along the unit vector u, both in the scanner frame at the
 // middle time. A line is kept as q = n / d with q . p = 1 for its points and n pointing away
 // from the scanner, so that it predicts the range (1 - q . o) / (q . u), whose derivative by q
-// is -(o + range u) / (q . u). Its variance is sigma_range^2 plus that of the beam's direction
-// times the squared derivative of the range by the angle.
+// is -(o + range u) / (q . u). Its variance is sigma_range^2, which may grow with the fourth
+// power of the range (by gamma^2), plus that of the beam's direction times the squared
+// derivative of the range by the angle.
 //
 // All tests and sums are written without the divisions. With the measured range rho and
 //   s = q . u,  N = 1 - q . o,  p = s o + N u,  e = rho s - N,  f = s e,
-//   V = sigma_range^2 s^4 + (sigma_angle N (q x u))^2
+//   V = sigma_range^2 s^4 + gamma^2 N^4 + (sigma_angle N (q x u))^2
 // the residual is f / s^2, its variance V / s^4 and minus its derivative by q is p / s^2, so
 // that the beam adds p p^T / V and -p f / V to the normal equations and f^2 / V to chi square.
 class BeamModel {
@@ -117,7 +118,11 @@ class BeamModel {
     return {{origin_x_[i], origin_y_[i]}, {direction_x_[i], direction_y_[i]}, range_[i]};
   }
   bool HasReturn(int i) const { return !std::isnan(range_[i]); }
-  double range_variance() const { return range_variance_; }
+  // Variance of the noise of a range.
+  double RangeVariance(double range) const {
+    const double range2 = range * range;
+    return range_variance_ + noise_growth_ * (range2 * range2);
+  }
   double outlier_threshold() const { return outlier_threshold_; }
 
   // Predict returns false when the beam does not meet the line, or only far outside the
@@ -131,7 +136,7 @@ class BeamModel {
     const double cross = q.y() * direction_x_[i] - q.x() * direction_y_[i];
     const double by_angle = angle_noise_ * range * cross * inverse;
     prediction->range = range;
-    prediction->variance = range_variance_ + by_angle * by_angle;
+    prediction->variance = RangeVariance(range) + by_angle * by_angle;
     return true;
   }
 
@@ -143,12 +148,14 @@ class BeamModel {
     const double cross = line.y * direction_x_[i] - line.x * direction_y_[i];
     const double by_angle = angle_noise_ * numerator * cross;
     const double slope2 = slope * slope;
+    const double numerator2 = numerator * numerator;
     meeting->slope = slope;
     meeting->numerator = numerator;
     meeting->excess = range_[i] * slope - numerator;
     meeting->point = {slope * origin_x_[i] + numerator * direction_x_[i],
                       slope * origin_y_[i] + numerator * direction_y_[i]};
-    meeting->variance = range_variance_ * (slope2 * slope2) + by_angle * by_angle;
+    meeting->variance = range_variance_ * (slope2 * slope2) +
+                        noise_growth_ * (numerator2 * numerator2) + by_angle * by_angle;
     return true;
   }
 
@@ -214,7 +221,8 @@ class BeamModel {
   FourIntersections IntersectFour(int i, const Eigen::Vector2d& q) const;
 
   int num_beams_;
-  double range_variance_;
+  double range_variance_;  // sigma_range^2
+  double noise_growth_;    // gamma^2
   double angle_noise_;
   double max_range_;
   double outlier_threshold_;

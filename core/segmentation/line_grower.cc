@@ -55,7 +55,7 @@ bool LineGrower::Seed(int first) {
     gap = -1;
     measured.Add(beam.origin + beam.range * beam.direction,
                  1.0,
-                 beam.range * beam.range / beams_.range_variance());
+                 beam.range * beam.range / beams_.RangeVariance(beam.range));
     seed_beams_.push_back(i);
     if (static_cast<int>(seed_beams_.size()) == thresholds_.min_points) break;
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/recording/recording_source.h"
+#include "core/sensor/depth_camera_collector.h"
 #include "core/sensor/mount_collector.h"
 #include "core/sensor/odometry_collector.h"
 #include "core/sensor/recording_words.h"
@@ -74,7 +75,11 @@ bool IsImu(const Rig& rig, const RecordingTopic& topic) {
 
 struct RecordingReader::Impl {
   Impl(const std::string& path, const Rig& rig)
-      : source(OpenRecording(path)), scanners(rig.scanners), wheels(rig), mounts(rig) {}
+      : source(OpenRecording(path)),
+        scanners(rig.scanners),
+        wheels(rig),
+        mounts(rig),
+        cameras(rig) {}
 
   std::unique_ptr<RecordingSource> source;
   std::vector<Scanner> scanners;
@@ -96,6 +101,7 @@ struct RecordingReader::Impl {
   std::string imu_fault;
   LostMessages imu_lost;  // that can not be decoded
   MountCollector mounts;  // what tells how these turn
+  DepthCameraCollector cameras;
   std::vector<std::string> warnings;
 
   // State of the reading.
@@ -117,6 +123,7 @@ struct RecordingReader::Impl {
   bool Next(ScanLine* scan_line);
   void ReadAhead(size_t position);
   void ReadScanLine(size_t position, ScanLine* scan_line);
+  void ReadMessage(size_t position);
 };
 
 // Returns the damage of the recording, as the end of an error that may come from it.
@@ -138,6 +145,7 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
       "; topics with laser scans in this recording:" + TopicsText(scan_topics) + DamageText();
 
   for (const Scanner& scanner : rig.scanners) {
+    if (scanner.camera_row) continue;
     const auto [begin, end] = topics.equal_range(scanner.topic);
     if (begin == end) {
       throw Error(path() + ": has no topic " + Shown(scanner.topic) + " (scanner " +
@@ -159,6 +167,7 @@ void RecordingReader::Impl::CheckTopics(const Rig& rig) {
 std::map<std::string, int> RecordingReader::Impl::IndicesByTopic(const Rig& rig) const {
   std::map<std::string, int> scanner_indices;
   for (const Scanner& scanner : rig.scanners) {
+    if (scanner.camera_row) continue;
     const auto [known, is_new] =
         scanner_indices.emplace(scanner.topic, static_cast<int>(scanner_indices.size()));
     if (is_new) continue;
@@ -185,7 +194,16 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   visitor.wants = [&](const RecordingTopic& topic) {
     return (topic.HasScanLines() && scanner_indices.count(topic.name) > 0) ||
            (topic.HasOdometry() && topic.name == rig.odometry_topic) || IsImu(rig, topic) ||
-           mounts.Wants(topic);
+           mounts.Wants(topic) || cameras.Wants(topic);
+  };
+  visitor.camera_info = [&](const MessageRef& ref, const CameraInfoMessage& message) {
+    cameras.Add(source->topics()[ref.topic_index], message);
+  };
+  visitor.image = [&](const MessageRef& ref, const ImageMessage& image) {
+    for (const int scanner : cameras.Add(source->topics()[ref.topic_index], image)) {
+      messages.push_back(ref);
+      stamps.push_back({image.stamp_ns, scanner, true, static_cast<int64_t>(ref.receipt_ns)});
+    }
   };
   visitor.joints = [&](const MessageRef& ref, const JointMessage& message) {
     mounts.Add(source->topics()[ref.topic_index], message);
@@ -226,6 +244,8 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
       imu_lost.Add(ref);
     } else if (mounts.Wants(source->topics()[ref.topic_index])) {
       mounts.AddLost(source->topics()[ref.topic_index], ref);
+    } else if (cameras.Wants(source->topics()[ref.topic_index])) {
+      cameras.AddLost(source->topics()[ref.topic_index], ref);
     } else if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
       ++num_odometry_lost;
     } else {
@@ -240,6 +260,7 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   TakeOdometry(rig);
   TakeImu(rig);
   mounts.Finish(path(), source->topics(), DamageText());
+  cameras.Finish(path(), source->topics(), DamageText());
   SortByReceipt();
   order = OrderScanLines(rig, stamps, unusable_reasons);
   order.positions.erase(std::remove_if(order.positions.begin(),
@@ -338,6 +359,7 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   if (!imu_fault.empty()) warnings.push_back("the IMU is left out: " + imu_fault);
   imu_lost.WarnOf("the IMU", "that can not be decoded", &warnings);
   mounts.AddWarnings(&warnings);
+  cameras.AddWarnings(&warnings);
   for (const std::string& warning : order.warnings) warnings.push_back(OnOneLine(warning));
   if (!order.positions.empty()) return;
   std::string reasons;
@@ -345,10 +367,19 @@ void RecordingReader::Impl::CollectWarnings(const Rig& rig) {
   throw Error(path() + ": has no scan lines of the rig's scanners" + reasons);
 }
 
+void RecordingReader::Impl::ReadMessage(size_t position) {
+  const int scanner = stamps[position].scanner_index;
+  if (cameras.IsRow(scanner)) {
+    cameras.ReadRow(scanner, messages[position], source.get(), &message);
+  } else {
+    source->ReadScanLine(messages[position], &message);
+    CorrectHeader(&scanners[static_cast<size_t>(scanner)], &message);
+  }
+}
+
 void RecordingReader::Impl::ReadScanLine(size_t position, ScanLine* scan_line) {
   std::swap(message.ranges, scan_line->ranges);  // whose memory is used again
-  source->ReadScanLine(messages[position], &message);
-  CorrectHeader(&scanners[static_cast<size_t>(stamps[position].scanner_index)], &message);
+  ReadMessage(position);
   if (message.stamp_ns != stamps[position].stamp_ns) {
     throw Error(path() + ": has changed while it was read");
   }
@@ -441,7 +472,10 @@ const std::vector<std::shared_ptr<const JointAngles>>& RecordingReader::mount_an
   return impl_->mounts.angles();
 }
 
-void StartMounts(const RecordingReader& recording, Rig* rig) {
+void RecordingReader::PlaceCameras(Rig* rig) const { impl_->cameras.Place(rig); }
+
+void PlaceScanners(const RecordingReader& recording, Rig* rig) {
+  recording.PlaceCameras(rig);
   for (size_t i = 0; i < rig->scanners.size(); ++i) {
     if (!rig->scanners[i].mount) continue;
     rig->scanners[i].mount->start_ns = recording.start_ns();

@@ -63,6 +63,8 @@ class RecordingReader {
   // Returns the angles of the rig file's mounts, by scanner; nullptr where a scanner has no
   // mount, or none whose angle comes from a topic.
   const std::vector<std::shared_ptr<const JointAngles>>& mount_angles() const;
+  // Sets the models of a rig's depth cameras to those that the recording states.
+  void PlaceCameras(Rig* rig) const;
   // Makes the odometry later by this time.
   void DelayOdometry(double seconds);
   // Sentences about what is damaged or missing and about scan lines that were passed over or
@@ -74,7 +76,8 @@ class RecordingReader {
   std::unique_ptr<Impl> impl_;
 };
 
-// Gives the mounts of a rig their angles in a recording.
-void StartMounts(const RecordingReader& recording, Rig* rig);
+// Gives the mounts of a rig their angles, and the rows of its depth cameras their places, in a
+// recording.
+void PlaceScanners(const RecordingReader& recording, Rig* rig);
 
 }  // namespace plumbline

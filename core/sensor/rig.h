@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/rigid3.h"
+#include "core/sensor/depth_camera.h"
 #include "core/sensor/imu.h"
 #include "core/sensor/mount.h"
 
@@ -21,13 +22,18 @@ struct ScannerUncertainty {
   double range_scale = 0.0;  // of range_scale
 };
 
-// Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures.
+// Scanner describes one 2D laser scanner of the rig: where it sits, how well it measures. A
+// row of a depth camera is one, too.
 struct Scanner {
   std::string name;
-  std::string topic;  // of its sensor_msgs/LaserScan messages
+  std::string topic;  // of its sensor_msgs/LaserScan messages, or of the camera's images
   Rigid3d body_from_scanner;    // at the angle zero of its mount, where it has one
   std::optional<Mount> mount;   // none: it does not move against the body
-  double range_noise_m = 0.03;  // standard deviation of one range
+  std::optional<CameraRow> camera_row;  // none: it is a laser scanner
+  // Standard deviation of one range, and what the square of the range adds, times this: the
+  // errors of a triangulation. Both are independent of each other.
+  double range_noise_m = 0.03;
+  double range_noise_per_m2 = 0.0;
   // Whether the noise is to be taken from the recording; `range_noise_m: estimate` in the
   // file.
   bool estimates_noise = false;
@@ -65,6 +71,12 @@ struct Scanner {
   Rigid3d BodyFromScanner(int64_t time_ns) const {
     return mount ? mount->TurnAt(time_ns, delay_s) * body_from_scanner : body_from_scanner;
   }
+  // Variance and standard deviation of the noise of a range, m^2 and m.
+  double RangeVariance(double range_m) const {
+    const double growth_m = range_noise_per_m2 * range_m * range_m;
+    return range_noise_m * range_noise_m + growth_m * growth_m;
+  }
+  double RangeStddev(double range_m) const { return std::sqrt(RangeVariance(range_m)); }
   // The range without its estimated excess, m.
   double TrueRange(double range_m) const {
     return (range_m - range_excess_m) * (1.0 - range_excess_share);
@@ -81,7 +93,8 @@ enum class MotionModel { kAutomatic, kSpatial, kPlanar };
 // Rig holds the scanners that move together, and how they can move.
 struct Rig {
   MotionModel motion = MotionModel::kAutomatic;
-  std::vector<Scanner> scanners;
+  std::vector<Scanner> scanners;  // the rows of depth cameras are the last of them
+  std::vector<DepthCamera> depth_cameras;
   // Topic of the nav_msgs/Odometry messages of the body; empty: there are none. Their time is
   // their stamp plus the offset; where it is not stated, the one at which wheels and scanners
   // turn together.
@@ -93,7 +106,8 @@ struct Rig {
 // Reads a rig file (docs/inputs.md). Throws Error with file and line.
 Rig ReadRig(const std::string& path);
 
-// Writes a rig file that ReadRig understands.
+// Writes a rig file that ReadRig understands; the rows of depth cameras are left to their
+// camera.
 void WriteRig(const Rig& rig, const std::string& path);
 
 // True when only planar motion is to be estimated: the rig file says so, or all scan planes
@@ -114,7 +128,13 @@ std::optional<size_t> ExactlyPlacedScanner(const Rig& rig);
 // incidence, where those of real scanners depend on the surface.
 bool EstimatesScanners(const Rig& rig);
 
-// Returns the largest range noise of a rig's scanners, m.
+// Gives a depth camera's rows the places that they have in images of this model. Throws Error
+// where these have fewer rows.
+void PlaceRows(size_t camera, const PinholeModel& model, Rig* rig);
+// The rig without the rows of its depth cameras.
+Rig WithoutCameraRows(Rig rig);
+
+// Returns the largest range noise of a rig's scanners, that at the end of their reach, m.
 double MaxRangeNoise(const Rig& rig);
 
 }  // namespace plumbline

@@ -102,7 +102,7 @@ const LandmarkView* BeamAssociation::PlaneOf(int beam) const {
   // The noise of beams that only their range puts on a plane has mean zero, if those are kept
   // that are near on both sides of it; few beams on something close behind are among them.
   const double off_m = (kind_ == Kind::kWholeLine ? kOutlierSigmas : kSignificantStddevs) *
-                       scanner_.range_noise_m;
+                       scanner_.RangeStddev(measured);
   const LandmarkView* first = nullptr;
   double nearest = measured + off_m;  // what lies farther is none of the beam's
   ranges_.ForEachBetween(
@@ -120,7 +120,7 @@ bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
                                    double range) const {
   if (!planes_.HasSoftEdges()) return false;
   // Surfaces that are nearer to each other than this are the same to a beam.
-  const double off_m = kSignificantStddevs * scanner_.range_noise_m;
+  const double off_m = kSignificantStddevs * scanner_.RangeStddev(range);
   const Eigen::Vector3d normal =
       surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
   bool goes_over = false;
@@ -148,7 +148,9 @@ bool BeamAssociation::IsMet(const LandmarkView& plane,
     return RangeAlong(plane, direction) - RangeAlong(*beyond, direction);
   };
   const double at = behind(end + step);
-  return std::abs(at) < kFarSigmas * scanner_.range_noise_m && at > behind(end);
+  const double noise_m =
+      scanner_.RangeStddev(RangeAlong(plane, scan_line_.BeamDirection(end + step)));
+  return std::abs(at) < kFarSigmas * noise_m && at > behind(end);
 }
 
 std::vector<BeamAssociation::PlaneBeams> BeamAssociation::Associate(int first_beam,

@@ -223,7 +223,6 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
 
 void Occlusion::CountHits(OccupancyGrids* grids) const {
   const PlaneView view = MakePlaneView();
-  const double margin_m = kOutlierSigmas * scanner.range_noise_m;
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
   for (int beam = first_beam + kNumBeams; beam <= last_beam - kNumBeams; beam += stride) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
@@ -233,6 +232,7 @@ void Occlusion::CountHits(OccupancyGrids* grids) const {
     if (std::abs(cosine) < kMinCosine) continue;
     const double on_plane_m = line.z() / cosine;
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
+    const double margin_m = kOutlierSigmas * scanner.RangeStddev(on_plane_m);
     if (!(std::abs(range - on_plane_m) < margin_m)) continue;
     grids->CountHit(
         *plane.landmark, view.motion.ToWorld(on_plane_m * direction, time_ns), stride);
@@ -250,7 +250,6 @@ void CountHitsAtEnd(const SegmentEnd& end, OccupancyGrids* grids) {
 }
 
 void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
-  const double margin_m = kOutlierSigmas * end.scanner.range_noise_m;
   const PatchExtent& extent = end.landmark.extent;
   bool is_opening = false;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();  // passage that counted, and its k
@@ -267,6 +266,7 @@ void CountPassages(const SegmentEnd& end, OccupancyGrids* grids) {
     const double beyond_m = range - on_plane_m;
     // At grazing incidence the pose's uncertainty moves the range by decimetres.
     const double behind_m = beyond_m * std::abs(end.trace.normal.dot(direction));
+    const double margin_m = kOutlierSigmas * end.scanner.RangeStddev(on_plane_m);
     const bool passes = beyond_m > margin_m && behind_m > kMinDepth;
     if (!is_close && !passes) break;
     if (!passes) continue;

@@ -242,7 +242,8 @@ void RecordingResegmenter::AddSubMinimumSegment(
   segment.scan_line_index = nearby.scan_line_index;
   segment.scanner_index = nearby.scanner_index;
   segment.sigma_offset_m = static_cast<float>(
-      scanner.range_noise_m / std::sqrt(segment.last_beam - segment.first_beam + 1));
+      scanner.RangeStddev(scan_line.ranges[static_cast<size_t>(segment.first_beam)]) /
+      std::sqrt(segment.last_beam - segment.first_beam + 1));
   segment.sigma_direction_rad = static_cast<float>(M_PI);  // not known without the plane
   SegmentMeasurement nodes;
   nodes.node_times_ns = NodesOfSpan(BeamInstant(scan_line, segment.first_beam, rig_),

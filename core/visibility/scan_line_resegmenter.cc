@@ -110,7 +110,7 @@ int ScanLineResegmenter::Extend(const ScanLine& scan_line,
     const double range = scan_line.ranges[static_cast<size_t>(beam)];
     if (!scanner.IsValidRange(range)) break;
     const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
-    if (!(std::abs(range - expected) < kOutlierSigmas * scanner.range_noise_m)) break;
+    if (!(std::abs(range - expected) < kOutlierSigmas * scanner.RangeStddev(expected))) break;
     last = beam;
   }
   return last;
@@ -142,7 +142,8 @@ ScanLineResegmenter::NewEnd ScanLineResegmenter::FindEnd(const ScanLine& scan_li
   if (own == nullptr) return {end.beam};
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(observation.scanner_index)];
   const TracedEnd traced = TraceEnd(scan_line, observation, *own, end);
-  const Bounds bounds = FindBounds(traced, kFarSigmas * scanner.range_noise_m);
+  const double range = (end.step > 0 ? observation.end() : observation.start()).norm();
+  const Bounds bounds = FindBounds(traced, kFarSigmas * scanner.RangeStddev(range));
   NewEnd result{end.beam + end.step * bounds.last, traced.trace};
   if (bounds.last == 0) {
     result.beam = Extend(scan_line, traced.trace, end, end.beam + end.step * bounds.free);
@@ -234,7 +235,7 @@ bool ScanLineResegmenter::IsOff(const ScanLine& scan_line,
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const double range = scan_line.ranges[static_cast<size_t>(beam)];
   const double expected = trace.RangeAlong(scan_line.BeamDirection(beam));
-  return !(std::abs(range - expected) < kSignificantStddevs * scanner.range_noise_m);
+  return !(std::abs(range - expected) < kSignificantStddevs * scanner.RangeStddev(expected));
 }
 
 std::vector<int> ScanLineResegmenter::OccludedBeamsOf(const ScanLine& scan_line,
@@ -372,7 +373,6 @@ void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
                                     Observation* observation) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const ScanMotion& motion = poses_.Of(*observation).motion;
-  const double off_m = kOutlierSigmas * scanner.range_noise_m;
   std::vector<int> off_arc;
   for (int beam = range.first; beam <= range.last; ++beam) {
     const double measured = scan_line.ranges[static_cast<size_t>(beam)];
@@ -380,7 +380,8 @@ void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
         RangeOnCylinder(cylinder,
                         motion.At(BeamInstant(scan_line, beam, rig_)),
                         scan_line.BeamDirection(beam));
-    if (!met || !scanner.IsValidRange(measured) || !(std::abs(measured - *met) < off_m)) {
+    if (!met || !scanner.IsValidRange(measured) ||
+        !(std::abs(measured - *met) < kOutlierSigmas * scanner.RangeStddev(*met))) {
       off_arc.push_back(beam);
     }
   }

@@ -3,6 +3,8 @@
 #include <glog/logging.h>
 #include <nav_msgs/Odometry.h>
 #include <rosbag/bag.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
@@ -30,7 +32,10 @@ void Abandon(std::unique_ptr<rosbag::Bag> bag) {
 
 struct RecordingWriter::Impl {
   Impl(const std::string& path, const Rig& rig)
-      : rig(rig), file(path), sequence(rig.scanners.size(), 0) {}
+      : rig(rig),
+        file(path),
+        sequence(rig.scanners.size(), 0),
+        images(rig.depth_cameras.size()) {}
 
   Rig rig;
   AtomicFile file;
@@ -40,11 +45,69 @@ struct RecordingWriter::Impl {
   nav_msgs::Odometry odometry;
   sensor_msgs::Imu imu;
   sensor_msgs::JointState joints;
+  std::vector<sensor_msgs::Image> images;  // by camera, of the rows that came last
 
+  void WriteRow(const ScanLine& scan_line, const CameraRow& camera_row);
+  void WriteImage(size_t camera);
   [[noreturn]] void Fail(const std::exception& exception) {
     throw Error(file.path() + ": can not be written: " + exception.what());
   }
 };
+
+// Rows of an image come one after the other, with the same stamp.
+void RecordingWriter::Impl::WriteRow(const ScanLine& scan_line, const CameraRow& camera_row) {
+  const auto& [camera, row] = camera_row;
+  const PinholeModel& model = rig.depth_cameras[camera].model;
+  sensor_msgs::Image& image = images[camera];
+  ros::Time stamp;
+  stamp.fromNSec(static_cast<uint64_t>(scan_line.stamp_ns));
+  if (image.header.stamp != stamp) {
+    WriteImage(camera);
+    image.header.stamp = stamp;
+    image.header.frame_id = rig.depth_cameras[camera].name;
+    image.height = static_cast<uint32_t>(model.height);
+    image.width = static_cast<uint32_t>(model.width);
+    image.encoding = "16UC1";
+    image.step = image.width * static_cast<uint32_t>(sizeof(uint16_t));
+    image.data.assign(size_t{image.step} * image.height, 0);  // no depths
+  }
+  for (int beam = 0; beam < scan_line.num_beams(); ++beam) {
+    const float range = scan_line.ranges[static_cast<size_t>(beam)];
+    if (!std::isfinite(range)) continue;
+    const int column = model.width - 1 - beam;  // beams go from the right to the left
+    const auto depth_mm = std::lround(1e3 * DepthOf(model, row, column, range));
+    CHECK_LE(depth_mm, 0xffff) << "no depth in two bytes";
+    uint8_t* pixel = image.data.data() + size_t{image.step} * static_cast<size_t>(row) +
+                     sizeof(uint16_t) * static_cast<size_t>(column);
+    pixel[0] = static_cast<uint8_t>(depth_mm & 0xff);
+    pixel[1] = static_cast<uint8_t>(depth_mm >> 8);
+  }
+}
+
+// Writes the rows of a camera that have come, if any have, and how it sees.
+void RecordingWriter::Impl::WriteImage(size_t camera) {
+  sensor_msgs::Image& image = images[camera];
+  if (image.data.empty()) return;
+  const PinholeModel& model = rig.depth_cameras[camera].model;
+  sensor_msgs::CameraInfo info;
+  info.header = image.header;
+  info.width = image.width;
+  info.height = image.height;
+  info.distortion_model = "plumb_bob";
+  info.D.assign(5, 0.0);
+  info.K = {model.focal_x, 0, model.centre_x, 0, model.focal_y, model.centre_y, 0, 0, 1};
+  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.P = {
+      model.focal_x, 0, model.centre_x, 0, 0, model.focal_y, model.centre_y, 0, 0, 0, 1, 0};
+  try {
+    bag->write(rig.depth_cameras[camera].info_topic, info.header.stamp, info);
+    bag->write(rig.depth_cameras[camera].topic, image.header.stamp, image);
+  } catch (const std::exception& exception) {
+    Fail(exception);
+  }
+  ++image.header.seq;
+  image.data.clear();
+}
 
 RecordingWriter::RecordingWriter(const std::string& path, const Rig& rig)
     : impl_(std::make_unique<Impl>(path, rig)) {
@@ -73,6 +136,7 @@ void RecordingWriter::Write(const ScanLine& scan_line) {
   const size_t scanner_index = static_cast<size_t>(scan_line.scanner_index);
   CHECK_LT(scanner_index, impl_->rig.scanners.size());
   const Scanner& scanner = impl_->rig.scanners[scanner_index];
+  if (scanner.camera_row) return impl_->WriteRow(scan_line, *scanner.camera_row);
 
   sensor_msgs::LaserScan& message = impl_->message;
   ros::Time stamp;
@@ -162,6 +226,7 @@ void RecordingWriter::Write(const MountReading& reading) {
 
 void RecordingWriter::Close() {
   CHECK(impl_->bag != nullptr) << "Close() twice";
+  for (size_t camera = 0; camera < impl_->images.size(); ++camera) impl_->WriteImage(camera);
   try {
     impl_->bag->close();
   } catch (const std::exception& exception) {

@@ -12,7 +12,8 @@
 namespace plumbline {
 
 // Writes scan lines, odometry and readings of an IMU as a ROS 1 bag that ROS tools and
-// RecordingReader open. The file appears under its name when Close() has written it whole.
+// RecordingReader open; the rows of a depth camera as images of depths in mm with the camera's
+// sensor_msgs/CameraInfo. The file appears under its name when Close() has written it whole.
 class RecordingWriter {
  public:
   RecordingWriter(const std::string& path, const Rig& rig);

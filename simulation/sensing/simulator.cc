@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <sstream>
 #include <tuple>
 
@@ -23,9 +24,19 @@ constexpr double kCheckStep = 0.02;  // m along the path; a fifth of the clearan
 [[gnu::noinline]] double AsRecorded(double value) { return static_cast<float>(value); }
 
 // Geometry and timing of a scanner's lines: beams in the middle of equal shares of the field
-// of view, which the mirror passes in the same share of its period.
-ScanLine MakeHeader(const Scanner& scanner) {
+// of view, which the mirror passes in the same share of its period. The row of a depth camera
+// is taken at once.
+ScanLine MakeHeader(const Scanner& scanner, const Rig& rig) {
   ScanLine header;
+  if (scanner.camera_row) {
+    const auto& [camera, row] = *scanner.camera_row;
+    const std::vector<float> angles = RowAngles(rig.depth_cameras[camera].model, row);
+    header.angle_min = angles.front();
+    header.angle_increment =
+        (angles.back() - angles.front()) / static_cast<double>(angles.size() - 1);
+    header.angles = std::make_shared<const std::vector<double>>(angles.begin(), angles.end());
+    return header;
+  }
   const double field_of_view = scanner.field_of_view_deg * M_PI / 180.0;
   const double increment = field_of_view / scanner.beams;
   header.angle_min = AsRecorded(-field_of_view / 2 + increment / 2);
@@ -47,7 +58,8 @@ ScanLine AddNoise(const PerfectScanLine& perfect,
   scan_line.ranges.reserve(perfect.beams.size());
   for (const std::optional<RayHit>& hit : perfect.beams) {
     // Drawn for every beam, so that no setting changes the others' noise.
-    const double error = noise.scale * scanner.range_noise_m * random.Gaussian();
+    const double stddev_m = hit ? scanner.RangeStddev(hit->range) : scanner.range_noise_m;
+    const double error = noise.scale * stddev_m * random.Gaussian();
     const bool lost = random.Uniform() < noise.dropout;
     float range = std::numeric_limits<float>::infinity();
     if (hit && !lost) {
@@ -140,7 +152,7 @@ void Simulator::MakeSchedule() {
 PerfectScanLine Simulator::Take(const ScheduledLine& scheduled) const {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scheduled.scanner_index)];
   PerfectScanLine line;
-  line.scan_line = MakeHeader(scanner);
+  line.scan_line = MakeHeader(scanner, rig_);
   line.scan_line.scanner_index = scheduled.scanner_index;
   line.scan_line.stamp_ns = scheduled.stamp_ns;
   line.line_index = scheduled.line_index;

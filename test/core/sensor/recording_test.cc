@@ -597,7 +597,7 @@ TEST_F(MountTopicTest, AnglesHaveTheRecordingsTime) {
   Rig rig = RigWith("/joint_states", "nod");
   const RecordingReader reader(path_, rig);
   EXPECT_THAT(reader.warnings(), IsEmpty());
-  StartMounts(reader, &rig);
+  PlaceScanners(reader, &rig);
   EXPECT_EQ(rig.scanners[0].mount->start_ns, kStart);
   EXPECT_NEAR(
       rig.scanners[0].mount->AngleAt(kStart + 3 * kPeriod + 1'000'000, 0.0), 0.3, 1e-9);

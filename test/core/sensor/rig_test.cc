@@ -51,6 +51,31 @@ TEST(Rig, ReadsDefaults) {
   EXPECT_EQ(ReadText("motion: planar\nscanners:\n" + kScanner).motion, MotionModel::kPlanar);
 }
 
+TEST(Rig, NoiseGrowsWithTheSquareOfTheRange) {
+  Scanner scanner;
+  scanner.range_noise_m = 0.003;
+  scanner.range_noise_per_m2 = 0.001;
+  EXPECT_DOUBLE_EQ(scanner.RangeStddev(0.0), 0.003);
+  EXPECT_DOUBLE_EQ(scanner.RangeStddev(2.0), 0.005);
+  EXPECT_DOUBLE_EQ(scanner.RangeVariance(2.0), 25e-6);
+  scanner.max_range_m = 2.0;
+  Rig rig;
+  rig.scanners.resize(1);
+  rig.scanners[0].range_noise_m = 0.004;
+  rig.scanners.push_back(scanner);
+  EXPECT_DOUBLE_EQ(MaxRangeNoise(rig), 0.005);
+}
+
+// To the bit, so that nothing changes for scanners of one noise.
+TEST(Rig, NoiseWithoutGrowthIsTheStatedOne) {
+  for (double noise_m = 1e-6; noise_m < 10.0; noise_m *= 1.01) {
+    Scanner scanner;
+    scanner.range_noise_m = noise_m;
+    EXPECT_EQ(scanner.RangeVariance(7.3), noise_m * noise_m);
+    EXPECT_EQ(scanner.RangeStddev(7.3), noise_m);
+  }
+}
+
 TEST(Rig, BodysScannerIsTheFirstSteepOne) {
   Rig rig;
   rig.scanners.resize(3);
