@@ -18,10 +18,11 @@ Outcomes, as of robustness.py, and one more:
 
 Figures are those of the right maps, in brackets those of all maps where none is right: root mean
 squares over the runs of positions (from the first pose on, without alignment) and of the distances
-of walls from the true ones, both beside the Cramer-Rao bound (plumbline_bound), which knows
-neither an IMU nor wheels. "open": what has a bound beyond 5 cm or 0.5 degrees somewhere on the
-way. "weak": the share of time in which a second's scans alone leave a direction of the position
-worse than 2 cm, planes known (degenerate_intervals).
+of walls from the true ones, both beside the Cramer-Rao bound (plumbline_bound), where it knows
+all that measures: wheels it does not know. Of rigs that are followed in the plane (motion: planar)
+heights, roll and pitch count nowhere. "open": what has a bound beyond 5 cm or 0.5 degrees
+somewhere on the way. "weak": the share of time in which a second's scans alone leave a direction
+of the position worse than 2 cm, planes known (degenerate_intervals).
 
 Each run and each bound is one directory below --output; those that are there already are not done
 again. The tables go to rigs.md and rigs.json there, and are printed.
@@ -31,6 +32,7 @@ import argparse
 import collections
 import csv
 import math
+import re
 import sys
 
 import experiment_files
@@ -43,8 +45,8 @@ FOLDER = job_runner.ROOT / "configs" / "rigs"
 RIGS = {
     "paper": "the paper's: one level, two tilted",
     "paper_imu": "the same with a cheap IMU",
-    "viametris_imms": "Viametris i-MMS, in the plane",
-    "viametris_imms_3d": "its scanners, in 3D",
+    "viametris_imms": "Viametris i-MMS: one level, in the plane",
+    "viametris_imms_3d": "all its scanners, in 3D",
     "trimble_timms": "Trimble TIMMS",
     "zebedee": "Zebedee",
     "nodding": "one nodding, one tilted",
@@ -67,6 +69,7 @@ IMU_RATE_HZ = 200.0
 OUTCOMES = ("right", "flagged", "silent", "crash", "no recording")
 AXES = {"px": "across the first wall", "py": "along the first wall", "pz": "height",
         "rx": "tilt across", "ry": "tilt along", "rz": "heading"}
+PLACE = re.compile(r"^plumbline_\w+: ([^ ]*recording\.bag: )?")  # how an error begins
 LONGEST_REASON = 90  # characters in the table
 
 
@@ -130,17 +133,13 @@ def info_of(cell):
     return dict(zip(("rig", "world", "carriage"), cell))
 
 
-def has_bound(name):
-    """Whether plumbline_bound knows all that measures."""
-    return name not in WHEELS and "imu" not in read_rig(name)
-
-
 def bound_job(cell, file, arguments):
     return job_runner.Job(
         destination=arguments.output / f"{file.stem}_bound",
         commands=((arguments.binaries / "plumbline_bound", f"--experiment={file}",
                    "--output=bound"),),
         required=("bound/planes.json", "bound/faces.csv", "bound/trajectory_covariance.csv"),
+        optional=("bound/calibration.json",),
         failure_file=f"failed_{file.stem}_bound.json", info=info_of(cell))
 
 
@@ -172,15 +171,17 @@ def bound_row(directory, info):
               if plane["type"] == "vertical"}
     walls = {entry["face"]: sigmas[int(entry["plane"])]
              for entry in read_csv(directory / "faces.csv") if int(entry["plane"]) in sigmas}
-    return {**info, "position_m": math.hypot(*(rms(deviations[axis]) for axis in AXES
-                                               if axis.startswith("p"))),
+    calibration = directory / "calibration.json"
+    knows_imu = calibration.exists() and "imu" in job_runner.read_json(calibration)
+    positions = [rms(values) for axis, values in deviations.items() if axis.startswith("p")]
+    return {**info, "knows_imu": knows_imu, "position_m": math.hypot(*positions),
             "open": [words for axis, words in AXES.items()
                      if max(deviations[axis]) > limits[axis[0]]],
             "walls_m": walls}
 
 
 def failed_bound(failure, info):
-    return {**info, "error": failure["error"]}
+    return {**info, "knows_imu": False, "error": failure["error"]}
 
 
 def wall_errors(directory, evaluation):
@@ -220,7 +221,8 @@ def reasons_of(rows):
     for row in rows:
         if row["outcome"] == "right":
             continue
-        reason = row.get("error") or row["cause"] or f"off by {row['position_max_m']:.2g} m"
+        reason = PLACE.sub("", row.get("error", "")) or row["cause"]
+        reason = reason or f"off by {row['position_max_m']:.2g} m"
         if row.get("missing_s"):
             reason += f", {row['missing_s']:.0f} s missing"
         if row["outcome"] == "silent":
@@ -333,11 +335,12 @@ def main():
         cells = cells_of(arguments)
         robustness.check_experiments(output, {file.stem: file for file in cells.values()})
         limits = [bound_job(cell, file, arguments) for cell, file in cells.items()
-                  if has_bound(cell[0])]
+                  if cell[0] not in WHEELS]
         jobs = [run_job(cell, file, seed, arguments)
                 for cell, file in cells.items() for seed in job_runner.seeds_of(arguments)]
         output.run(limits + jobs, executor, arguments.retry_failed, "runs and bounds")
-        bounds = output.rows(limits, bound_row, failed_bound)
+        bounds = [row for row in output.rows(limits, bound_row, failed_bound)
+                  if row["knows_imu"] or "imu" not in read_rig(row["rig"])]
         rows = output.rows(jobs, run_row, failure_row)
         summaries = summaries_of(cells, rows, bounds)
         output.write_table("rigs", {"cells": summaries, "runs": rows, "bounds": bounds},
