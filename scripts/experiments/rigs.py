@@ -17,12 +17,13 @@ Outcomes, as of robustness.py, and one more:
     crash     the mapper was ended by a signal
 
 Figures are those of the right maps, in brackets those of all maps where none is right: root mean
-squares over the runs of positions (from the first pose on, without alignment) and of the distances
-of walls from the true ones, both beside the Cramer-Rao bound (plumbline_bound), where it knows
-all that measures: wheels it does not know. Of rigs that are followed in the plane (motion: planar)
-heights, roll and pitch count nowhere. "open": what has a bound beyond 5 cm or 0.5 degrees
-somewhere on the way. "weak": the share of time in which a second's scans alone leave a direction
-of the position worse than 2 cm, planes known (degenerate_intervals).
+squares over the runs of positions (from the first pose on, and after rigid alignment) and of the
+distances of walls from the true ones, unaligned, beside the Cramer-Rao bound (plumbline_bound),
+where it knows all that measures: wheels it does not know. Map and bound take the heading from the
+wall that each sees best at first, which may be another one. Of rigs that are followed in the plane
+(motion: planar) heights, roll and pitch count nowhere. "open": what has a bound beyond 5 cm or 0.5
+degrees somewhere on the way. "weak": the share of time in which a second's scans alone leave a
+direction of the position worse than 2 cm, planes known (degenerate_intervals).
 
 Each run and each bound is one directory below --output; those that are there already are not done
 again. The tables go to rigs.md and rigs.json there, and are printed.
@@ -69,7 +70,8 @@ IMU_RATE_HZ = 200.0
 OUTCOMES = ("right", "flagged", "silent", "crash", "no recording")
 AXES = {"px": "across the first wall", "py": "along the first wall", "pz": "height",
         "rx": "tilt across", "ry": "tilt along", "rz": "heading"}
-PLACE = re.compile(r"^plumbline_\w+: ([^ ]*recording\.bag: )?")  # how an error begins
+PLACE = re.compile(  # how an error begins
+    r"^plumbline_\w+: (\S*recording\.bag: (a wrong map would come of it: \S+: )?)?")
 LONGEST_REASON = 90  # characters in the table
 
 
@@ -82,6 +84,9 @@ def parse_arguments():
                         metavar="WORLD", help=f"of {', '.join(WORLDS)} (default: all)")
     parser.add_argument("--carriages", nargs="+", choices=CARRIAGES, default=CARRIAGES,
                         metavar="HOW", help=f"of {', '.join(CARRIAGES)} (default: both)")
+    parser.add_argument("--no-bounds", action="store_true",
+                        help="compute no bound that is not there already: in a furnished house one "
+                        "takes longer than a map")
     job_runner.add_seed_arguments(parser, "rig, world and carriage", 2)
     job_runner.add_arguments(parser)
     arguments = parser.parse_args()
@@ -243,6 +248,7 @@ def summary_of(cell, rows, bound):
             "is_right": counts["right"] > 0,
             "position_m": rms([row["position_unaligned_m"] for row in shown]) if shown else None,
             "position_bound_m": (bound or {}).get("position_m"),
+            "aligned_m": rms([row["position_rms_m"] for row in shown]) if shown else None,
             "wall_m": rms([error for error, _ in errors]) if errors else None,
             "wall_bound_m": rms([limit for _, limit in errors]) if errors and limits else None,
             "open": (bound or {}).get("open"), "bound_error": (bound or {}).get("error"),
@@ -264,14 +270,14 @@ def outcome_text(summary):
 
 
 def figure_text(summary, key):
-    """"map, bound, ratio" in mm, in brackets where no map is right."""
+    """"map, bound, ratio" in mm; of maps none of which is right "(map), bound"."""
     value, limit = summary[f"{key}_m"], summary[f"{key}_bound_m"]
     if value is None:
         return ""
-    text = f"{1e3 * value:.3g}"
+    text = f"{1e3 * value:.3g}" if summary["is_right"] else f"({1e3 * value:.3g})"
     if limit:
-        text += f", {1e3 * limit:.3g}, {value / limit:.2f}"
-    return text if summary["is_right"] else f"({text})"
+        text += f", {1e3 * limit:.3g}"
+    return f"{text}, {value / limit:.2f}" if limit and summary["is_right"] else text
 
 
 def open_text(summary):
@@ -305,16 +311,18 @@ def details_of(summaries):
     text = ""
     for place in dict.fromkeys((one["world"], one["carriage"]) for one in summaries):
         text += (f"\n## {place[0]}, {place[1]}\n\n| rig | right/flagged/silent | positions, mm: "
-                 "map, bound, ratio | walls, mm | open | weak | where it breaks |\n"
-                 + "|---" * 7 + "|\n")
+                 "map, bound, ratio | aligned | walls, mm | open | weak | where it breaks |\n"
+                 + "|---" * 8 + "|\n")
         for one in summaries:
             if (one["world"], one["carriage"]) != place:
                 continue
             reasons = "; ".join(shortened(reason) + (f" ({number} times)" if number > 1 else "")
                                 for reason, number in one["reasons"].items())
             weak = "" if one["weak_share"] is None else f"{100 * one['weak_share']:.0f} %"
+            aligned = "" if one["aligned_m"] is None else f"{1e3 * one['aligned_m']:.3g}"
             text += (f"| `{one['rig']}` | {outcome_text(one)} | {figure_text(one, 'position')} | "
-                     f"{figure_text(one, 'wall')} | {open_text(one)} | {weak} | {reasons} |\n")
+                     f"{aligned} | {figure_text(one, 'wall')} | {open_text(one)} | {weak} | "
+                     f"{reasons} |\n")
     return text
 
 
@@ -338,7 +346,8 @@ def main():
                   if cell[0] not in WHEELS]
         jobs = [run_job(cell, file, seed, arguments)
                 for cell, file in cells.items() for seed in job_runner.seeds_of(arguments)]
-        output.run(limits + jobs, executor, arguments.retry_failed, "runs and bounds")
+        missing = jobs if arguments.no_bounds else limits + jobs
+        output.run(missing, executor, arguments.retry_failed, "runs and bounds")
         bounds = [row for row in output.rows(limits, bound_row, failed_bound)
                   if row["knows_imu"] or "imu" not in read_rig(row["rig"])]
         rows = output.rows(jobs, run_row, failure_row)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Tests scripts/experiments/rigs.py: its experiments, its arithmetic, and its runs with stand-ins for
-the programs."""
+"""Tests scripts/experiments/rigs.py: its experiments, its arithmetic, and its runs with stand-ins
+for the programs."""
 
 import json
 import math
@@ -40,6 +40,7 @@ def experiment(name, world="corridor", carriage="cart"):
 
 def run(outcome="right", **changes):
     return {"outcome": outcome, "seed": 1, "exit_code": 0, "position_max_m": 0.2,
+            "position_rms_m": 0.001,
             "rotation_max_deg": 0.1, "missing_s": 0.0, "position_unaligned_m": 0.003, "cause": "",
             "walls_m": {"17": 0.004, "3": 1.0}, "weak_share": 0.5, **changes}
 
@@ -89,6 +90,7 @@ class ArithmeticTest(unittest.TestCase):
     def test_figures_without_a_right_map_or_bound_stand_apart(self):
         summary = rigs.summary_of(CELL, [run("silent", seed=7)], None)
         self.assertEqual(rigs.figure_text(summary, "position"), "(3)")
+        self.assertEqual(summary["aligned_m"], 0.001)
         self.assertEqual(rigs.open_text(summary), "no bound")
         self.assertEqual(list(summary["reasons"]), ["silent, seed 7: off by 0.2 m, 0.1 deg"])
 
@@ -136,8 +138,13 @@ class RunTest(ScriptTest):
                              .read_text(encoding="utf-8"))
         self.assertEqual(rig, rigs.read_rig("zebedee"))
 
-    def test_another_rig_of_the_folder(self):
-        self.check_done(self.run_script("spinning", "--worlds", "ramp", "--carriages", "cart"))
+    def test_another_rig_of_the_folder_and_no_further_bound(self):
+        arguments = ("spinning", "--worlds", "ramp", "--carriages", "cart", "--no-bounds")
+        self.check_done(self.run_script(*arguments))
+        self.assertNotIn("ramp_cart_spinning_bound", self.entries())
+        self.check_done(self.run_script(*arguments[:-1]))
+        result = self.run_script(*arguments, "--seeds", "3")
+        self.assertIn("| height, heading | 0 % |", result.stdout)
 
     def test_unknown_rig(self):
         self.check_error("no rig none in", "none")
