@@ -22,7 +22,6 @@ import statistics
 import sys
 
 import numpy as np
-import yaml
 
 import calibration
 import experiment_files
@@ -114,9 +113,8 @@ def rig_of(design, uncertainty):
 def write_experiment(name, design, experiment, arguments):
     """The experiment with this rig; returns its path."""
     file = arguments.output / "experiments" / f"{experiment}_{name}.yaml"
-    experiment_files.write_variant(experiment, file, {})
-    rig = yaml.safe_dump(rig_of(design, calibration.BY_HAND))
-    file.with_name(f"{file.stem}_rig.yaml").write_text(rig, encoding="utf-8")
+    experiment_files.write(file, experiment_files.load(experiment),
+                           rig_of(design, calibration.BY_HAND))
     return file
 
 

@@ -1,6 +1,7 @@
 """What an experiment of the simulator depends on."""
 
 import hashlib
+import pathlib
 
 import yaml
 
@@ -40,26 +41,43 @@ def read_part(path):
     return job_runner.read_text(path)
 
 
+def load(case):
+    """The experiment of that name with absolute paths of its files, as a dictionary."""
+    source = of_case(case)
+    experiment = yaml.safe_load(job_runner.read_text(source))
+    for holder, key in ((experiment, "building"), (experiment, "rig"),
+                        (experiment["path"], "file")):
+        if key in holder:
+            holder[key] = str((source.parent / holder[key]).resolve())
+    return experiment
+
+
+def load_rig(path):
+    """A rig file, as a dictionary."""
+    return yaml.safe_load(job_runner.read_text(pathlib.Path(path)))
+
+
+def write(path, experiment, rig):
+    """Writes an experiment (a dictionary with absolute paths), and its rig beside it."""
+    rig_file = path.with_name(f"{path.stem}_rig.yaml")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rig_file.write_text(yaml.safe_dump(rig), encoding="utf-8")
+    path.write_text(yaml.safe_dump({**experiment, "rig": rig_file.name}), encoding="utf-8")
+
+
 def write_variant(case, path, scanner, length_m=None, faults=None):
     """Writes an experiment like one that is shipped, and its rig beside it.
     scanner: what is other about each scanner of the rig file. length_m: of the way. faults: from
     the names of the scanners to the simulator's section "faults"."""
-    source = of_case(case)
-    experiment = yaml.safe_load(job_runner.read_text(source))
-    rig = yaml.safe_load(job_runner.read_text(source.parent / experiment["rig"]))
+    experiment = load(case)
+    rig = load_rig(experiment["rig"])
     for one in rig["scanners"]:
         one.update(scanner)
-    experiment["building"] = str((source.parent / experiment["building"]).resolve())
-    if "file" in experiment["path"]:
-        experiment["path"]["file"] = str((source.parent / experiment["path"]["file"]).resolve())
-    experiment["rig"] = f"{path.stem}_rig.yaml"
     if length_m is not None:
         experiment["path"]["length_m"] = length_m
     if faults is not None:
         experiment["faults"] = faults([one["name"] for one in rig["scanners"]])
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.with_name(experiment["rig"]).write_text(yaml.safe_dump(rig), encoding="utf-8")
-    path.write_text(yaml.safe_dump(experiment), encoding="utf-8")
+    write(path, experiment, rig)
 
 
 def checksum(experiment):
