@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "core/estimation/segment_groups.h"
 #include "core/geometry/cell_key.h"
@@ -36,6 +37,25 @@ Eigen::Vector3d InFrame(const SegmentFrame& frame, double by_x, double by_y, dou
   return frame.Matrix().transpose() * Eigen::Vector3d(by_x, by_y, constant);
 }
 
+// By scanner: the scanner by whose mounting it errs, itself or the first row of its camera.
+std::vector<size_t> OwnersOf(const Rig& rig) {
+  std::vector<size_t> owners;
+  for (const Scanner& scanner : rig.scanners) {
+    const auto first = std::find_if(
+        rig.scanners.begin(), rig.scanners.end(), [&scanner](const Scanner& other) {
+          return scanner.camera_row && other.camera_row &&
+                 scanner.camera_row->camera == other.camera_row->camera;
+        });
+    owners.push_back(scanner.camera_row ? static_cast<size_t>(first - rig.scanners.begin())
+                                        : owners.size());
+  }
+  return owners;
+}
+
+int NumDifferent(const std::vector<size_t>& owners) {
+  return static_cast<int>(std::set<size_t>(owners.begin(), owners.end()).size());
+}
+
 }  // namespace
 
 ErrorPatterns::ErrorPatterns(const Rig& rig,
@@ -52,8 +72,8 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
       planar_(planar),
       num_band_(layout.NumControlPointColumns()),
       has_scanners_(calibration.scanners.empty()),
-      num_scanner_patterns_(has_scanners_ ? kPerScanner * static_cast<int>(rig.scanners.size())
-                                          : 0),
+      owners_(OwnersOf(rig)),
+      num_scanner_patterns_(has_scanners_ ? kPerScanner * NumDifferent(owners_) : 0),
       landmark_columns_(landmarks.size(), -1),
       scanner_columns_(rig.scanners.size(), -1) {
   for (const Landmark& landmark : landmarks) {
@@ -66,6 +86,11 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
     const auto index = static_cast<size_t>(layout.blocks[i].index);
     if (IsScanner(layout.blocks[i])) scanner_columns_[index] = layout.offsets[i];
     if (IsLandmark(layout.blocks[i])) landmark_columns_[index] = layout.offsets[i];
+  }
+  int column = 0;
+  for (size_t i = 0; i < owners_.size(); ++i) {
+    own_columns_.push_back(owners_[i] == i ? column : own_columns_[owners_[i]]);
+    if (owners_[i] == i) column += kPerScanner;
   }
   const int num_products = num_scanner_patterns_ + kNumTraceProbes;
   products_ = Eigen::MatrixXd::Zero(num_products, num_products);
@@ -356,7 +381,8 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
   const Landmark& landmark = landmarks_[static_cast<size_t>(observation.landmark_id)];
   const Rigid3d world_from_scanner =
       nodes.middle * BodyFromScanner(nodes, 1, observation.scanner_index);
-  const int own = kPerScanner * observation.scanner_index;
+  const auto scanner = static_cast<size_t>(observation.scanner_index);
+  const int own = own_columns_[scanner];
   coefficients_.leftCols(num_scanner_patterns_).setZero();
   const Eigen::Vector3d by_range = WalkAlong(observation, world_from_scanner, landmark);
   if (!has_scanners_) return;
@@ -371,6 +397,14 @@ void ErrorPatterns::SetScannerCoefficients(const Observation& observation,
   coefficients_.col(own + 2) = InFrame(frame, -m.z(), 0.0, 0.0);
   coefficients_.col(own + 3) = InFrame(frame, m.y(), -m.x(), 0.0);
   for (int i = 0; i < 3; ++i) coefficients_(2, own + 4 + i) = m[i];
+  if (owners_[scanner] == scanner) return;
+  // The turns and shifts of the owner, along the scanner's axes.
+  const Eigen::Matrix3d scanner_from_owner =
+      (rig_.scanners[scanner].body_from_scanner.rotation.conjugate() *
+       rig_.scanners[owners_[scanner]].body_from_scanner.rotation)
+          .toRotationMatrix();
+  coefficients_.middleCols<3>(own + 1) *= scanner_from_owner;
+  coefficients_.middleCols<3>(own + 4) *= scanner_from_owner;
 }
 
 void ErrorPatterns::Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved) {
@@ -461,11 +495,12 @@ Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {
   if (!has_scanners_) return Eigen::MatrixXd::Zero(num_scanner_patterns_, 0);
   Eigen::MatrixXd common = Eigen::MatrixXd::Zero(num_scanner_patterns_, 6);
   for (size_t i = 0; i < rig_.scanners.size(); ++i) {
+    if (owners_[i] != i) continue;
     const Rigid3d& body_from_scanner = rig_.scanners[i].body_from_scanner;
     const Eigen::Matrix3d scanner_from_body =
         body_from_scanner.rotation.toRotationMatrix().transpose();
     const Eigen::Vector3d& at = body_from_scanner.translation;
-    const auto row = static_cast<Eigen::Index>(i) * kPerScanner + 1;
+    const auto row = static_cast<Eigen::Index>(own_columns_[i]) + 1;
     for (int j = 0; j < 3; ++j) {
       const Eigen::Vector3d axis = Eigen::Vector3d::Unit(j);
       common.block<3, 1>(row, j) = scanner_from_body * axis;

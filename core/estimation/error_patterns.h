@@ -27,8 +27,9 @@ namespace plumbline {
 // a recording and, through them, to its estimate. Two kinds of patterns:
 //
 //   scanners: range bias (m), rotation (rad) and translation (m) of the mounting, in the
-//             scanner's frame; constant for the recording. A rig whose scanners are estimated
-//             has none: the estimate adapts to them
+//             scanner's frame; constant for the recording. A depth camera has one mounting,
+//             that of its first row. A rig whose scanners are estimated has none: the estimate
+//             adapts to them
 //   cells:    a surface that deviates from its plane by some distance (m) at one node of a
 //   grid,
 //             falling off to none at the next nodes (bilinear)
@@ -164,6 +165,8 @@ class ErrorPatterns {
   const bool planar_;
   const int num_band_;
   const bool has_scanners_;
+  const std::vector<size_t> owners_;  // by scanner: the one whose patterns it has
+  std::vector<int> own_columns_;      // by scanner: of its first pattern
   const int num_scanner_patterns_;
   std::vector<Eigen::Matrix<double, 3, 2>> axes_;  // of a surface's grid, by landmark
   std::vector<int> landmark_columns_;  // by id; -1: not estimated
