@@ -261,12 +261,7 @@ void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
 }
 
 MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
-  MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
-  // Wheels hold the control points that a slow scanner leaves open, and turn by more from scan
-  // to scan than fewer knots follow.
-  if (IsPlanar(rig) && !rig.odometry_topic.empty()) {
-    defaults.trajectory.min_scans_per_knot = 1.0;
-  }
+  const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
   return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
 }
 
