@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "test/testing/paths.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -23,9 +24,8 @@ class ProgramsTest : public TemporaryDirectoryTest {
  protected:
   Outcome Run(const std::string& command) {
     const std::string err = Path("stderr");
-    const int status = std::system((std::string(PLUMBLINE_PROGRAMS_DIR) + "/" + command +
-                                    " > " + Path("stdout") + " 2> " + err)
-                                       .c_str());
+    const int status = std::system(
+        (ProgramsDir() + "/" + command + " > " + Path("stdout") + " 2> " + err).c_str());
     Outcome outcome;
     outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     outcome.err = ReadBytes(err);
@@ -40,9 +40,7 @@ class ProgramsTest : public TemporaryDirectoryTest {
     EXPECT_FALSE(std::filesystem::exists(Path("out/summary.json")));
   }
   std::string Path(const std::string& name) const { return (directory_ / name).string(); }
-  std::string RigFile() const {
-    return std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper.yaml";
-  }
+  std::string RigFile() const { return ConfigsDir() + "/rigs/paper.yaml"; }
 };
 
 TEST_F(ProgramsTest, MapperNamesMissingFiles) {
@@ -98,7 +96,7 @@ TEST_F(ProgramsTest, ReportNamesAMissingResult) {
 TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
   ExpectFailure("plumbline_check " + Path("no.bag") + " --output=" + Path("out"),
                 Path("no.bag"));
-  const std::string robot = std::string(PLUMBLINE_TEST_DATA_DIR) + "/robot_three_scanners.bag";
+  const std::string robot = TestDataDir() + "/robot_three_scanners.bag";
   const std::string command = "plumbline_check " + robot + " --output=" + Path("out");
   EXPECT_EQ(Run(command).exit_code, 0);
   EXPECT_THAT(ReadBytes(Path("stdout")), HasSubstr("can be mapped in the plane"));
@@ -109,7 +107,7 @@ TEST_F(ProgramsTest, CheckSaysWhetherARecordingCanBeMapped) {
 
 // A map is written where the rig file is wrong, but the exit code says what it is worth.
 TEST_F(ProgramsTest, AMapThatContradictsItselfIsThree) {
-  ASSERT_EQ(Run("plumbline_simulate --experiment=" + std::string(PLUMBLINE_CONFIGS_DIR) +
+  ASSERT_EQ(Run("plumbline_simulate --experiment=" + ConfigsDir() +
                 "/experiments/room.yaml --seed=1 --output=" + Path("room"))
                 .exit_code,
             0);

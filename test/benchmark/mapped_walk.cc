@@ -11,6 +11,7 @@
 #include "core/sensor/recording.h"
 #include "core/trajectory/motion_noise.h"
 #include "simulation/sensing/simulate_recording.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
@@ -24,7 +25,7 @@ std::filesystem::path MakeDirectory() {
 
 // The experiment with another length, its files named by absolute paths.
 std::string Shortened(const std::string& experiment, double length_m) {
-  const std::string configs = PLUMBLINE_CONFIGS_DIR;
+  const std::string configs = ConfigsDir();
   std::ifstream file(configs + "/experiments/" + experiment + ".yaml");
   CHECK(file) << "no experiment " << experiment;
   std::ostringstream text;

@@ -12,6 +12,7 @@
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"
 #include "simulation/sensing/experiment.h"
+#include "test/testing/paths.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
@@ -277,7 +278,7 @@ TEST_F(BoundTest, WritesWhatIsKnownOfScanners) {
 // A floor plan with a ramp and a round wall: every kind of surface has a bound.
 TEST(Bound, KnowsRampsAndArcs) {
   const Experiment experiment =
-      ReadExperiment(std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/ramp_and_arc.yaml");
+      ReadExperiment(ConfigsDir() + "/experiments/ramp_and_arc.yaml");
   const Bound bound = ComputeBound(experiment, {}, [](double) {});
   int num_general = 0;
   int num_cylinders = 0;
@@ -308,8 +309,7 @@ TEST(Bound, KnowsRampsAndArcs) {
 TEST_F(BoundTest, KnowsTheImu) {
   Simulate(scenario_);
   Experiment experiment = ReadExperiment(Path("experiment.yaml"));
-  experiment.rig.imu =
-      ReadRig(std::string(PLUMBLINE_CONFIGS_DIR) + "/rigs/paper_imu.yaml").imu;
+  experiment.rig.imu = ReadRig(ConfigsDir() + "/rigs/paper_imu.yaml").imu;
   experiment.inertial = InertialOptions();
   const auto compute = [&] { return ComputeBound(experiment, {}, [](double) {}); };
   const Bound bound = compute();

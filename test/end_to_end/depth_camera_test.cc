@@ -7,12 +7,13 @@
 #include <sstream>
 
 #include "simulation/sensing/simulate_recording.h"
+#include "test/testing/paths.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
 namespace {
 
-const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+const std::string kConfigs = ConfigsDir();
 
 class DepthCameraTest : public MappingTest {
  protected:

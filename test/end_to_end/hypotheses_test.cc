@@ -7,6 +7,7 @@
 
 #include "simulation/evaluation/evaluation.h"
 #include "simulation/sensing/simulate_recording.h"
+#include "test/testing/paths.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
@@ -17,11 +18,10 @@ class HypothesesTest : public MappingTest {};
 // Without a second hypothesis the rig is lost here.
 TEST_F(HypothesesTest, TheRigDoesNotFollowPeople) {
   constexpr uint64_t kSeed = 114;
-  SimulateRecording(
-      std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/people_and_doors.yaml",
-      kSeed,
-      directory_.string(),
-      [](double) {});
+  SimulateRecording(ConfigsDir() + "/experiments/robustness/people_and_doors.yaml",
+                    kSeed,
+                    directory_.string(),
+                    [](double) {});
   Map();
   const Evaluation evaluation =
       Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});

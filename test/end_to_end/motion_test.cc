@@ -6,6 +6,7 @@
 #include "core/result/result_writer.h"
 #include "core/util/time.h"
 #include "simulation/sensing/simulate_recording.h"
+#include "test/testing/paths.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {
@@ -49,10 +50,8 @@ TEST_F(MappingMotionTest, FollowsTurnOf90DegreesInOneSecond) {
 // spline with knots every 125 ms can follow. The trajectory may be off just there, as far as a
 // spline that takes no notice of the bend; the rig must not be lost and no plane come of it.
 TEST_F(MappingMotionTest, SurvivesFastTurnsAndAJolt) {
-  SimulateRecording(std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/room.yaml",
-                    1,
-                    directory_.string(),
-                    [](double) {});
+  SimulateRecording(
+      ConfigsDir() + "/experiments/room.yaml", 1, directory_.string(), [](double) {});
   Map();
   const Evaluation evaluation =
       Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});

@@ -9,12 +9,13 @@
 #include <string>
 
 #include "core/mapping/map_job.h"
+#include "test/testing/paths.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
 namespace {
 
-constexpr char kRecording[] = PLUMBLINE_TEST_DATA_DIR "/robot_three_scanners.bag";
+const std::string kRecording = TestDataDir() + "/robot_three_scanners.bag";
 
 class RobotMapTest : public TemporaryDirectoryTest {
  protected:
@@ -33,7 +34,7 @@ class RobotMapTest : public TemporaryDirectoryTest {
   Summary Map(const std::string& recording) const {
     MapJob job;
     job.recording = recording;
-    job.rig = PLUMBLINE_CONFIGS_DIR "/rigs/robot_three_scanners.yaml";
+    job.rig = ConfigsDir() + "/rigs/robot_three_scanners.yaml";
     job.output = (directory_ / "result").string();
     return RunMapJob(job, [](double) {});
   }

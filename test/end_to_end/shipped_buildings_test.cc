@@ -15,6 +15,7 @@
 #include "simulation/sensing/simulate_recording.h"
 #include "simulation/world/floor_plan.h"
 #include "simulation/world/planar_region.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
@@ -22,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const fs::path kConfigs = PLUMBLINE_CONFIGS_DIR;
+const fs::path kConfigs = ConfigsDir();
 
 // An experiment that walks through each of the shipped buildings.
 constexpr const char* kExperiments[] = {

@@ -13,6 +13,7 @@
 #include "simulation/sensing/recording_writer.h"
 #include "simulation/sensing/simulate_recording.h"
 #include "simulation/sensing/simulator.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
@@ -163,11 +164,10 @@ Evaluation MappingTest::Run(const Scenario& scenario, uint64_t seed) {
 }
 
 Evaluation MappingTest::RunCase(const std::string& name, uint64_t seed) {
-  SimulateRecording(
-      std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/robustness/" + name + ".yaml",
-      seed,
-      directory_.string(),
-      [](double) {});
+  SimulateRecording(ConfigsDir() + "/experiments/robustness/" + name + ".yaml",
+                    seed,
+                    directory_.string(),
+                    [](double) {});
   Map();
   return Evaluate(ReadEvaluationInput(Path("result"), directory_.string()), {});
 }

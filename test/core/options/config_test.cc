@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "test/testing/paths.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -198,15 +199,14 @@ TEST_F(ConfigTest, SectionOfAnExperimentCounts) {
 
 TEST_F(ConfigTest, EveryShippedExperimentLoads) {
   int num_files = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(
-           std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments")) {
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(ConfigsDir() + "/experiments")) {
     if (!entry.is_regular_file()) continue;
     EXPECT_EQ(ErrorOf([&] { ReadMapperOptions(entry.path().string()); }), "no error");
     ++num_files;
   }
   EXPECT_GE(num_files, 6);
-  const std::string drift =
-      std::string(PLUMBLINE_CONFIGS_DIR) + "/experiments/corridor_three_loops.yaml";
+  const std::string drift = ConfigsDir() + "/experiments/corridor_three_loops.yaml";
   EXPECT_FALSE(ReadMapperOptions(drift).loop_closure.enabled);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/recording/carmen_messages.h"
 #include "test/core/recording/recording_dump.h"
+#include "test/testing/paths.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -228,7 +229,7 @@ struct PublicLog {
 
 // The logs are not part of the repository.
 TEST(CarmenLogsTest, PublicLogsAreReadToTheEnd) {
-  const std::string folder = std::string(PLUMBLINE_SOURCE_DIR) + "/../shared/data/radish/";
+  const std::string folder = SourceDir() + "/../shared/data/radish/";
   if (!fs::exists(folder)) GTEST_SKIP() << "no CARMEN logs at " << folder;
   for (const PublicLog& log : {PublicLog{"aces", 7374, 7375, 180},
                                PublicLog{"fr079", 4934, 8951, 360},

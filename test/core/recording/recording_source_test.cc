@@ -11,6 +11,7 @@
 
 #include "core/util/one_line.h"
 #include "test/core/recording/recording_dump.h"
+#include "test/testing/paths.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -39,9 +40,7 @@ const char* const kFiles[] = {"chunked.mcap",
                               "per_message.db3",
                               "folder"};
 
-std::string PathOf(const std::string& name) {
-  return std::string(PLUMBLINE_TEST_DATA_DIR) + "/recordings/" + name;
-}
+std::string PathOf(const std::string& name) { return TestDataDir() + "/recordings/" + name; }
 
 // The scan lines of a topic of the ROS 1 bag.
 std::vector<ScanLineMessage> ScanLinesOf(const std::string& topic_name) {

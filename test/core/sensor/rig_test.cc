@@ -7,11 +7,12 @@
 #include <sstream>
 
 #include "core/util/error.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
 
-const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+const std::string kConfigs = ConfigsDir();
 
 const std::string kScanner =
     "  - name: top\n    topic: /top\n"

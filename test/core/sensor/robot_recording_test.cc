@@ -11,11 +11,12 @@
 #include <tuple>
 
 #include "core/sensor/recording.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
 
-constexpr char kBag[] = PLUMBLINE_TEST_DATA_DIR "/robot_three_scanners.bag";
+const std::string kBag = TestDataDir() + "/robot_three_scanners.bag";
 
 Rig RobotRig() {
   Rig rig;
@@ -94,7 +95,7 @@ TEST(RobotRecordingTest, IsReadWholeAndInOrder) {
 }
 
 TEST(RobotRecordingTest, ShippedRigIsRead) {
-  const Rig rig = ReadRig(PLUMBLINE_CONFIGS_DIR "/rigs/robot_three_scanners.yaml");
+  const Rig rig = ReadRig(ConfigsDir() + "/rigs/robot_three_scanners.yaml");
   EXPECT_EQ(rig.scanners.size(), 3u);
   EXPECT_TRUE(AllScannersHorizontal(rig, 1e-9));
 }

@@ -10,12 +10,13 @@
 #include "core/sensor/rig.h"
 #include "core/util/time.h"
 #include "simulation/sensing/simulator.h"
+#include "test/testing/paths.h"
 #include "test/testing/test_files.h"
 
 namespace plumbline {
 namespace {
 
-const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+const std::string kConfigs = ConfigsDir();
 
 std::vector<std::string> FilesIn(const std::string& folder, const std::string& ending) {
   std::vector<std::string> files;
@@ -267,7 +268,7 @@ TEST_F(ExperimentText, WalksOverRampsStayInTheFreeSpace) {
 
 // The YAML blocks of a page that hold a word, in their order.
 std::vector<std::string> BlocksOf(const std::string& page, const std::string& word) {
-  std::ifstream file(std::string(PLUMBLINE_SOURCE_DIR) + "/docs/" + page);
+  std::ifstream file(SourceDir() + "/docs/" + page);
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   const std::string fence = "```yaml\n";
   std::vector<std::string> blocks;

@@ -12,12 +12,13 @@
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"
 #include "core/sensor/recording.h"
+#include "test/testing/paths.h"
 #include "test/testing/test_files.h"
 
 namespace plumbline {
 namespace {
 
-const std::string kConfigs = PLUMBLINE_CONFIGS_DIR;
+const std::string kConfigs = ConfigsDir();
 const std::string kRoom = kConfigs + "/experiments/room.yaml";
 
 std::string Simulate(uint64_t seed, const std::string& name) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "simulation/world/building.h"
+#include "test/testing/paths.h"
 
 namespace plumbline {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 // Every floor of the data set that scripts/buildings/import_floorplan.py reads gives a
 // building that the simulator accepts. The data are not part of the repository.
 TEST(ImportedBuildingTest, FloorsOfTheDataSetLoad) {
-  const std::string source = PLUMBLINE_SOURCE_DIR;
+  const std::string source = SourceDir();
   const std::string data = source + "/../shared/data/floorplans/fp.json";
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "no floor plans at " << data;
   const std::string output = ::testing::TempDir() + "/plumbline_imported_building.yaml";

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "simulation/world/ray_caster.h"
+#include "test/testing/paths.h"
 #include "test/testing/test_files.h"
 
 namespace plumbline {
@@ -291,8 +292,7 @@ Eigen::Matrix<double, 6, 1> PlaceOf(const Face& face) {
 // Two ways to the same faces.
 TEST(SlopedBuilding, LevelBuildingsAreAsMakeBuildingMakesThem) {
   for (const std::string name : {"room", "corridor", "apse", "office"}) {
-    const std::string path =
-        std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + name + ".yaml";
+    const std::string path = ConfigsDir() + "/buildings/" + name + ".yaml";
     const std::vector<FloorPlan> plans = ReadFloorPlans(path);
     const Building expected = MakeBuilding(plans.front());
     const Building building = MakeSlopedBuilding(plans);
@@ -312,8 +312,7 @@ TEST(SlopedBuilding, LevelBuildingsAreAsMakeBuildingMakesThem) {
 TEST(SlopedBuilding, ARoofClosesOverAnyPlan) {
   for (const std::string name : {"office", "apse"}) {
     SCOPED_TRACE(name);
-    const std::string path =
-        std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + name + ".yaml";
+    const std::string path = ConfigsDir() + "/buildings/" + name + ".yaml";
     std::vector<FloorPlan> plans = ReadFloorPlans(path);
     const double flat = MakeSlopedBuilding(plans).faces.front().Area();
     plans.front().roofs = {{"", {{1.9, {0.02, -0.07}}, {2.4, {-0.05, 0.01}}}}};
@@ -331,8 +330,7 @@ TEST(SlopedBuilding, ARoofClosesOverAnyPlan) {
 // The planes of the meshes that scripts/buildings/slopes.py makes, in single precision. Their
 // pillars go through floor and roof, so that only some faces have the same areas.
 void ExpectPlanesOf(const std::string& mesh, const Building& building) {
-  const Building expected =
-      ReadBuilding(std::string(PLUMBLINE_CONFIGS_DIR) + "/buildings/" + mesh + ".ply");
+  const Building expected = ReadBuilding(ConfigsDir() + "/buildings/" + mesh + ".ply");
   for (const Face& face : building.faces) {
     const auto same =
         std::find_if(expected.faces.begin(), expected.faces.end(), [&](const Face& other) {
