@@ -1,5 +1,7 @@
 #include "core/association/bend_test.h"
 
+#include <glog/logging.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -35,6 +37,9 @@ void CylinderEquations::Add(const Observation& observation,
   covariance.topLeftCorner<2, 2>() += FlatnessCovariance(length_m, flatness_m) + of_pose;
   const double bow = 8.0 * flatness_m / (length_m * length_m);
   covariance(2, 2) += bow * bow;
+  const double by_curvature = bowed.by_surface(2, Cylinder::kCurvatureAt);
+  bow_information_ += by_curvature * by_curvature / covariance(2, 2);
+  bow_right_side_ += by_curvature * value[2] / covariance(2, 2);
   const Eigen::Matrix3d weight = covariance.inverse();
   information_ += bowed.by_surface.transpose() * weight * bowed.by_surface;
   right_side_ += bowed.by_surface.transpose() * (weight * value);
@@ -50,6 +55,8 @@ std::optional<CylinderEquations::Solution> CylinderEquations::Solve() const {
   solution.step = -(solution.covariance * right_side_);
   solution.mean_chi2 =
       (square_ + right_side_.dot(solution.step)) / std::max(1, 3 * num_segments_ - 3);
+  solution.curvature_by_bows = -bow_right_side_ / bow_information_;
+  solution.variance_by_bows = 1.0 / bow_information_;
   return solution;
 }
 
@@ -89,9 +96,12 @@ std::optional<Landmark> BendTest::Solve() const {
   if (!solution) return std::nullopt;
   const double step = solution->step[Cylinder::kCurvatureAt];
   const double curvature = std::abs(step);
-  const double variance = solution->covariance(Cylinder::kCurvatureAt, Cylinder::kCurvatureAt);
-  if (!(curvature > kCurvatureSigmas * std::sqrt(variance))) return std::nullopt;
   if (solution->mean_chi2 > kMaxMeanChi2) return std::nullopt;
+  // The bows of both signs: a wall that bends the other way is none.
+  const double by_bows = solution->curvature_by_bows * (step < 0.0 ? -1.0 : 1.0);
+  if (!(by_bows > kCurvatureSigmas * std::sqrt(solution->variance_by_bows))) {
+    return std::nullopt;
+  }
   const double width_m = Width();
   if (width_m < kShowingWidth) return std::nullopt;
   const double bow_m = curvature * width_m * width_m / 8.0;

@@ -27,6 +27,10 @@ class CylinderEquations {
     Eigen::Vector3d step;
     Eigen::Matrix3d covariance;
     double mean_chi2;  // over the degrees of freedom, after the step
+    // The step of the curvature by the bows of single segments alone, and its variance: they
+    // know nothing of errors of the poses, which bend a wall that many scans saw.
+    double curvature_by_bows;
+    double variance_by_bows;
   };
   // Nothing where the segments leave the cylinder open.
   std::optional<Solution> Solve() const;
@@ -35,6 +39,8 @@ class CylinderEquations {
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
   double square_ = 0.0;
+  double bow_information_ = 0.0;
+  double bow_right_side_ = 0.0;
   int num_segments_ = 0;
 };
 
@@ -53,8 +59,8 @@ class BendTest {
            const Matrix6d& pose_covariance);
 
   // The cylinder, its extent empty and its covariance for the poses given, where its curvature
-  // is beyond doubt and makes a bow that neither unevenness does nor beams on what lies
-  // beside.
+  // is beyond doubt, makes a bow that neither unevenness does nor beams on what lies beside,
+  // and is not denied by the bows of single segments.
   std::optional<Landmark> Solve() const;
 
  private:

@@ -1,5 +1,7 @@
 #include "core/mapping/batch_policies.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -227,6 +229,9 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
       const Eigen::Vector3d centre = wall.extent.Centre();
       shape = MakeVerticalLandmark(wall.NormalNear(centre).normalized(), centre);
     }
+    VLOG(1) << "wall " << wall.id << " of " << wall.num_segments << " segments, "
+            << wall.Width() << " m wide: curvature " << wall.Curvature() << " -> "
+            << shape->Curvature() << " 1/m";
     wall.TakeShapeOf(*shape);
     is_changed[static_cast<size_t>(wall.id)] = true;
     num_changed += wall.num_segments;

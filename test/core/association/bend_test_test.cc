@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <vector>
 
 #include "core/map/observation_poses.h"
 #include "core/segmentation/segmentation.h"
@@ -20,11 +21,16 @@ class BendTestTest : public testing::Test {
  protected:
   // range(angle): of the wall, for beams about the x axis.
   std::optional<Landmark> Look(const std::function<double(double)>& range, int num_scans) {
+    return Look(range, std::vector<Rigid3d>(static_cast<size_t>(num_scans)));
+  }
+
+  // world_from_scanner: of each scan, as it is believed to be.
+  std::optional<Landmark> Look(const std::function<double(double)>& range,
+                               const std::vector<Rigid3d>& world_from_scanner) {
     Scanner scanner;
     scanner.range_noise_m = kNoise;
     std::optional<BendTest> test;
-    const Rigid3d at_rest;
-    for (int scan = 0; scan < num_scans; ++scan) {
+    for (const Rigid3d& pose : world_from_scanner) {
       ScanLine line;
       line.angle_min = -0.4;
       line.angle_increment = 0.008;
@@ -36,7 +42,7 @@ class BendTestTest : public testing::Test {
       for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
         const Observation observation = MakeObservation(line, scanner, segment, false);
         const ObservationPoses poses(
-            observation.measurement.node_times_ns(), {at_rest, at_rest, at_rest}, scanner);
+            observation.measurement.node_times_ns(), {pose, pose, pose}, scanner);
         if (!test) {
           const Eigen::Vector2d centre = observation.centroid();
           test.emplace(
@@ -89,6 +95,18 @@ TEST_F(BendTestTest, ACornerIsNoArc) {
     return 4.0 / (std::cos(angle) - along * std::sin(angle));
   };
   EXPECT_FALSE(Look(corner, 40));
+}
+
+// A rig that drives along a straight wall and believes that it turns by 6 degrees, without
+// noticing: all segments together lie on an arc of 100 m, but none of them bows.
+TEST_F(BendTestTest, AWallThatDriftBendsIsNoArc) {
+  std::vector<Rigid3d> poses;
+  for (double way = -5.0; way <= 5.0; way += 0.25) {
+    const double turn = way / 100.0;
+    poses.push_back({Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ())),
+                     {-0.5 * way * turn, way, 0.0}});
+  }
+  EXPECT_FALSE(Look([](double angle) { return 3.0 / std::cos(angle); }, poses));
 }
 
 }  // namespace
