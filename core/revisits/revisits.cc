@@ -202,6 +202,20 @@ void CloseNear(const std::vector<Visit>& visits,
   if (is_new) SolvePoseGraph(graph->edges, &graph->poses);
 }
 
+// Looks once more for the places of visits that none were found for: while the drift up to
+// them was not known, they were believed too far away.
+void CloseLeft(const std::vector<Visit>& visits, const Views& views, VisitGraph* graph) {
+  std::vector<bool> is_closed(visits.size(), false);
+  bool any = false;
+  for (const PoseGraphEdge& edge : graph->edges) {
+    if (edge.may_be_wrong) any = is_closed[edge.to] = true;
+  }
+  if (!any) return;  // the poses are what they were
+  for (size_t later = 1; later < visits.size(); ++later) {
+    if (!is_closed[later]) CloseNear(visits, views, later, graph);
+  }
+}
+
 // How far from the middle of a visit what it shows lies, whichever way it looks: shares of its
 // points, by the square root, in rings of half a metre, each with its neighbours since middles
 // of visits of one place lie up to a stride apart.
@@ -356,6 +370,7 @@ PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheel
   }
   const std::vector<PlaceGroup> groups = GroupsElsewhere(visits, views, motion, graph);
   if (!groups.empty()) graph = GraphOf(groups, visits, views, motion);
+  CloseLeft(visits, views, &graph);
   placed.world_from_visit = graph.poses;
   const std::vector<PlanarPose>& poses = graph.poses;
   const std::vector<PoseGraphEdge>& edges = graph.edges;

@@ -80,6 +80,24 @@ TEST(Revisits, AfterASlipPlacesAreFoundFromFarAway) {
   EXPECT_LT(errors.heading, 3.0 * kDegree);
 }
 
+// The rig comes round again with a drift that is too large for its places to be found, and
+// falls to 2 m: what later places say of it brings earlier ones within reach.
+TEST(Revisits, PlacesAreAskedAgainOnceTheDriftIsKnown) {
+  const RingWay way(100.0, 0.0);
+  std::vector<Visit> visits = CutIntoVisits(way.scans(), way.trajectory());
+  for (Visit& visit : visits) {
+    const double rise = 4.6 * std::min(1.0, visit.way_m / 54.0);
+    const double fall = 2.6 * std::clamp((visit.way_m - 54.0) / 26.0, 0.0, 1.0);
+    visit.world_from_visit.position.y() += rise - fall;
+  }
+  const PlacedVisits placed = PlaceVisits(visits);
+  const auto num_early = std::count_if(
+      placed.closures.begin(), placed.closures.end(), [&](const PoseGraphEdge& closure) {
+        return visits[closure.to].way_m < 59.0;
+      });
+  EXPECT_GE(num_early, 6);
+}
+
 TEST(Revisits, WithoutDriftNothingIsBent) {
   const RingWay way(90.0, 0.0);
   const std::vector<Visit> visits = CutIntoVisits(way.scans(), way.trajectory());
