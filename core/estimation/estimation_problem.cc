@@ -245,8 +245,16 @@ void EstimationProblem::AddPoseConstraint(const PoseConstraint& constraint) {
       ControlPointBlocks(at.first, kSplineOrder));
 }
 
-void EstimationProblem::AddOdometry(int first, const OdometryMeasurement& measurement) {
-  Add(CreateOdometryFactor(measurement), ControlPointBlocks(first, kSplineOrder));
+void EstimationProblem::AddOdometry(int64_t begin_ns,
+                                    int64_t end_ns,
+                                    const OdometryMeasurement& measurement) {
+  const Trajectory::Location begin = trajectory_->Locate(begin_ns);
+  // A knot is the end of the interval before it: it takes no control point after that.
+  const Trajectory::Location end = trajectory_->Locate(end_ns - 1);
+  const int num_control_points = end.first - begin.first + kSplineOrder;
+  Add(CreateOdometryFactor(
+          measurement, {0, begin.u}, {end.first - begin.first, end.u}, num_control_points),
+      ControlPointBlocks(begin.first, num_control_points));
 }
 
 }  // namespace plumbline

@@ -103,8 +103,8 @@ class EstimationProblem {
                           int64_t origin_time_ns);
   void AddPrior(const Prior& prior);
   void AddPoseConstraint(const PoseConstraint& constraint);
-  // Adds what wheels say of the knot interval that begins with this control point.
-  void AddOdometry(int first, const OdometryMeasurement& measurement);
+  // Adds what wheels say of the motion between two instants, a few knot intervals at most.
+  void AddOdometry(int64_t begin_ns, int64_t end_ns, const OdometryMeasurement& measurement);
   // Adds any other cost function over these blocks, in its order.
   void AddFactor(std::unique_ptr<ceres::CostFunction> factor,
                  const std::vector<BlockId>& blocks,

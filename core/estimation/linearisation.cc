@@ -20,9 +20,6 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 // Number of rows up to which a product takes less time than the copies that Eigen's general
 // product makes.
 constexpr Eigen::Index kFewResiduals = 3;
-// Number of control points of a tile. Those of a residual lie in two adjacent tiles: a group
-// of the batch has nine at most and begins at every fourth.
-constexpr int kTileControlPoints = 8;
 
 // Position in the layout of each block that it has, by the block's data.
 using BlockPositions = std::unordered_map<const double*, size_t>;

@@ -19,6 +19,11 @@ NormalEquations LineariseDense(const EstimationProblem& problem, const BlockLayo
 ArrowheadEquations LineariseArrowhead(const EstimationProblem& problem,
                                       const BlockLayout& layout);
 
+// Number of control points of a tile of the block arrowhead form. Those of a residual lie in
+// two adjacent tiles, so one more is the most that it may have: a group of segments of the
+// batch has nine and begins at every fourth.
+inline constexpr int kTileControlPoints = 8;
+
 // Number of linearisations that the problem's groups of segments have gone through so far: it
 // stands still while everything moves within what their linearisations hold for.
 int NumGroupLinearisations(const EstimationProblem& problem);

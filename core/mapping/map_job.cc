@@ -261,8 +261,14 @@ void LogFreeSpace(const ResultDirectory& output, const MapJob& job) {
 }
 
 MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
-  const MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
-  return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
+  MapperOptions defaults = MapperOptions::DefaultsFor(IsPlanar(rig));
+  const auto read = [&] {
+    return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
+  };
+  if (!IsPlanar(rig) || rig.odometry_topic.empty() || !read().odometry.enabled) return read();
+  // Wheels hold the spline between scans, so that it can follow turns as short as one.
+  defaults.trajectory.min_scans_per_knot = 1.0;
+  return read();
 }
 
 // The times that a job takes.

@@ -58,6 +58,18 @@ size_t Odometry::FirstFrom(int64_t time_ns) const {
   return static_cast<size_t>(at - samples_.begin());
 }
 
+std::optional<int64_t> Odometry::SampleFrom(int64_t time_ns) const {
+  const size_t from = FirstFrom(time_ns);
+  if (from == samples_.size()) return std::nullopt;
+  return samples_[from].time_ns;
+}
+
+std::optional<int64_t> Odometry::SampleBefore(int64_t time_ns) const {
+  const size_t from = FirstFrom(time_ns);
+  if (from == 0) return std::nullopt;
+  return samples_[from - 1].time_ns;
+}
+
 bool Odometry::Covers(int64_t begin_ns, int64_t end_ns) const {
   if (samples_.empty() || begin_ns < samples_.front().time_ns ||
       end_ns > samples_.back().time_ns) {

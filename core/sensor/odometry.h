@@ -40,6 +40,10 @@ class Odometry {
   // The motion between two instants, between samples at an even pace; nothing where it is not
   // covered.
   std::optional<PlanarMotion> Between(int64_t begin_ns, int64_t end_ns) const;
+  // The instant of the first sample that is not before this one, and that of the last sample
+  // before it.
+  std::optional<int64_t> SampleFrom(int64_t time_ns) const;
+  std::optional<int64_t> SampleBefore(int64_t time_ns) const;
 
   // Wheels that say nothing for longer may have been moved by something else.
   static constexpr double kMaxGap = 5.0;  // s

@@ -17,11 +17,15 @@ struct Step {
     const double heading = from.heading + 0.5 * turn;
     seconds = SecondsBetween(from.time_ns, to.time_ns);
     ahead = way.dot(Eigen::Vector2d(std::cos(heading), std::sin(heading)));
-    speed = std::hypot(way.norm(), turn) / seconds;
+    turn_rate = turn / seconds;
+  }
+  // In m/s: of the body, and by how much wheels half a metre apart differ from it in a turn.
+  Eigen::Vector3d Velocity() const {
+    return {way.x() / seconds, way.y() / seconds, 0.25 * turn_rate};
   }
   Eigen::Vector2d way;  // m, in the frame of the poses
   double ahead = 0.0;   // m
-  double speed = 0.0;   // m/s, where a turn moves what is a metre away
+  double turn_rate = 0.0;  // rad/s
   double seconds = 0.0;
 };
 
@@ -43,30 +47,31 @@ bool IsSamePose(const OdometrySample& a, const OdometrySample& b) {
   return a.position == b.position && a.heading == b.heading;
 }
 
-// Leaves out poses that are sent again while the rig moves on; returns how many. The rig moved
-// on where the step after them, over all the time since their pose was new, goes on at about
-// the speed before it and after it, and would otherwise be a jump.
+// Leaves out poses that are sent again while the rig moves on; returns how many. A rig that
+// stands for one step between two of a steady speed moves four times as smoothly, by the
+// squared changes of its velocity, if it is taken to have moved on. None starts and stops so
+// sharply: a rig for which the ratio is larger moved on.
 int DropStale(std::vector<CountedPose>* poses) {
   std::vector<size_t> firsts;  // samples whose pose is another than that before
   for (size_t i = 0; i < poses->size(); ++i) {
     if (i == 0 || !IsSamePose((*poses)[i].sample, (*poses)[i - 1].sample)) firsts.push_back(i);
   }
-  const auto speed = [&](size_t from, size_t to) {
-    return Step((*poses)[from].sample, (*poses)[to].sample).speed;
-  };
-  const auto is_about = [](double value, double other) {
-    return std::abs(value - other) < 0.5 * other;
+  const auto velocity = [&](size_t from, size_t to) {
+    return Step((*poses)[from].sample, (*poses)[to].sample).Velocity();
   };
   std::vector<bool> is_stale(poses->size(), false);
   for (size_t k = 1; k + 2 < firsts.size(); ++k) {
     const size_t next = firsts[k + 1];
-    const double before = speed(firsts[k - 1], firsts[k]);
-    const double throughout = speed(firsts[k], next);
-    const double as_sent = speed(next - 1, next);
-    if (!is_about(throughout, before) || !is_about(throughout, speed(next, firsts[k + 2])) ||
-        std::abs(throughout - before) >= std::abs(as_sent - before)) {
-      continue;
-    }
+    if (next == firsts[k] + 1) continue;
+    const Eigen::Vector3d before = velocity(firsts[k - 1], firsts[k]);
+    const Eigen::Vector3d after = velocity(next, firsts[k + 2]);
+    const Eigen::Vector3d as_sent = velocity(next - 1, next);
+    const Eigen::Vector3d throughout = velocity(firsts[k], next);
+    const double changes_as_sent =
+        before.squaredNorm() + as_sent.squaredNorm() + (after - as_sent).squaredNorm();
+    const double changes_moving_on =
+        (throughout - before).squaredNorm() + (after - throughout).squaredNorm();
+    if (changes_as_sent <= 4.0 * changes_moving_on) continue;
     for (size_t i = firsts[k] + 1; i < next; ++i) is_stale[i] = true;
   }
   size_t num_kept = 0;

@@ -15,8 +15,9 @@ struct CountedPose {
 };
 
 // Returns the samples in the order of time, without what their own messages contradict:
-//   - A pose that is sent again while the rig moves on, so that the next step is too long for
-//     its time, is left out.
+//   - A pose that is sent again while the rig moves on, so that its velocity would jump to
+//   zero
+//     and back, is left out.
 //   - Where the pose goes forward in nearly all steps whose velocity is backward, the wheels
 //     count their way without its sign: these steps are turned round.
 // Appends a sentence for the user about each.

@@ -126,7 +126,7 @@ EstimationProblem Tracker::MakeProblem() const {
     problem.AddMotionPrior(i, motion_prior_->At(i));
   }
   const int first_interval = std::max(first(), known - kSplineOrder + 1);
-  AddOdometry(*state_, first_interval, end - kSplineOrder + 1, &problem);
+  AddOdometryByKnots(*state_, first_interval, end - kSplineOrder + 1, &problem);
   if (state_->calibration.imu) state_->calibration.imu->ExtendTo(end - kSplineOrder + 1);
   // Until the window is solved again, biases err alike.
   const double per_step = options_.window.step_s / state_->trajectory.knot_interval_s();

@@ -12,11 +12,11 @@ namespace plumbline {
 // determined: of the scales by robust regression, the noise by the mean square of what is
 // left, both with the options' values as what is known beforehand.
 //
-// The standard deviations of one knot interval are
+// The standard deviations of one motion, about a knot interval long, are
 //   translation   length_noise (|translation| + 2 cm)
 //   turn          turn_noise (|turn| + 0.1 rad/m |translation| + 0.5 deg)
 // since slipping wheels and stamps that are not quite right both show in proportion to the
-// motion; the small constants stand for the interpolation between samples.
+// motion; the small constants stand for the samples' rounding.
 class OdometryCalibration {
  public:
   OdometryCalibration() = default;

@@ -1,42 +1,36 @@
 #include "factors/cost/odometry_factor.h"
 
-#include <ceres/autodiff_cost_function.h>
+#include <ceres/dynamic_autodiff_cost_function.h>
+#include <glog/logging.h>
 
 #include <Eigen/Geometry>
 
 #include "factors/spline/so3.h"
-#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
 struct OdometryFunctor {
   OdometryMeasurement measurement;
+  SplineNode begin;
+  SplineNode end;
+  int num_control_points;
 
   template <typename T>
-  bool operator()(const T* q0,
-                  const T* q1,
-                  const T* q2,
-                  const T* q3,
-                  const T* p0,
-                  const T* p1,
-                  const T* p2,
-                  const T* p3,
-                  T* residuals) const {
+  bool operator()(T const* const* parameters, T* residuals) const {
     using Quaternion = Eigen::Quaternion<T>;
     using Vector3 = Eigen::Matrix<T, 3, 1>;
-    const T* const q[4] = {q0, q1, q2, q3};
-    const T* const p[4] = {p0, p1, p2, p3};
-    Quaternion begin;
-    Quaternion end;
+    T const* const* positions = parameters + num_control_points;
+    Quaternion q_begin;
+    Quaternion q_end;
     Vector3 p_begin;
     Vector3 p_end;
-    EvaluateRotation(q, 0.0, begin.coeffs().data());
-    EvaluateRotation(q, 1.0, end.coeffs().data());
-    EvaluatePosition(p, 0.0, p_begin.data());
-    EvaluatePosition(p, 1.0, p_end.data());
-    const Vector3 translation = begin.conjugate() * Vector3(p_end - p_begin);
-    const Quaternion begin_from_end = begin.conjugate() * end;
+    EvaluateRotation(parameters + begin.first, begin.u, q_begin.coeffs().data());
+    EvaluateRotation(parameters + end.first, end.u, q_end.coeffs().data());
+    EvaluatePosition(positions + begin.first, begin.u, p_begin.data());
+    EvaluatePosition(positions + end.first, end.u, p_end.data());
+    const Vector3 translation = q_begin.conjugate() * Vector3(p_end - p_begin);
+    const Quaternion begin_from_end = q_begin.conjugate() * q_end;
     const Vector3 turn = Log(begin_from_end);
     for (int axis = 0; axis < 2; ++axis) {
       residuals[axis] =
@@ -50,10 +44,19 @@ struct OdometryFunctor {
 }  // namespace
 
 std::unique_ptr<ceres::CostFunction> CreateOdometryFactor(
-    const OdometryMeasurement& measurement) {
-  return std::make_unique<
-      ceres::AutoDiffCostFunction<OdometryFunctor, 3, 4, 4, 4, 4, 3, 3, 3, 3>>(
-      new OdometryFunctor{measurement});
+    const OdometryMeasurement& measurement,
+    const SplineNode& begin,
+    const SplineNode& end,
+    int num_control_points) {
+  for (const SplineNode& node : {begin, end}) {
+    CHECK(node.first >= 0 && node.first + kSplineOrder <= num_control_points) << node.first;
+  }
+  auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<OdometryFunctor, 8>>(
+      new OdometryFunctor{measurement, begin, end, num_control_points});
+  for (int i = 0; i < num_control_points; ++i) cost->AddParameterBlock(4);
+  for (int i = 0; i < num_control_points; ++i) cost->AddParameterBlock(3);
+  cost->SetNumResiduals(3);
+  return cost;
 }
 
 }  // namespace plumbline

@@ -3,15 +3,17 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "factors/spline/spline.h"
+
 namespace ceres {
 class CostFunction;
 }
 
 namespace plumbline {
 
-// Measured motion by wheels from the begin of a knot interval, u = 0, to its end, u = 1: how
-// far ahead and to the left, and by which turn about the body's z axis, as seen from the pose
-// at the begin. They say nothing of height, roll and pitch.
+// Measured motion by wheels between two instants: how far ahead and to the left, and by which
+// turn about the body's z axis, as seen from the pose at the first one. They say nothing of
+// height, roll and pitch.
 struct OdometryMeasurement {
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  // m
   double turn = 0.0;                                      // rad
@@ -19,11 +21,14 @@ struct OdometryMeasurement {
   double turn_stddev = 1.0;                               // rad
 };
 
-// r = [ (R(0)^-1 (p(1) - p(0)))_xy - translation ] / translation_stddev
-//     [ Log(R(0)^-1 R(1))_z - turn               ] / turn_stddev           3 residuals
-// Blocks: [ rotation x 4 | position x 4 ] control points of the interval. Differentiated
-// automatically. At the ends of an interval three of the four control points count.
+// r = [ (R(a)^-1 (p(b) - p(a)))_xy - translation ] / translation_stddev
+//     [ Log(R(a)^-1 R(b))_z - turn               ] / turn_stddev           3 residuals
+// Blocks: [ rotation x m | position x m ] consecutive control points, which the instants a,
+// begin, and b, end, count from the first one of. Differentiated automatically.
 std::unique_ptr<ceres::CostFunction> CreateOdometryFactor(
-    const OdometryMeasurement& measurement);
+    const OdometryMeasurement& measurement,
+    const SplineNode& begin,
+    const SplineNode& end,
+    int num_control_points);
 
 }  // namespace plumbline

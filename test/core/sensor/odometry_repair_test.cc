@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 
 #include "core/util/time.h"
 
@@ -104,6 +105,26 @@ TEST(OdometryRepair, PosesSentAgainWhileTheRigMovesAreLeftOut) {
   EXPECT_EQ(samples.size(), 296U);
   EXPECT_LT(LargestError(samples), 1e-12);
   EXPECT_THAT(sentences, ElementsAre(HasSubstr("4 poses were sent again")));
+}
+
+// The pose is sent again just where a turn on the spot begins, so that no step is like
+// another.
+TEST(OdometryRepair, PosesSentAgainWhileATurnBeginsAreLeftOut) {
+  const double rates[] = {0.0, 0.0, 0.1, 0.3, 0.7, 1.2, 1.6, 1.7, 1.7, 1.7};  // rad/s
+  for (const size_t stale : {4U, 5U, 6U}) {
+    std::vector<CountedPose> poses;
+    CountedPose pose;
+    for (size_t i = 0; i < std::size(rates); ++i) {
+      pose.sample.time_ns = NanosecondsFromSeconds(kPeriod * static_cast<double>(i));
+      pose.sample.position.x() += 0.3 * kPeriod;
+      pose.sample.heading += rates[i] * kPeriod;
+      poses.push_back(pose);
+    }
+    poses[stale].sample.position = poses[stale - 1].sample.position;
+    poses[stale].sample.heading = poses[stale - 1].sample.heading;
+    std::vector<std::string> sentences;
+    EXPECT_EQ(RepairOdometry(poses, &sentences).size(), 9U) << stale;
+  }
 }
 
 TEST(OdometryRepair, ARigThatStopsAndGoesOnHasStopped) {
