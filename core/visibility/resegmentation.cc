@@ -118,6 +118,7 @@ class RecordingResegmenter {
       : rig_(rig),
         options_(options),
         counts_(counts),
+        is_planar_(IsPlanar(rig)),
         state_(state),
         openings_(openings),
         resegmenter_(
@@ -166,6 +167,7 @@ class RecordingResegmenter {
   const Rig& rig_;
   const MapperOptions& options_;
   bool counts_;
+  bool is_planar_;
   MapState* state_;
   const std::vector<PlaneOpenings>& openings_;
   OccupancyGrids counted_;
@@ -354,9 +356,11 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
                                     std::vector<Observation>* sub_minimum_segments) {
   const auto& observations = state_->observations;
   SetViews(scan_line, first, last);
-  // What ends are found by is about planes alone. Before the openings are known, and the arcs
-  // have settled, the segmentation knows the beams of an arc better.
-  if (!counts_ && resegmenter_.views().HasSoftEdges()) {
+  // What ends are found by is about planes alone, and is exact for narrow faces; a level
+  // scanner looks at furniture, whose faces take beams of each other by it. Before the
+  // openings are known, and the arcs have settled, the segmentation knows the beams of an arc
+  // better.
+  if (!counts_ && (is_planar_ || resegmenter_.views().HasSoftEdges())) {
     return ResegmentByBeams(scan_line, first, last, sub_minimum_segments);
   }
   const std::vector<Ends> ends = resegmenter_.FindEnds(scan_line, observations, first, last);
