@@ -97,7 +97,7 @@ std::optional<Landmark> BendTest::Solve() const {
   const double step = solution->step[Cylinder::kCurvatureAt];
   const double curvature = std::abs(step);
   if (solution->mean_chi2 > kMaxMeanChi2) return std::nullopt;
-  // The bows of both signs: a wall that bends the other way is none.
+  // Negative where single segments bow the other way.
   const double by_bows = solution->curvature_by_bows * (step < 0.0 ? -1.0 : 1.0);
   if (!(by_bows > kCurvatureSigmas * std::sqrt(solution->variance_by_bows))) {
     return std::nullopt;

@@ -59,8 +59,8 @@ class BendTest {
            const Matrix6d& pose_covariance);
 
   // The cylinder, its extent empty and its covariance for the poses given, where its curvature
-  // is beyond doubt, makes a bow that neither unevenness does nor beams on what lies beside,
-  // and is not denied by the bows of single segments.
+  // is beyond doubt by the bows of single segments, and makes a bow that neither unevenness
+  // does nor beams on what lies beside.
   std::optional<Landmark> Solve() const;
 
  private:

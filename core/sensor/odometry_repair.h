@@ -15,8 +15,7 @@ struct CountedPose {
 };
 
 // Returns the samples in the order of time, without what their own messages contradict:
-//   - A pose that is sent again while the rig moves on, so that its velocity would jump to
-//   zero
+//   - A pose that is sent again while the rig moves on, so that its velocity would jump to 0
 //     and back, is left out.
 //   - Where the pose goes forward in nearly all steps whose velocity is backward, the wheels
 //     count their way without its sign: these steps are turned round.
