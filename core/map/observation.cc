@@ -238,16 +238,6 @@ Observation ObserveBeams(const ScanLine& scan_line,
     const double measured = scan_line.ranges[static_cast<size_t>(beam)];
     return RangeAt(line.distance, line.normal.dot(direction), measured) * direction;
   };
-  // Where a beam ended, beside the line: a beam that grazes it meets it anywhere, and would
-  // make a surface as long.
-  const auto foot_of = [&](int beam) -> Eigen::Vector2f {
-    const ScanPlaneLine line = line_of(beam);
-    const Eigen::Vector2d point =
-        scan_line.ranges[static_cast<size_t>(beam)] * scan_line.BeamDirection(beam);
-    const Eigen::Vector2d foot =
-        point - (line.normal.dot(point) - line.distance) * line.normal;
-    return foot.cast<float>();
-  };
   const Eigen::Vector2d start = point_of(segment.first_beam);
   const Eigen::Vector2d end = point_of(segment.last_beam);
   const int64_t start_time_ns = scan_line.BeamTime(segment.first_beam) + offset_ns;
@@ -266,8 +256,8 @@ Observation ObserveBeams(const ScanLine& scan_line,
   Observation observation;
   observation.measurement = PackedSegment(
       moments.Compress(nodes_ns), {moments.Centroid().cast<float>(), tangent.cast<float>()});
-  observation.first_point = foot_of(segment.first_beam);
-  observation.last_point = foot_of(segment.last_beam);
+  observation.first_point = start.cast<float>();
+  observation.last_point = end.cast<float>();
   // Within the nodes' span, which the measurement holds in 32 bits.
   observation.start_ns = static_cast<int32_t>(start_time_ns - nodes_ns[0]);
   observation.end_ns = static_cast<int32_t>(end_time_ns - nodes_ns[0]);

@@ -255,30 +255,5 @@ TEST_F(ObservationTest, WhiteningIsThatOfTheDistanceToThePlane) {
               2e-3 / std::sqrt(variance));
 }
 
-// A beam that grazes its plane meets it far behind where it ended: the surface is no longer
-// for that.
-TEST_F(ObservationTest, EndsWhereItsBeamsEnd) {
-  Scanner scanner;
-  scanner.range_noise_m = 0.02;
-  ScanLine line;
-  line.stamp_ns = kStart;
-  line.angle_min = 0.004;
-  line.angle_increment = 0.006;
-  line.time_increment_s = 1e-5;
-  line.ranges = {5.2F, 5.0F};
-  Segment segment;
-  segment.first_beam = 0;
-  segment.last_beam = 1;
-  segment.num_points = 2;
-  const Rigid3d at_rest;
-  const ObservationPoses poses(
-      {kStart, kStart + 5'000, kStart + 10'000}, {at_rest, at_rest, at_rest}, scanner);
-  const PlaneTrace trace = poses.motion.TraceOf(Eigen::Vector3d::UnitY(), 0.05);
-  const Observation observation = MakeObservationOn(trace, line, scanner, segment, false);
-  EXPECT_NEAR(observation.start().x(), 5.2, 0.01);  // it meets the plane at 12.5 m
-  EXPECT_NEAR(observation.start().y(), 0.05, 1e-6);
-  EXPECT_NEAR(observation.end().x(), 5.0, 0.01);
-}
-
 }  // namespace
 }  // namespace plumbline
