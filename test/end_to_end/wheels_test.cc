@@ -27,7 +27,9 @@ struct Counted {
 
 class WheelsTest : public MappingTest {
  protected:
-  WheelsTest() {
+  // Not in the constructor: there is no directory to write to before.
+  void SetUp() override {
+    MappingTest::SetUp();
     Scenario scenario;
     scenario.building = PillarRoom();
     scenario.scanners = {{"level", "0.0, 0.0, 0.0", "0.0, 0.0, 0.0", 181, 5.0, 0.01}};
