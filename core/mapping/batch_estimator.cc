@@ -87,12 +87,7 @@ BatchEstimator::BatchEstimator(bool planar,
       groups_(LinearisedGroup::kCoarse, kIntervalsPerGroup) {}
 
 void BatchEstimator::EstimateRobustly() {
-  const auto problem = BuildProblem(FactorKind::kSegment, options_.association.huber_width);
-  ArrowheadEquations equations =
-      GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
-  TakeNoise(FindMotionEvidence(
-      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
-  state_->calibration.ApplyTo(rig_);
+  EstimateWithNoise(options_.association.huber_width);
 }
 
 void BatchEstimator::StepRobustly() {
@@ -103,24 +98,31 @@ void BatchEstimator::StepRobustly() {
 
 FinalEstimate BatchEstimator::EstimateFinally() {
   groups_.set_validity(LinearisedGroup::kFine);
-  FinalEstimate estimate;
-  std::unique_ptr<EstimationProblem> problem;
-  for (int step = 0;; ++step) {
-    problem = BuildProblem(options_.batch.factor, 0.0);
-    ArrowheadEquations equations =
-        MakeBatchSolver(SolverOf(*state_, options_.batch), kFinalOptions)
-            ->Solve(problem.get());
-    state_->calibration.ApplyTo(rig_);
-    VLOG(1) << "cost " << equations.cost;
-    const std::vector<MotionEvidence> evidence = FindMotionEvidence(
-        motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
-    estimate.motion_noise = motion_noise_.usual;
-    estimate.variance_factor = VarianceFactor(*problem, equations.cost, SumOf(evidence));
-    if (step == kMaxNoiseSteps || TakeNoise(evidence) < kNoiseTolerance) break;
+  for (int step = 0; step < kMaxNoiseSteps; ++step) {
+    if (EstimateWithNoise(0.0) < kNoiseTolerance) break;
   }
+  FinalEstimate estimate;
+  const auto problem = BuildProblem(options_.batch.factor, 0.0);
+  ArrowheadEquations equations =
+      MakeBatchSolver(SolverOf(*state_, options_.batch), kFinalOptions)->Solve(problem.get());
+  state_->calibration.ApplyTo(rig_);
+  VLOG(1) << "cost " << equations.cost;
+  const std::vector<MotionEvidence> evidence = FindMotionEvidence(
+      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
+  estimate.motion_noise = motion_noise_.usual;
+  estimate.variance_factor = VarianceFactor(*problem, equations.cost, SumOf(evidence));
   const Stopwatch::Running running(&estimate.covariance_watch);
   estimate.covariance = SetCovariances(*problem);
   return estimate;
+}
+
+double BatchEstimator::EstimateWithNoise(double huber_width) {
+  const auto problem = BuildProblem(FactorKind::kSegment, huber_width);
+  ArrowheadEquations equations =
+      GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
+  state_->calibration.ApplyTo(rig_);
+  return TakeNoise(FindMotionEvidence(
+      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
 }
 
 double BatchEstimator::TakeNoise(const std::vector<MotionEvidence>& evidence) {
