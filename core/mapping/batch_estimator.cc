@@ -34,7 +34,7 @@ constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
 // square root has a standard error of a few per cent.
 constexpr double kNoiseTolerance = 0.03;
 constexpr int kMaxNoiseSteps = 3;
-// Of the scans that show whether there are correlated errors, s.
+// Between the scans that show correlated errors, s.
 constexpr double kSamplingInterval = 0.2;
 
 // Calls visit(observation) for the observations with a landmark and for the sub-minimum
@@ -205,7 +205,8 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
 CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& problem,
                                                       const ArrowheadCholesky& factor) const {
   const BlockLayout layout = problem.Layout();
-  const auto for_each = [&](int step, const auto& visit) {
+  const int step = SamplingOf(*state_);
+  const auto for_each = [&](const auto& visit) {
     ForEachAssociated(*state_, [&](const Observation& observation) {
       if (observation.scan_index % step == 0) visit(observation);
     });
@@ -214,8 +215,7 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
   const auto are_shown = [&] {
     ErrorPatterns sampled(
         *rig_, state_->calibration, state_->trajectory, state_->landmarks, layout, planar_);
-    for_each(SamplingOf(*state_),
-             [&](const Observation& observation) { sampled.Add(observation); });
+    for_each([&](const Observation& observation) { sampled.Add(observation); });
     return ShowCorrelatedErrors(sampled, factor);
   };
   if (!are_shown()) return {};
@@ -226,12 +226,12 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
                          layout,
                          planar_,
                          factor);
-  for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
+  for_each([&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(
       factor,
+      step,
       [&] {
-        for_each(1,
-                 [&](const Observation& observation) { patterns.RescoreCells(observation); });
+        for_each([&](const Observation& observation) { patterns.RescoreCells(observation); });
       },
       &patterns);
   LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m
