@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -28,8 +29,9 @@ class BorderSolver {
                    const Eigen::Ref<const Eigen::MatrixXd>& loads,
                    const std::vector<int>& columns);
 
-  // The border's rows of x, by the columns added so far. To be called once.
-  Eigen::MatrixXd TakeSolution();
+  // Calls visit(block) for the border's rows of x, some columns at a time, in the order of the
+  // columns added so far. To be called once.
+  void TakeSolution(const std::function<void(const Eigen::MatrixXd& block)>& visit);
 
  private:
   using Level = ArrowheadCholesky::Level;
@@ -55,7 +57,7 @@ class BorderSolver {
   const ArrowheadCholesky& factor_;
   const Eigen::Index num_border_;
   std::vector<std::vector<Piece>> open_;  // by level, the last used last
-  Eigen::MatrixXd border_;                // with room for more columns
+  std::vector<Eigen::MatrixXd> border_;   // of kBlockColumns columns each
   Eigen::Index num_columns_ = 0;
 };
 

@@ -49,13 +49,14 @@ class LastStep final : public ceres::IterationCallback {
     const int num_before =
         std::exchange(num_linearisations_, NumGroupLinearisations(problem_));
     if (step.iteration == 0) return ceres::SOLVER_CONTINUE;
+    const double tolerance = std::max(
+        options_.cost_tolerance, options_.share_tolerance * (step.cost + step.cost_change));
     if (!step.step_is_successful) {
-      has_failed_ = true;
+      // At the minimum a step that would gain next to nothing fails by rounding.
+      has_failed_ = !(step.cost_change / step.relative_decrease <= tolerance);
       return shortened_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     }
     has_failed_ = false;
-    const double tolerance = std::max(
-        options_.cost_tolerance, options_.share_tolerance * (step.cost + step.cost_change));
     const double off_model = step.cost_change * std::abs(1.0 / step.relative_decrease - 1.0);
     const bool is_linear =
         !problem_.group_terms().empty() && num_linearisations_ == num_before;

@@ -324,6 +324,21 @@ Observation MakeObservationOn(const PlaneTrace& trace,
   return observation;
 }
 
+void EndAtPoints(const ScanLine& scan_line, Observation* observation) {
+  const Eigen::Vector2d tangent = observation->tangent();
+  // outwards: along the tangent, 1 or -1.
+  const auto move = [&](int beam, double outwards, Eigen::Vector2f* end) {
+    const Eigen::Vector2d measured =
+        scan_line.ranges[static_cast<size_t>(beam)] * scan_line.BeamDirection(beam);
+    const double to_foot = tangent.dot(measured - end->cast<double>());
+    if (outwards * to_foot < 0.0) *end += (to_foot * tangent).cast<float>();
+  };
+  const double along = tangent.dot(observation->end() - observation->start());
+  const double outwards = along < 0.0 ? -1.0 : 1.0;
+  move(observation->first_beam, -outwards, &observation->first_point);
+  move(observation->last_beam, outwards, &observation->last_point);
+}
+
 std::optional<double> RangeOnCylinder(const Landmark& cylinder,
                                       const ScanPlacement& placement,
                                       const Eigen::Vector2d& direction) {

@@ -77,6 +77,11 @@ Observation MakeObservationOn(const PlaneTrace& trace,
                               const Segment& segment,
                               bool keep_points);
 
+// Moves the end points of an observation inwards, where they lie beyond the feet of the first and
+// last measured points on its line: a beam that grazes a plane meets it anywhere, the foot is as
+// exact as the range. Elsewhere, the intersection of beam and line is the more exact end.
+void EndAtPoints(const ScanLine& scan_line, Observation* observation);
+
 // The range at which a beam along a unit vector of the scan plane meets a cylinder from the
 // side that was seen; nothing where it does not.
 std::optional<double> RangeOnCylinder(const Landmark& cylinder,

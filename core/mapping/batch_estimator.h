@@ -50,6 +50,9 @@ class BatchEstimator {
 
   // All residuals; huber_width 0: plain least squares.
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
+  // Estimates, and takes the motion's noise from the estimate. Returns the largest relative
+  // change of a usual density.
+  double EstimateWithNoise(double huber_width);
   // Weighted sum of the scans' squared residuals over their redundancy.
   double VarianceFactor(const EstimationProblem& problem,
                         double cost,
@@ -57,8 +60,7 @@ class BatchEstimator {
   // What the residuals say of errors that repeat from scan to scan.
   CorrelatedErrors FindCorrelatedErrors(const EstimationProblem& problem,
                                         const ArrowheadCholesky& factor) const;
-  // Takes the motion's noise from what an estimate tells of it. Returns the largest relative
-  // change of a usual density.
+  // Takes the motion's noise from what an estimate tells of it; returns as above.
   double TakeNoise(const std::vector<MotionEvidence>& evidence);
   // The covariance of the estimate where the problem stands; gives the landmarks their parts
   // of it.

@@ -274,6 +274,7 @@ bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
   if (is_another || (!counts_ && observation->taken_to != observation->landmark_id)) {
     resegmenter_.Replace(scan_line, range, Matrix6d::Zero(), observation);
   }
+  if (!counts_ && observation->landmark_id >= 0) EndAtPoints(scan_line, observation);
   return is_another;
 }
 
