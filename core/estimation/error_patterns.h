@@ -32,8 +32,7 @@ namespace plumbline {
 //             that of its first row. A rig whose scanners are estimated has none: the estimate
 //             adapts to them
 //   cells:    a surface that deviates from its plane by some distance (m) at one node of a
-//   grid,
-//             falling off to none at the next nodes (bilinear)
+//             grid, falling off to none at the next nodes (bilinear)
 //
 // A pattern v changes the whitened residuals of a segment by U (v, v, v), v being the
 // deviation's ( slope along, slope across, offset ) in the segment's frame (PackedSegment).

@@ -255,5 +255,32 @@ TEST_F(ObservationTest, WhiteningIsThatOfTheDistanceToThePlane) {
               2e-3 / std::sqrt(variance));
 }
 
+// A beam that grazes its plane meets it far behind where it ended: the surface is no longer
+// for that. An end that lies inwards of its point stays.
+TEST_F(ObservationTest, EndsAtItsPointsWhereBeamsGraze) {
+  Scanner scanner;
+  scanner.range_noise_m = 0.02;
+  ScanLine line;
+  line.stamp_ns = kStart;
+  line.angle_min = 0.004;
+  line.angle_increment = 0.006;
+  line.time_increment_s = 1e-5;
+  line.ranges = {5.2F, 4.9F};
+  Segment segment;
+  segment.first_beam = 0;
+  segment.last_beam = 1;
+  segment.num_points = 2;
+  const Rigid3d at_rest;
+  const ObservationPoses poses(
+      {kStart, kStart + 5'000, kStart + 10'000}, {at_rest, at_rest, at_rest}, scanner);
+  const PlaneTrace trace = poses.motion.TraceOf(Eigen::Vector3d::UnitY(), 0.05);
+  Observation observation = MakeObservationOn(trace, line, scanner, segment, false);
+  ASSERT_NEAR(observation.start().x(), 12.5, 0.01);
+  EndAtPoints(line, &observation);
+  EXPECT_NEAR(observation.start().x(), 5.2, 0.01);
+  EXPECT_NEAR(observation.start().y(), 0.05, 1e-6);
+  EXPECT_NEAR(observation.end().x(), 5.0, 0.01);
+}
+
 }  // namespace
 }  // namespace plumbline
