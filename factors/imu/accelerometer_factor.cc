@@ -38,7 +38,7 @@ struct AccelerometerFunctor {
     Vector3 force_body = Vector3::Zero();
     for (const double u : measurement.u) {
       const T delayed = u + imu[kImuDelayAt] / knot_interval_s;
-      const SplineMotion<T> motion = EvaluateRotationMotion(q, delayed, knot_interval_s);
+      const SplineMotion<T> motion = RotationMotionAt(q, delayed, knot_interval_s);
       const Vector3 acceleration = EvaluateAcceleration(p, delayed, knot_interval_s);
       const Vector3 of_body =
           motion.world_from_body.conjugate() * Vector3(acceleration - gravity);
