@@ -42,8 +42,7 @@ class ArrowheadCholesky {
   // Throws Error when the matrix is not positive definite.
   explicit ArrowheadCholesky(ArrowheadMatrix matrix);
 
-  int size() const { return num_band_ + num_border(); }
-  int num_border() const { return static_cast<int>(corner_scale_.size()); }
+  int size() const { return num_band_ + static_cast<int>(corner_scale_.size()); }
   // The solution for each column of the right side, in the right side's own memory.
   Eigen::MatrixXd Solve(Eigen::MatrixXd right_side) const;
 

@@ -12,10 +12,6 @@ namespace {
 // several scanners go back and forth over it.
 constexpr size_t kNumOpen = 2;
 
-// Columns of the border that are held together: all of them in one would be copied as they
-// grow, and be held twice.
-constexpr int kBlockColumns = 512;
-
 // Makes room for this many columns, those that are new being zero.
 void Reserve(Eigen::Index num_columns, Eigen::MatrixXd* matrix) {
   const Eigen::Index before = matrix->cols();
@@ -29,14 +25,13 @@ void Reserve(Eigen::Index num_columns, Eigen::MatrixXd* matrix) {
 BorderSolver::BorderSolver(const ArrowheadCholesky& factor)
     : factor_(factor),
       num_border_(factor.size() - factor.num_band_),
-      open_(factor.levels_.size()) {}
+      open_(factor.levels_.size()),
+      border_(num_border_, 0) {}
 
 Eigen::Ref<Eigen::VectorXd> BorderSolver::BorderColumn(int column) {
   num_columns_ = std::max<Eigen::Index>(num_columns_, column + 1);
-  while (static_cast<Eigen::Index>(border_.size()) * kBlockColumns < num_columns_) {
-    border_.push_back(Eigen::MatrixXd::Zero(num_border_, kBlockColumns));
-  }
-  return border_[static_cast<size_t>(column / kBlockColumns)].col(column % kBlockColumns);
+  Reserve(num_columns_, &border_);
+  return border_.col(column);
 }
 
 void BorderSolver::AddToBorder(int row,
@@ -144,19 +139,13 @@ void BorderSolver::Eliminate(size_t level, Piece piece) {
   }
 }
 
-void BorderSolver::TakeSolution(
-    const std::function<void(const Eigen::MatrixXd& block)>& visit) {
+Eigen::MatrixXd BorderSolver::TakeSolution() {
   for (size_t level = 0; level < open_.size(); ++level) {
     for (Piece& piece : std::exchange(open_[level], {})) Eliminate(level, std::move(piece));
   }
-  Eigen::Index num_left = num_columns_;
-  for (Eigen::MatrixXd& block : std::exchange(border_, {})) {
-    if (num_left < block.cols()) block.conservativeResize(Eigen::NoChange, num_left);
-    factor_.SolveCorner(block);
-    visit(block);
-    num_left -= block.cols();
-    block.resize(0, 0);
-  }
+  border_.conservativeResize(Eigen::NoChange, num_columns_);
+  factor_.SolveCorner(border_);
+  return std::move(border_);
 }
 
 }  // namespace plumbline

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -29,9 +28,8 @@ class BorderSolver {
                    const Eigen::Ref<const Eigen::MatrixXd>& loads,
                    const std::vector<int>& columns);
 
-  // Calls visit(block) for the border's rows of x, some columns at a time, in the order of the
-  // columns added so far. To be called once.
-  void TakeSolution(const std::function<void(const Eigen::MatrixXd& block)>& visit);
+  // The border's rows of x, by the columns added so far. To be called once.
+  Eigen::MatrixXd TakeSolution();
 
  private:
   using Level = ArrowheadCholesky::Level;
@@ -57,7 +55,7 @@ class BorderSolver {
   const ArrowheadCholesky& factor_;
   const Eigen::Index num_border_;
   std::vector<std::vector<Piece>> open_;  // by level, the last used last
-  std::vector<Eigen::MatrixXd> border_;   // of kBlockColumns columns each
+  Eigen::MatrixXd border_;                // with room for more columns
   Eigen::Index num_columns_ = 0;
 };
 

@@ -34,46 +34,30 @@ Kind KindOf(int pattern) {
   return part == 0 ? kRange : part < 4 ? kRotation : kTranslation;
 }
 
-// Products of all patterns V that every m-th scan gives, less what the estimate adapts to. With
-// J and V the rows of these scans, and H of all:
-struct AdaptedProducts {
-  Eigen::MatrixXd noise;     // V^T V - V^T J H^-1 J^T V, the scores' covariance by noise
-  Eigen::MatrixXd response;  // V^T V - m V^T J H^-1 J^T V, what the scores are of an error of 1
-};
-
-// shifts: m H^-1 J^T V, the estimate's move by an error of 1 in all scans.
-AdaptedProducts Adapt(const ErrorPatterns& patterns,
-                      const Eigen::MatrixXd& loads,
-                      const Eigen::MatrixXd& shifts,
-                      int num_per_sample) {
+// Products of all patterns V, V^T Q V, where Q takes away what the estimate adapts to. They
+// are the scores' covariance by noise, and what the scores are of an error of 1.
+Eigen::MatrixXd AdaptedProducts(const ErrorPatterns& patterns,
+                                const Eigen::MatrixXd& loads,
+                                const Eigen::MatrixXd& shifts) {
   const Eigen::Index size = patterns.products().cols();
-  const Eigen::MatrixXd moved = loads.leftCols(size).transpose() * shifts.leftCols(size);
-  return {patterns.products() - moved / num_per_sample, patterns.products() - moved};
+  return patterns.products() - loads.leftCols(size).transpose() * shifts.leftCols(size);
 }
 
-double TraceOf(const Eigen::MatrixXd& products) {
-  constexpr int kNum = ErrorPatterns::kNumTraceProbes;
-  return products.bottomRightCorner<kNum, kNum>().trace() / kNum;
-}
-
-double TraceOfSquare(const Eigen::MatrixXd& products) {
-  constexpr int kNum = ErrorPatterns::kNumTraceProbes;
-  const auto probes = products.bottomRightCorner<kNum, kNum>();
-  return (probes.squaredNorm() - probes.diagonal().squaredNorm()) / (kNum * (kNum - 1));
-}
-
-// The variance of the cells' deviation by the method of moments: with the scores q = F^T r,
-// their covariance A by noise and their response B, E q q^T = A + variance B^2. The traces are
-// estimated from the probes' products.
-double CellVariance(const std::vector<double>& scores, const AdaptedProducts& products) {
-  const double trace = TraceOf(products.noise);
-  const double noise = std::sqrt(2.0 * TraceOfSquare(products.noise));
+// The variance of the cells' deviation by the method of moments: with the scores q = F^T r and
+// A = F^T Q F, E q q^T = A + variance A^2. The traces are estimated from the probes' products.
+double CellVariance(const std::vector<double>& scores, const Eigen::MatrixXd& products) {
+  const auto probes = products.bottomRightCorner(ErrorPatterns::kNumTraceProbes,
+                                                 ErrorPatterns::kNumTraceProbes);
+  const double trace = probes.trace() / ErrorPatterns::kNumTraceProbes;
+  const double trace_of_square =
+      (probes.squaredNorm() - probes.diagonal().squaredNorm()) /
+      (ErrorPatterns::kNumTraceProbes * (ErrorPatterns::kNumTraceProbes - 1));
   const double sum = std::inner_product(scores.begin(), scores.end(), scores.begin(), 0.0);
   VLOG(1) << scores.size() << " cells: sum of squares " << sum << ", by noise " << trace
-          << " +- " << noise;
+          << " +- " << std::sqrt(2.0 * trace_of_square);
   const double excess = sum - trace;
-  if (!(excess > kSignificantStddevs * noise)) return 0.0;
-  return excess / TraceOfSquare(products.response);
+  if (!(excess > kSignificantStddevs * std::sqrt(2.0 * trace_of_square))) return 0.0;
+  return excess / trace_of_square;
 }
 
 // The scanners' errors, scaled to numbers of the size of one, in a basis of those directions
@@ -153,10 +137,10 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
 }  // namespace
 
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
-  const AdaptedProducts products =
-      Adapt(patterns, patterns.loads(), factor.Solve(patterns.loads()), 1);
+  const Eigen::MatrixXd products =
+      AdaptedProducts(patterns, patterns.loads(), factor.Solve(patterns.loads()));
   if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
-  const KnownErrors known = FindKnownErrors(patterns, products.noise);
+  const KnownErrors known = FindKnownErrors(patterns, products);
   const Eigen::VectorXd scores = kScale * known.basis.transpose() * patterns.scanner_scores();
   const double sum = scores.cwiseAbs2().cwiseQuotient(known.information).sum();
   const auto freedom = static_cast<double>(scores.size());
@@ -165,22 +149,20 @@ bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky
 }
 
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
-                                          int num_per_sample,
                                           const std::function<void()>& rescore,
                                           ErrorPatterns* patterns) {
   const int num_scanner = patterns->num_scanner_patterns();
   const Eigen::MatrixXd loads = patterns->loads().leftCols(patterns->products().cols());
   Eigen::MatrixXd shifts = factor.Solve(patterns->TakeLoads());
-  shifts *= num_per_sample;
-  const AdaptedProducts products = Adapt(*patterns, loads, shifts, num_per_sample);
-  const KnownErrors known = FindKnownErrors(*patterns, products.response);
+  const Eigen::MatrixXd products = AdaptedProducts(*patterns, loads, shifts);
+  const KnownErrors known = FindKnownErrors(*patterns, products);
   const Eigen::MatrixXd crossed =
-      products.response.topRightCorner(num_scanner, ErrorPatterns::kNumTraceProbes);
+      products.topRightCorner(num_scanner, ErrorPatterns::kNumTraceProbes);
   const auto find_scanners = [&](double cells) {
     if (num_scanner == 0) return ScannerErrors();  // the estimate has them
     return EstimateScannerErrors(
         known,
-        products.noise.topLeftCorner(num_scanner, num_scanner) +
+        products.topLeftCorner(num_scanner, num_scanner) +
             cells / ErrorPatterns::kNumTraceProbes * crossed * crossed.transpose(),
         patterns->scanner_scores());
   };
@@ -203,13 +185,10 @@ CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
   shifts.leftCols(num_scanner) *= scanners.root;
   shifts.rightCols(ErrorPatterns::kNumProbes) *= std::sqrt(cells / ErrorPatterns::kNumProbes);
   errors.shift = std::move(shifts);
-  const Eigen::Index num_border = factor.num_border();
-  const auto by_scanners = errors.shift.leftCols(num_scanner).bottomRows(num_border);
+  const Eigen::MatrixXd effects = patterns->TakeCellEffectsOnLandmarks();
+  const auto by_scanners = errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
   errors.landmarks = by_scanners * by_scanners.transpose();
-  const double cells_of_all = num_per_sample * num_per_sample * cells;
-  patterns->TakeCellEffectsOnLandmarks([&](const Eigen::MatrixXd& effects) {
-    errors.landmarks.selfadjointView<Eigen::Lower>().rankUpdate(effects, cells_of_all);
-  });
+  errors.landmarks.selfadjointView<Eigen::Lower>().rankUpdate(effects, cells);
   errors.landmarks.triangularView<Eigen::StrictlyUpper>() = errors.landmarks.transpose();
   return errors;
 }

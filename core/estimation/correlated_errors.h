@@ -27,16 +27,14 @@ struct CorrelatedErrors {
 };
 
 // Whether the patterns are in the residuals beyond what the independent noise does. They may
-// have been summed up from some of the segments only, here and below.
+// have been summed up from some of the segments only.
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor);
 
 // Estimates the patterns' variances from the residuals, and their effect. What the
 // independent noise explains is not counted: where the recording shows no more, all is zero.
-// factor: of the normal matrix of all segments. The patterns have been summed up from every
-// num_per_sample-th scan, each of which stands for its neighbours: an error that repeats is in
-// all of them. rescore: calls patterns->RescoreCells() for the same segments.
+// factor: of the normal matrix that the patterns were summed up with. rescore: calls
+// patterns->RescoreCells() for all segments.
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
-                                          int num_per_sample,
                                           const std::function<void()>& rescore,
                                           ErrorPatterns* patterns);
 

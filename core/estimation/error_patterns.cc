@@ -487,9 +487,8 @@ void ErrorPatterns::AddCellEffects(const Basis& basis, int plane_column, int pla
       basis.scanner_column - num_band_, basis.scanner_load * by_share, cells);
 }
 
-void ErrorPatterns::TakeCellEffectsOnLandmarks(
-    const std::function<void(const Eigen::MatrixXd&)>& visit) {
-  cell_effects_->TakeSolution(visit);
+Eigen::MatrixXd ErrorPatterns::TakeCellEffectsOnLandmarks() {
+  return cell_effects_->TakeSolution();
 }
 
 Eigen::MatrixXd ErrorPatterns::CommonScannerPatterns() const {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -82,9 +81,9 @@ class ErrorPatterns {
   void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
   // Sums up a segment's scores of its cells anew, without what has been explained.
   void RescoreCells(const Observation& observation);
-  // Calls visit(block) for the effects of each cell's deviation of 1 m on the landmarks, their
-  // parameters x some cells at a time. To be called once.
-  void TakeCellEffectsOnLandmarks(const std::function<void(const Eigen::MatrixXd&)>& visit);
+  // Returns the effect of each cell's deviation of 1 m on the landmarks: their parameters x
+  // cells. To be called once.
+  Eigen::MatrixXd TakeCellEffectsOnLandmarks();
 
  private:
   // Poses at the nodes of a scan line.

@@ -34,7 +34,7 @@ constexpr SolverOptions kFinalOptions = {30, 0.0, 1e-2};
 // square root has a standard error of a few per cent.
 constexpr double kNoiseTolerance = 0.03;
 constexpr int kMaxNoiseSteps = 3;
-// Between the scans that show correlated errors, s.
+// Of the scans that show whether there are correlated errors, s.
 constexpr double kSamplingInterval = 0.2;
 
 // Calls visit(observation) for the observations with a landmark and for the sub-minimum
@@ -87,7 +87,7 @@ BatchEstimator::BatchEstimator(bool planar,
       groups_(LinearisedGroup::kCoarse, kIntervalsPerGroup) {}
 
 void BatchEstimator::EstimateRobustly() {
-  EstimateWithNoise(options_.association.huber_width);
+  EstimateWithNoise(options_.association.huber_width, kRoundOptions);
 }
 
 void BatchEstimator::StepRobustly() {
@@ -99,7 +99,7 @@ void BatchEstimator::StepRobustly() {
 FinalEstimate BatchEstimator::EstimateFinally() {
   groups_.set_validity(LinearisedGroup::kFine);
   for (int step = 0; step < kMaxNoiseSteps; ++step) {
-    if (EstimateWithNoise(0.0) < kNoiseTolerance) break;
+    if (EstimateWithNoise(0.0, kFinalOptions) < kNoiseTolerance) break;
   }
   FinalEstimate estimate;
   const auto problem = BuildProblem(options_.batch.factor, 0.0);
@@ -116,10 +116,10 @@ FinalEstimate BatchEstimator::EstimateFinally() {
   return estimate;
 }
 
-double BatchEstimator::EstimateWithNoise(double huber_width) {
+double BatchEstimator::EstimateWithNoise(double huber_width, const SolverOptions& options) {
   const auto problem = BuildProblem(FactorKind::kSegment, huber_width);
   ArrowheadEquations equations =
-      GaussNewtonSolver<ArrowheadEquations>(kRoundOptions).Solve(problem.get());
+      GaussNewtonSolver<ArrowheadEquations>(options).Solve(problem.get());
   state_->calibration.ApplyTo(rig_);
   return TakeNoise(FindMotionEvidence(
       motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
@@ -205,8 +205,7 @@ double BatchEstimator::VarianceFactor(const EstimationProblem& problem,
 CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& problem,
                                                       const ArrowheadCholesky& factor) const {
   const BlockLayout layout = problem.Layout();
-  const int step = SamplingOf(*state_);
-  const auto for_each = [&](const auto& visit) {
+  const auto for_each = [&](int step, const auto& visit) {
     ForEachAssociated(*state_, [&](const Observation& observation) {
       if (observation.scan_index % step == 0) visit(observation);
     });
@@ -215,7 +214,8 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
   const auto are_shown = [&] {
     ErrorPatterns sampled(
         *rig_, state_->calibration, state_->trajectory, state_->landmarks, layout, planar_);
-    for_each([&](const Observation& observation) { sampled.Add(observation); });
+    for_each(SamplingOf(*state_),
+             [&](const Observation& observation) { sampled.Add(observation); });
     return ShowCorrelatedErrors(sampled, factor);
   };
   if (!are_shown()) return {};
@@ -226,12 +226,12 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
                          layout,
                          planar_,
                          factor);
-  for_each([&](const Observation& observation) { patterns.Add(observation); });
+  for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(
       factor,
-      step,
       [&] {
-        for_each([&](const Observation& observation) { patterns.RescoreCells(observation); });
+        for_each(1,
+                 [&](const Observation& observation) { patterns.RescoreCells(observation); });
       },
       &patterns);
   LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m

@@ -9,6 +9,7 @@
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
+#include "core/estimation/solver.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
@@ -52,7 +53,7 @@ class BatchEstimator {
   std::unique_ptr<EstimationProblem> BuildProblem(FactorKind factor, double huber_width);
   // Estimates, and takes the motion's noise from the estimate. Returns the largest relative
   // change of a usual density.
-  double EstimateWithNoise(double huber_width);
+  double EstimateWithNoise(double huber_width, const SolverOptions& options);
   // Weighted sum of the scans' squared residuals over their redundancy.
   double VarianceFactor(const EstimationProblem& problem,
                         double cost,

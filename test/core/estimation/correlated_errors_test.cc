@@ -32,7 +32,6 @@ constexpr int64_t kKnot = 200'000'000;
 constexpr int kNumScans = 120;
 constexpr int64_t kPeriod = 50'000'000;
 constexpr double kNoise = 0.02;
-constexpr int kNumPerSample = 4;  // scans, of which one shows the errors
 
 // What is wrong in one world, besides the noise.
 struct Errors {
@@ -127,7 +126,6 @@ class CorrelatedErrorsTest : public testing::Test {
                                            end - 1));
       observations_.back().landmark_id = plane;
       observations_.back().scanner_index = line.scanner_index;
-      observations_.back().scan_index = static_cast<int>((line.stamp_ns - kStart) / kPeriod);
     }
   }
 
@@ -171,25 +169,17 @@ class CorrelatedErrorsTest : public testing::Test {
                                                       layout,
                                                       false,
                                                       factor);
-                               const auto for_each_sampled = [&](const auto& visit) {
-                                 for (const Observation& observation : observations_) {
-                                   if (observation.scan_index % kNumPerSample == 0)
-                                     visit(observation);
-                                 }
-                               };
-                               for_each_sampled([&](const Observation& observation) {
+                               for (const Observation& observation : observations_)
                                  patterns.Add(observation);
-                               });
                                shown_ = ShowCorrelatedErrors(patterns, factor);
                                found_ = {};
                                if (!shown_) return found_;
                                found_ = EstimateCorrelatedErrors(
                                    factor,
-                                   kNumPerSample,
                                    [&] {
-                                     for_each_sampled([&](const Observation& observation) {
+                                     for (const Observation& observation : observations_) {
                                        patterns.RescoreCells(observation);
-                                     });
+                                     }
                                    },
                                    &patterns);
                                return found_;
