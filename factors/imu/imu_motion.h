@@ -26,9 +26,8 @@ template <int N>
 SplineMotion<ceres::Jet<double, N>> RotationMotionAt(const ceres::Jet<double, N>* const q[4],
                                                      const ceres::Jet<double, N>& u,
                                                      double knot_interval_s) {
-  constexpr int kNumInputs = 17;
-  using Inner = ceres::Jet<double, kNumInputs>;
-  Eigen::Matrix<double, N, kNumInputs> by_all;
+  using Inner = ceres::Jet<double, 4 * 4 + 1>;
+  Eigen::Matrix<double, N, Inner::DIMENSION> by_all;
   Inner inner_q[4][4];
   const Inner* inner[4];
   for (int j = 0; j < 4; ++j) {
