@@ -174,7 +174,8 @@ struct VisitGraph {
   std::vector<PlanarPose> poses;
 };
 
-// Adds what a visit shows of earlier ones that lie near where it is believed to be.
+// Adds what a visit shows of earlier ones that lie near where it is believed to be. The graph is
+// solved where that moves its poses: each solution takes as long as the way so far.
 void CloseNear(const std::vector<Visit>& visits,
                const Views& views,
                size_t later,
@@ -189,7 +190,7 @@ void CloseNear(const std::vector<Visit>& visits,
                              graph->poses[candidates[c]].Inverse() * graph->poses[later],
                              MatchWindow());
   });
-  bool is_new = false;
+  bool holds = true;
   for (size_t c = 0; c < candidates.size(); ++c) {
     if (!matches[c]) continue;
     graph->edges.push_back(ClosureEdge(candidates[c], later, *matches[c], graph->poses));
@@ -197,9 +198,9 @@ void CloseNear(const std::vector<Visit>& visits,
             << visits[candidates[c]].way_m
             << " m: " << std::sqrt(SquaredDeviation(graph->edges.back(), graph->poses))
             << " standard deviations from where it was believed to be";
-    is_new = true;
+    holds = holds && Holds(graph->edges.back(), graph->poses);
   }
-  if (is_new) SolvePoseGraph(graph->edges, &graph->poses);
+  if (!holds) SolvePoseGraph(graph->edges, &graph->poses);
 }
 
 // Looks once more for the places of visits that none were found for: while the drift up to
@@ -214,6 +215,7 @@ void CloseLeft(const std::vector<Visit>& visits, const Views& views, VisitGraph*
   for (size_t later = 1; later < visits.size(); ++later) {
     if (!is_closed[later]) CloseNear(visits, views, later, graph);
   }
+  SolvePoseGraph(graph->edges, &graph->poses);
 }
 
 // How far from the middle of a visit what it shows lies, whichever way it looks: shares of its
@@ -337,6 +339,7 @@ VisitGraph GraphOf(const std::vector<PlaceGroup>& groups,
   for (size_t later = 1; later < visits.size(); ++later) {
     CloseNear(visits, views, later, &graph);
   }
+  SolvePoseGraph(graph.edges, &graph.poses);
   return graph;
 }
 
@@ -361,6 +364,7 @@ PlacedVisits PlaceVisits(const std::vector<Visit>& visits, const Odometry* wheel
     graph.poses.push_back(graph.poses.back() * motion[later - 1].from_from_to);
     CloseNear(visits, views, later, &graph);
   }
+  SolvePoseGraph(graph.edges, &graph.poses);
   const std::vector<PlaceGroup> groups = GroupsElsewhere(visits, views, motion, graph);
   if (!groups.empty()) graph = GraphOf(groups, visits, views, motion);
   CloseLeft(visits, views, &graph);
