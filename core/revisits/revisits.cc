@@ -287,17 +287,23 @@ std::vector<PoseGraphEdge> MatchAnywhere(const std::vector<Visit>& visits,
   return closures;
 }
 
-// Finds groups of places elsewhere that agree with each other and contradict the graph.
+// Finds groups of places elsewhere that agree with each other and contradict the graph. Where
+// what was found near where it was believed to be agrees, there is nothing to look for.
 std::vector<PlaceGroup> GroupsElsewhere(const std::vector<Visit>& visits,
                                         const Views& views,
                                         const std::vector<PoseGraphEdge>& motion,
                                         const VisitGraph& graph) {
   std::vector<PoseGraphEdge> near;
+  size_t num_near = 0;
+  size_t num_contradicted = 0;
   for (const PoseGraphEdge& edge : graph.edges) {
     if (!edge.may_be_wrong) continue;
+    ++num_near;
+    num_contradicted += Holds(edge, graph.poses) ? 0 : 1;
     const bool is_first = near.empty() || near.back().to != edge.to;
     if (is_first && edge.to % 2 == 0) near.push_back(edge);
   }
+  if (4 * num_contradicted <= num_near) return {};
   // One near closure of each visit may contradict what is found elsewhere.
   std::vector<PoseGraphEdge> closures = MatchAnywhere(visits, views, graph.poses);
   closures.insert(closures.end(), near.begin(), near.end());
@@ -308,7 +314,8 @@ std::vector<PlaceGroup> GroupsElsewhere(const std::vector<Visit>& visits,
     });
   };
   groups.erase(std::remove_if(groups.begin(), groups.end(), is_known), groups.end());
-  VLOG(1) << groups.size() << " groups of places elsewhere agree";
+  VLOG(1) << num_contradicted << " of " << num_near << " closures are contradicted; "
+          << groups.size() << " groups of places elsewhere agree";
   return groups;
 }
 
