@@ -61,7 +61,8 @@ class BatchEstimator {
   // What the residuals say of errors that repeat from scan to scan.
   CorrelatedErrors FindCorrelatedErrors(const EstimationProblem& problem,
                                         const ArrowheadCholesky& factor) const;
-  // Takes the motion's noise from what an estimate tells of it; returns as above.
+  // Takes the motion's noise from the evidence of an estimate. Returns the largest relative
+  // change of a usual density.
   double TakeNoise(const std::vector<MotionEvidence>& evidence);
   // The covariance of the estimate where the problem stands; gives the landmarks their parts
   // of it.
