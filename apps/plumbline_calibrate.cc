@@ -12,7 +12,7 @@
 #include "apps/progress.h"
 #include "apps/terminal.h"
 #include "apps/version.h"
-#include "core/mapping/calibration_joining.h"
+#include "core/batch/calibration_joining.h"
 #include "core/mapping/map_job.h"
 #include "core/result/calibration_text.h"
 #include "core/result/result_files.h"

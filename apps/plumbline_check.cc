@@ -7,7 +7,7 @@
 #include <string>
 
 #include "apps/app.h"
-#include "core/check/check_job.h"
+#include "core/judging/check_job.h"
 
 DEFINE_string(recording, "", "recording to look at; may also stand alone, without the flag");
 DEFINE_string(rig,

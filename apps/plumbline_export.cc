@@ -6,7 +6,7 @@
 
 #include "apps/app.h"
 #include "apps/progress.h"
-#include "core/cloud/cloud_export.h"
+#include "core/result/cloud_export.h"
 
 DEFINE_string(result,
               "",

@@ -9,7 +9,7 @@
 #include "apps/progress.h"
 #include "apps/terminal.h"
 #include "apps/version.h"
-#include "core/check/rig_choice.h"
+#include "core/judging/rig_choice.h"
 #include "core/mapping/map_job.h"
 #include "core/result/closing_table.h"
 #include "core/result/result_reader.h"

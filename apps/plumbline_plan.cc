@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/app.h"
-#include "core/floor_plan/floor_plan_files.h"
+#include "core/outputs/floor_plan_files.h"
 
 DEFINE_string(result,
               "",

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "apps/app.h"
-#include "core/report/report.h"
+#include "core/outputs/report.h"
 #include "core/result/result_files.h"
 
 DEFINE_string(result,

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/check/check.h"
 #include "core/geometry/angles.h"
+#include "core/judging/check.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/check/finding.h"
+#include "core/judging/finding.h"
 #include "core/result/result_types.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/rig.h"

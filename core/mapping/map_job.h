@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cloud/point_cloud_writer.h"
 #include "core/mapping/mapper.h"
+#include "core/result/point_cloud_writer.h"
 
 namespace plumbline {
 
@@ -26,7 +26,7 @@ struct MapJob {
   // what they say is a warning then.
   bool force = false;
   bool report = false;  // also write report.html, of each part one
-  // Whether the result holds floor plans (core/floor_plan/floor_plan_files.h). A map without
+  // Whether the result holds floor plans (core/outputs/floor_plan_files.h). A map without
   // rooms has none, which is logged.
   bool floor_plan = false;
   // The job asks this at every scan: once it says true, the map ends there and is written.
@@ -39,8 +39,8 @@ struct MapJob {
 // recording could only be mapped in parts, the longest one is written to the output directory,
 // the others to folders part_1, part_2, ... in it, numbered in the order of time. Returns the
 // summary of the longest part. Throws Error, also where the recording's clocks, headers or
-// ranges, or the scanners' places in the rig file make a map meaningless (core/check), unless
-// forced.
+// ranges, or the scanners' places in the rig file make a map meaningless (core/judging),
+// unless forced.
 Summary RunMapJob(const MapJob& job, const ProgressCallback& progress);
 
 }  // namespace plumbline

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/batch/batch.h"
+#include "core/following/checkpoint.h"
 #include "core/map/map_state.h"
-#include "core/mapping/batch.h"
-#include "core/mapping/checkpoint.h"
 #include "core/options/mapper_options.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_types.h"
@@ -51,7 +51,7 @@ struct CheckpointFiles {
 //
 // Where the rig is lost, or no scan comes for longer than the motion can be followed across,
 // the map ends, and another part with a model frame of its own starts where the scans allow.
-// Parts whose surfaces match are joined to one map (core/mapping/part_joining.h).
+// Parts whose surfaces match are joined to one map (core/batch/part_joining.h).
 // Returns the parts in the order of time, at least one. stop, if given, is asked at every
 // scan: once it says true, the recording is not followed any farther. Throws Error when there
 // is no part.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/consistency/scanner_agreement.h"
+#include "core/judging/scanner_agreement.h"
 #include "core/map/map_state.h"
 #include "core/result/result_writer.h"
 #include "core/sensor/recording.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/bag/byte_source.h"
-#include "core/bag/damage_log.h"
+#include "core/recording/byte_source.h"
+#include "core/recording/damage_log.h"
 #include "core/recording/message_file.h"
 
 namespace plumbline {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/bag/byte_source.h"
+#include "core/recording/byte_source.h"
 #include "core/recording/message_file.h"
 #include "core/recording/messages.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/bag/byte_source.h"
+#include "core/recording/byte_source.h"
 #include "core/recording/message_file.h"
 #include "core/recording/messages.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/bag/byte_source.h"
-#include "core/bag/chunk_store.h"
-#include "core/bag/damage_log.h"
+#include "core/recording/byte_source.h"
+#include "core/recording/chunk_store.h"
+#include "core/recording/damage_log.h"
 #include "core/recording/mcap_record.h"
 #include "core/recording/message_file.h"
 

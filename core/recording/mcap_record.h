@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bag/byte_source.h"
+#include "core/recording/byte_source.h"
 
 namespace plumbline {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bag/byte_source.h"
+#include "core/recording/byte_source.h"
 #include "core/recording/carmen_file.h"
 #include "core/recording/mcap_file.h"
 #include "core/recording/recording_source.h"

@@ -4,9 +4,9 @@
 #include <iterator>
 #include <utility>
 
-#include "core/bag/unpack.h"
 #include "core/recording/decode.h"
 #include "core/recording/segment_joiner.h"
+#include "core/recording/unpack.h"
 #include "core/util/error.h"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bag/bag_reader.h"
+#include "core/recording/bag_reader.h"
 #include "core/recording/message_file.h"
 
 namespace plumbline {

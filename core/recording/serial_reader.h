@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/bag/byte_source.h"
+#include "core/recording/byte_source.h"
 
 namespace plumbline {
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/bag/byte_source.h"
-#include "core/bag/decoder.h"
+#include "core/recording/byte_source.h"
+#include "core/recording/decoder.h"
 #include "core/util/error.h"
 
 namespace plumbline {

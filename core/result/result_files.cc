@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <iterator>
 
-#include "core/cloud/point_cloud_writer.h"
+#include "core/result/point_cloud_writer.h"
 
 namespace plumbline {
 namespace {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/cloud/surface_colour.h"
 #include "core/geometry/angles.h"
+#include "core/result/surface_colour.h"
 #include "core/result/symptoms.h"
 
 namespace plumbline {

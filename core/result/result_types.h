@@ -97,7 +97,7 @@ struct UnmappedInterval {
   std::string reason;
 };
 
-// Consistency is the judgement on a finished map (core/consistency/consistency.h).
+// Consistency is the judgement on a finished map (core/judging/consistency.h).
 struct Consistency {
   Verdict verdict = Verdict::kConsistent;
   // Share of the places seen at several times whose sightings contradict each other.

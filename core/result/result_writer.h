@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cloud/point_cloud_writer.h"
 #include "core/result/plane_covariance.h"
+#include "core/result/point_cloud_writer.h"
 #include "core/result/result_directory.h"
 #include "core/result/result_types.h"
 

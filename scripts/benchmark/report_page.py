@@ -17,7 +17,7 @@ import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "test/core/report"))
+sys.path.insert(0, str(ROOT / "test/core/outputs"))
 import viewer_install  # pylint: disable=wrong-import-position
 
 SCRIPT = pathlib.Path(__file__).with_name("report_page.mjs")

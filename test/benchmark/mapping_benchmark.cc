@@ -11,7 +11,7 @@
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
 #include "core/map/plane_patches.h"
-#include "core/cloud/point_cloud_writer.h"
+#include "core/result/point_cloud_writer.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/scan_reader.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/mapping/calibration_joining.h"
+#include "core/batch/calibration_joining.h"
 #include "core/result/calibration_text.h"
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"

@@ -1,13 +1,13 @@
 // Recordings as the simulator makes them, looked at before they are mapped.
 
-#include "core/check/check.h"
+#include "core/judging/check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/check/check_job.h"
+#include "core/judging/check_job.h"
 #include "test/testing/scenario.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/cloud/ply_reader.h"
+#include "core/result/ply_reader.h"
 #include "core/result/result_reader.h"
 #include "simulation/evaluation/evaluation.h"
 #include "test/testing/scenario.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/mapping/batch.h"
+#include "core/batch/batch.h"
 #include "core/mapping/mapper.h"
 #include "core/result/result_reader.h"
 #include "core/result/result_writer.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/floor_plan/floor_plan_files.h"
+#include "core/outputs/floor_plan_files.h"
 #include "test/testing/scenario.h"
 #include "test/testing/svg_texts.h"
 

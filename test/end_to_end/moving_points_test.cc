@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/cloud/point_buffer.h"
+#include "core/result/point_buffer.h"
 #include "core/result/result_reader.h"
 #include "test/testing/scenario.h"
 

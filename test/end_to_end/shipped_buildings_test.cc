@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/floor_plan/floor_plan.h"
-#include "core/floor_plan/plan_drawing.h"
+#include "core/outputs/floor_plan.h"
+#include "core/outputs/plan_drawing.h"
 #include "core/util/json_file.h"
 #include "core/util/time.h"
 #include "simulation/sensing/simulate_recording.h"

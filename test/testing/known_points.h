@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/cloud/point_buffer.h"
+#include "core/result/point_buffer.h"
 
 namespace plumbline {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/floor_plan/floor_plan.h"
+#include "core/outputs/floor_plan.h"
 
 namespace plumbline {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "core/mapping/scan_follower.h"
+#include "core/following/scan_follower.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"

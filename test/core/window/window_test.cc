@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/tracking/tracker.h"
+#include "core/following/tracker.h"
 #include "test/testing/known_room.h"
 
 namespace plumbline {

@@ -1,0 +1,99 @@
+#include "core/following/scan_on_planes.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+// The height is open from less on: treads are 0.18 m apart, and a few beams at the edge of one
+// give a wrong speed, by which the next one is taken for another.
+constexpr double kOpenHeightStddev = 0.006;  // m
+
+// What an observation tells of the distance from its surface, 1/m^2.
+double InformationOf(const Observation& observation, double flatness_m) {
+  return 1.0 /
+         (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
+}
+
+}  // namespace
+
+double ShareOnNoPlane(const MapState& state,
+                      int first_observation,
+                      int last_observation,
+                      int num_points) {
+  int num_on_planes = 0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id >= 0) num_on_planes += observation.num_points;
+  }
+  return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
+}
+
+BeamMask BeamsOnNoPlane(const MapState& state,
+                        int first_observation,
+                        int last_observation,
+                        const ScanMatcher& scan_matcher) {
+  BeamMask mask = scan_matcher.AllBeams();
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    scan_matcher.Exclude(
+        observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
+  }
+  return mask;
+}
+
+bool WallsLeaveOpen(const MapState& state,
+                    int first_observation,
+                    int last_observation,
+                    double min_width_m,
+                    double flatness_m) {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model == PlaneModel::kHorizontal || landmark.Width() < min_width_m) continue;
+    // An arc's normals point into many directions: the one in its middle is as good as any.
+    const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
+    information += normal * normal.transpose() * InformationOf(observation, flatness_m);
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
+}
+
+bool HeightIsOpen(const MapState& state,
+                  int first_observation,
+                  int last_observation,
+                  double flatness_m) {
+  double information = 0.0;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model == PlaneModel::kVertical || landmark.IsCurved()) continue;
+    const double up = landmark.Normal().z();
+    information += up * up * InformationOf(observation, flatness_m);
+  }
+  return information * kOpenHeightStddev * kOpenHeightStddev < 1.0;
+}
+
+std::vector<int> OnNarrowPlanes(const MapState& state,
+                                int first_observation,
+                                int last_observation,
+                                double min_width_m) {
+  std::vector<int> on_narrow;
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+    if (landmark.model != PlaneModel::kHorizontal && landmark.Width() < min_width_m) {
+      on_narrow.push_back(index);
+    }
+  }
+  return on_narrow;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,289 @@
+#include "core/registration/visit_matching.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+using Points = std::vector<Eigen::Vector2d>;
+
+constexpr size_t kMaxPoints = 400;  // of the later visit, evenly taken
+constexpr size_t kMinPoints = 50;
+constexpr double kTurnStep = 0.02;  // rad, between poses that are tried
+// Shift and turn beyond which a match is at another place.
+constexpr double kElsewhere = 0.8;      // m
+constexpr double kElsewhereTurn = 0.2;  // rad
+// Of a match: the part of the points where the earlier visit knows something, of these the
+// part that lies on surfaces, and how well another place fits, of the best.
+constexpr double kMinKnownShare = 0.35;
+constexpr double kMinHitShare = 0.7;
+constexpr double kMaxSecondShare = 0.92;
+constexpr double kMinFit = 0.1;  // of a point on a surface
+
+// The refinement: its steps, each with a width beyond which points do not count.
+constexpr double kWidths[] = {
+    0.3, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2, 0.2, 0.2, 0.2, 0.12, 0.12, 0.12, 0.12, 0.12};  // m
+constexpr double kSurfaceStddev = 0.05;                                               // m
+constexpr double kPointsPerMeasurement = 10.0;  // neighbours deviate alike
+// Prior that holds a direction that the lines leave open.
+constexpr double kGuessStddev = 1.0;         // m
+constexpr double kGuessHeadingStddev = 0.1;  // rad
+
+struct Candidate {
+  double score = 0.0;  // mean fit, or a bound of it
+  size_t turn = 0;     // of the window's
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+};
+
+Points SomeOf(const Points& points) {
+  const size_t step = 1 + points.size() / kMaxPoints;
+  Points some;
+  for (size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  return some;
+}
+
+Points Turned(const Points& points, double heading) {
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(heading).toRotationMatrix();
+  Points turned;
+  for (const Eigen::Vector2d& p : points) turned.push_back(rotation * p);
+  return turned;
+}
+
+// A search over the poses of a window.
+class WindowSearch {
+ public:
+  WindowSearch(const VisitGrid& grid,
+               const Points& points,
+               const PlanarPose& guess,
+               const MatchWindow& window)
+      : grid_(grid),
+        guess_(guess),
+        min_score_(window.min_score),
+        num_steps_(static_cast<int>(std::ceil(window.position_m / kStep))) {
+    for (const double turn : window.turns) {
+      turned_.push_back(Turned(points, guess.heading + turn));
+    }
+  }
+
+  // The best pose near each coarse one that may be among the best.
+  std::vector<Candidate> Run() const {
+    std::vector<Candidate> found;
+    double best = 0.0;
+    for (const Candidate& place : CoarsePlaces()) {
+      if (place.score < std::max(min_score_, kMaxSecondShare * best)) break;
+      found.push_back(BestNear(place));
+      best = std::max(best, found.back().score);
+    }
+    return found;
+  }
+
+ private:
+  static constexpr double kStep = VisitGrid::kCell * VisitGrid::kCoarse;  // m
+
+  template <typename Fit>
+  double MeanFit(size_t turn, const Eigen::Vector2d& at, const Fit& fit) const {
+    double sum = 0.0;
+    for (const Eigen::Vector2d& p : turned_[turn]) sum += fit(p + at);
+    return sum / static_cast<double>(turned_[turn].size());
+  }
+
+  // Those whose bounds allow for a fit, best first.
+  std::vector<Candidate> CoarsePlaces() const {
+    std::vector<Candidate> places;
+    for (size_t turn = 0; turn < turned_.size(); ++turn) {
+      for (int y = -num_steps_; y <= num_steps_; y += VisitGrid::kCoarse) {
+        for (int x = -num_steps_; x <= num_steps_; x += VisitGrid::kCoarse) {
+          const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
+          const double bound = MeanFit(
+              turn, at, [&](const Eigen::Vector2d& p) { return grid_.CoarseBoundAt(p); });
+          if (bound >= min_score_) AddPlaces(turn, x, y, &places);
+        }
+      }
+    }
+    std::sort(places.begin(), places.end(), [](const Candidate& a, const Candidate& b) {
+      const auto order = [](const Candidate& c) {
+        return std::make_tuple(-c.score, c.turn, c.position.y(), c.position.x());
+      };
+      return order(a) < order(b);
+    });
+    return places;
+  }
+
+  // The places of a coarser one.
+  void AddPlaces(size_t turn, int from_x, int from_y, std::vector<Candidate>* places) const {
+    for (int y = from_y; y < std::min(from_y + VisitGrid::kCoarse, num_steps_ + 1); ++y) {
+      for (int x = from_x; x < std::min(from_x + VisitGrid::kCoarse, num_steps_ + 1); ++x) {
+        const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
+        const double bound =
+            MeanFit(turn, at, [&](const Eigen::Vector2d& p) { return grid_.BoundAt(p); });
+        places->push_back({bound, turn, at});
+      }
+    }
+  }
+
+  Candidate BestNear(const Candidate& place) const {
+    Candidate best{0.0, place.turn, place.position};
+    for (int y = 0; y < VisitGrid::kCoarse; ++y) {
+      for (int x = 0; x < VisitGrid::kCoarse; ++x) {
+        const Eigen::Vector2d at = place.position + VisitGrid::kCell * Eigen::Vector2d(x, y);
+        const double score =
+            MeanFit(place.turn, at, [&](const Eigen::Vector2d& p) { return grid_.At(p); });
+        if (score > best.score) best = {score, place.turn, at};
+      }
+    }
+    return best;
+  }
+
+  const VisitGrid& grid_;
+  PlanarPose guess_;
+  double min_score_;
+  int num_steps_;               // in each direction
+  std::vector<Points> turned_;  // by turn
+};
+
+// One Gauss-Newton step of a pose; returns the Hessian without what the guess adds.
+Eigen::Matrix3d Step(const VisitSurface& surface,
+                     const Points& points,
+                     double width_m,
+                     const PlanarPose& guess,
+                     PlanarPose* pose) {
+  const Eigen::Vector3d prior(1.0 / (kGuessStddev * kGuessStddev),
+                              1.0 / (kGuessStddev * kGuessStddev),
+                              1.0 / (kGuessHeadingStddev * kGuessHeadingStddev));
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient;
+  gradient << pose->position - guess.position, pose->heading - guess.heading;
+  gradient = prior.cwiseProduct(gradient).eval();
+  const Eigen::Matrix2d rotation = pose->Rotation();
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2d turned = rotation * point;
+    const Eigen::Vector2d p = turned + pose->position;
+    const VisitSurface::Spot* spot = surface.Nearest(p);
+    if (spot == nullptr) continue;
+    const Eigen::Vector2d& normal = spot->normal;
+    const double residual = normal.dot(p - spot->position);
+    const double ratio = residual / width_m;
+    if (std::abs(ratio) > 1.0) continue;
+    // Tukey's weight.
+    const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio) /
+                          (kSurfaceStddev * kSurfaceStddev * kPointsPerMeasurement);
+    const Eigen::Vector3d jacobian(
+        normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-turned.y(), turned.x())));
+    hessian += weight * jacobian * jacobian.transpose();
+    gradient += weight * residual * jacobian;
+  }
+  const Eigen::Matrix3d with_prior = hessian + Eigen::Matrix3d(prior.asDiagonal());
+  const Eigen::Vector3d delta = with_prior.ldlt().solve(-gradient);
+  pose->position += delta.head<2>();
+  pose->heading += delta[2];
+  return hessian;
+}
+
+// Whether the points lie on what the grid has, and not where beams passed.
+bool Fits(const VisitGrid& grid, const Points& points, const PlanarPose& pose) {
+  int num_known = 0;
+  int num_hits = 0;
+  for (const Eigen::Vector2d& p : points) {
+    const double fit = grid.At(pose * p);
+    num_known += fit != 0.0 ? 1 : 0;
+    num_hits += fit > kMinFit ? 1 : 0;
+  }
+  return num_known >= kMinKnownShare * static_cast<double>(points.size()) &&
+         num_hits >= kMinHitShare * num_known;
+}
+
+// How much line there is in each direction: numbers of spots, by the angle of their normals
+// modulo half a turn.
+std::vector<double> DirectionsOf(const VisitSurface& surface) {
+  const auto num_bins = static_cast<int>(M_PI / kTurnStep);
+  std::vector<double> directions(static_cast<size_t>(num_bins), 0.0);
+  for (const VisitSurface::Spot& spot : surface.spots()) {
+    if (spot.normal.isZero()) continue;
+    const double share = std::atan2(spot.normal.y(), spot.normal.x()) / M_PI + 1.0;
+    const int bin = static_cast<int>(share * num_bins) % num_bins;
+    // Neighbours, too: a line's direction is known to about a bin.
+    for (int i = bin - 1; i <= bin + 1; ++i) {
+      directions[static_cast<size_t>((i + num_bins) % num_bins)] += 1.0;
+    }
+  }
+  return directions;
+}
+
+}  // namespace
+
+std::vector<double> MatchWindow::TurnsWithin(double heading_rad) {
+  const int num_turns = static_cast<int>(std::ceil(heading_rad / kTurnStep));
+  std::vector<double> turns;
+  for (int turn = -num_turns; turn <= num_turns; ++turn) turns.push_back(turn * kTurnStep);
+  return turns;
+}
+
+MatchWindow WindowByDirections(const VisitSurface& earlier,
+                               const VisitSurface& later,
+                               double position_m) {
+  const std::vector<double> of_earlier = DirectionsOf(earlier);
+  const std::vector<double> of_later = DirectionsOf(later);
+  const size_t num_bins = of_earlier.size();
+  std::vector<double> scores(num_bins, 0.0);
+  for (size_t turn = 0; turn < num_bins; ++turn) {
+    for (size_t bin = 0; bin < num_bins; ++bin) {
+      scores[turn] += of_later[bin] * of_earlier[(bin + turn) % num_bins];
+    }
+  }
+  const double best = *std::max_element(scores.begin(), scores.end());
+  MatchWindow window;
+  window.position_m = position_m;
+  window.turns.clear();
+  for (size_t turn = 0; turn < num_bins; ++turn) {
+    if (scores[turn] < kMinHitShare * best) continue;
+    for (const double half : {0.0, M_PI}) {
+      window.turns.push_back(half +
+                             M_PI * static_cast<double>(turn) / static_cast<double>(num_bins));
+    }
+  }
+  return window;
+}
+
+std::optional<VisitMatch> MatchVisits(const VisitGrid& earlier_grid,
+                                      const VisitSurface& earlier_surface,
+                                      const Visit& later,
+                                      const PlanarPose& guess,
+                                      const MatchWindow& window) {
+  const Points points = SomeOf(later.points);
+  if (points.size() < kMinPoints) return std::nullopt;
+  const std::vector<Candidate> found = WindowSearch(earlier_grid, points, guess, window).Run();
+  if (found.empty()) return std::nullopt;
+  const Candidate& best = *std::max_element(
+      found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+        return a.score < b.score;
+      });
+  const auto heading_of = [&](const Candidate& candidate) {
+    return guess.heading + window.turns[candidate.turn];
+  };
+  const PlanarPose start{heading_of(best), best.position};
+  VisitMatch match{start, {}};
+  for (const double width_m : kWidths) {
+    match.information =
+        Step(earlier_surface, points, width_m, start, &match.earlier_from_later);
+  }
+  const PlanarPose& pose = match.earlier_from_later;
+  const auto is_elsewhere = [&](const Eigen::Vector2d& position, double heading) {
+    return (position - pose.position).norm() > kElsewhere ||
+           std::abs(std::remainder(heading - pose.heading, 2.0 * M_PI)) > kElsewhereTurn;
+  };
+  if (is_elsewhere(start.position, start.heading)) return std::nullopt;
+  for (const Candidate& other : found) {
+    if (other.score > kMaxSecondShare * best.score &&
+        is_elsewhere(other.position, heading_of(other))) {
+      return std::nullopt;
+    }
+  }
+  if (!Fits(earlier_grid, points, pose)) return std::nullopt;
+  return match;
+}
+
+}  // namespace plumbline
