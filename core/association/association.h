@@ -8,13 +8,13 @@
 #include "core/association/line_deviation.h"
 #include "core/geometry/matrix_types.h"
 #include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
-#include "core/map/patch_extent.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 
 namespace plumbline {
 

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 

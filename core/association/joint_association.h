@@ -4,8 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "core/map/landmark.h"
 #include "core/options/mapper_options.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

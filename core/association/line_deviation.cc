@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <optional>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {

@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 

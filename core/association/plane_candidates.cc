@@ -8,8 +8,8 @@
 #include "core/association/plane_kind.h"
 #include "core/association/surface_levels.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 

@@ -8,10 +8,10 @@
 #include "core/association/tentative_plane.h"
 #include "core/association/undecided_planes.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

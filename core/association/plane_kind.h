@@ -5,7 +5,7 @@
 
 #include "core/association/plane_through_lines.h"
 #include "core/geometry/angles.h"
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

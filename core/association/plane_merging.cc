@@ -7,8 +7,8 @@
 
 #include "core/association/association.h"
 #include "core/association/surface_levels.h"
-#include "core/map/patch_extent.h"
 #include "core/sensor/rig.h"
+#include "core/surface/patch_extent.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 
 #include "core/association/line_deviation.h"
 #include "core/geometry/angles.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

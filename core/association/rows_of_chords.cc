@@ -10,8 +10,8 @@
 #include "core/association/bend_test.h"
 #include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "core/map/landmark.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

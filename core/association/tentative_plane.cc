@@ -1,6 +1,6 @@
 #include "core/association/tentative_plane.h"
 
-#include "core/map/patch_extent.h"
+#include "core/surface/patch_extent.h"
 #include "core/util/time.h"
 
 namespace plumbline {

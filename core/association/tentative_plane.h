@@ -7,10 +7,10 @@
 
 #include "core/association/bend_test.h"
 #include "core/association/plane_through_lines.h"
-#include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

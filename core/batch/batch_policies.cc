@@ -21,8 +21,8 @@
 #include "core/batch/visit_levels.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/free_space.h"
 
 namespace plumbline {

@@ -7,8 +7,8 @@
 #include "core/association/line_deviation.h"
 #include "core/batch/visit_levels.h"
 #include "core/judging/verdict_levels.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 

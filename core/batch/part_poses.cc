@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

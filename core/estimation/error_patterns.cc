@@ -13,7 +13,7 @@
 #include "core/geometry/cell_key.h"
 #include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {

@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/map/rig_calibration.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/segment/linearised_group.h"
 #include "factors/segment/segment_measurement.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/estimation/block_layout.h"
-#include "core/map/landmark.h"
 #include "core/map/rig_calibration.h"
+#include "core/surface/landmark.h"
 #include "core/trajectory/trajectory.h"
 #include "factors/cost/linear_prior_factor.h"
 

@@ -7,7 +7,7 @@
 
 #include "core/association/joint_association.h"
 #include "core/following/tracker.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

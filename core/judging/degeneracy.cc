@@ -12,7 +12,7 @@
 #include "core/geometry/unknown_pose.h"
 #include "core/judging/sightings.h"
 #include "core/judging/verdict_levels.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "core/map/landmark_view.h"
 #include "core/map/map_state.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 

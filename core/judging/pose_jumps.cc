@@ -6,7 +6,7 @@
 
 #include "core/judging/degeneracy.h"
 #include "core/judging/verdict_levels.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 

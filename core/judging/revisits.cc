@@ -10,7 +10,7 @@
 
 #include "core/geometry/plan_grid.h"
 #include "core/judging/verdict_levels.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/geometry/plan_grid.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/cell_grid.h"
 #include "core/map/map_state.h"
 #include "core/sensor/rig.h"
+#include "core/surface/cell_grid.h"
 
 namespace plumbline {
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark.h"
 #include "core/map/observation.h"
 #include "core/map/observation_poses.h"
 #include "core/map/rig_calibration.h"
@@ -15,6 +14,7 @@
 #include "core/sensor/moving_beams.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark.h"
 #include "core/trajectory/odometry_calibration.h"
 #include "core/trajectory/pose_constraint.h"
 #include "core/trajectory/trajectory.h"

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
 #include "core/segmentation/segmentation.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
+#include "core/surface/landmark.h"
 #include "factors/segment/packed_segment.h"
 #include "factors/segment/segment_measurement.h"
 #include "factors/util/compact_array.h"

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/geometry/plane_tangents.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 
 namespace plumbline {
 namespace {

@@ -4,10 +4,10 @@
 #include <deque>
 #include <vector>
 
-#include "core/map/landmark.h"
 #include "core/map/map_state.h"
 #include "core/result/plane_covariance.h"
 #include "core/result/result_types.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

@@ -9,12 +9,12 @@
 #include <optional>
 
 #include "core/association/association.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
 #include "core/map/scan_line_batches.h"
 #include "core/result/point_buffer.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/ordered_pipeline.h"
 #include "factors/segment/segment_measurement.h"
 

@@ -6,8 +6,8 @@
 
 #include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/util/quantiles.h"
 #include "core/visibility/beam_tests.h"
 

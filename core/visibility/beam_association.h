@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_set.h"
 #include "core/visibility/plane_trace.h"

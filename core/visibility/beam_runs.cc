@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/beam_tests.h"
 
 namespace plumbline {

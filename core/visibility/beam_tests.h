@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/map/patch_extent.h"
+#include "core/surface/patch_extent.h"
 
 namespace plumbline {
 

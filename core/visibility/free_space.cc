@@ -7,9 +7,9 @@
 #include "core/association/association.h"
 #include "core/association/plane_merging.h"
 #include "core/geometry/plan_grid.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
 #include "core/sensor/rig.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/visibility/beam_tests.h"
 
 namespace plumbline {

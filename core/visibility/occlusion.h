@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation_poses.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_trace.h"
 

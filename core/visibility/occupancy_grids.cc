@@ -1,6 +1,6 @@
 #include "core/visibility/occupancy_grids.h"
 
-#include "core/map/patch_extent.h"
+#include "core/surface/patch_extent.h"
 #include "core/visibility/beam_tests.h"
 
 namespace plumbline {

@@ -5,10 +5,10 @@
 #include <deque>
 #include <vector>
 
-#include "core/geometry/cell_grid.h"
-#include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
 #include "core/geometry/plane_axes.h"
+#include "core/geometry/scan_plane_motion.h"
+#include "core/surface/cell_grid.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/visibility/beam_tests.h"
 
 namespace plumbline {

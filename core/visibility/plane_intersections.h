@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/sensor/scan_line.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/plane_set.h"
 #include "core/visibility/plane_trace.h"
 

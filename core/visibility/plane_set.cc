@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 

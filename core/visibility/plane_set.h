@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/geometry/scan_plane_motion.h"
-#include "core/map/landmark.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation.h"
+#include "core/surface/landmark.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 

@@ -13,10 +13,10 @@
 
 #include "core/association/association.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
 #include "core/map/scan_line_batches.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/ordered_pipeline.h"
 #include "core/visibility/beam_association.h"
 #include "core/visibility/beam_runs.h"

@@ -6,8 +6,8 @@
 
 #include "core/association/surface_levels.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
 #include "core/sensor/beam_instant.h"
+#include "core/surface/landmark_view.h"
 #include "core/util/quantiles.h"
 #include "core/visibility/beam_tests.h"
 #include "core/visibility/occlusion.h"

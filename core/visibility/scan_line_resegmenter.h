@@ -7,11 +7,11 @@
 
 #include "core/association/association.h"
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
 #include "core/map/observation.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
+#include "core/surface/landmark_view.h"
 #include "core/trajectory/trajectory.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/plane_intersections.h"

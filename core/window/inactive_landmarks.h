@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/estimation/block_layout.h"
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 #include "core/window/marginal_prior.h"
 #include "factors/linear_algebra/elimination.h"
 

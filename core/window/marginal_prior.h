@@ -7,7 +7,7 @@
 
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/normal_equations.h"
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/map/landmark.h"
 #include "core/map/map_state.h"
 #include "core/map/observation.h"
 #include "core/segmentation/segmentation.h"
+#include "core/surface/landmark.h"
 #include "core/trajectory/pose_gaussian.h"
 #include "test/testing/room_walk.h"
 

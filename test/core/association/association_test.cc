@@ -6,8 +6,8 @@
 #include <random>
 
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/util/quantiles.h"
 #include "test/testing/plane_scene.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "test/testing/plane_scene.h"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/following/scan_on_planes.h"
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 #include "core/util/time.h"
 
 namespace plumbline {

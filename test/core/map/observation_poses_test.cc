@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {

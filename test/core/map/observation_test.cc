@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/association/line_deviation.h"
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 #include "test/testing/plane_scene.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 
 namespace plumbline {
 namespace {

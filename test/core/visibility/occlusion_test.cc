@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/map/landmark_view.h"
+#include "core/surface/landmark_view.h"
 #include "core/visibility/plane_trace.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/matrix_types.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 #include "core/visibility/scan_line_resegmenter.h"
 #include "factors/segment/segment_measurement.h"
 #include "test/core/visibility/resegmentation_fixture.h"

@@ -1,4 +1,4 @@
-#include "core/geometry/cell_grid.h"
+#include "core/surface/cell_grid.h"
 
 #include <gtest/gtest.h>
 

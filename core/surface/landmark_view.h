@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "core/map/landmark.h"
+#include "core/surface/landmark.h"
 
 #include <ceres/jet.h>
 #include <glog/logging.h>
@@ -9,8 +9,8 @@
 #include <type_traits>
 
 #include "core/geometry/plane_tangents.h"
-#include "core/map/landmark_view.h"
-#include "core/map/patch_extent.h"
+#include "core/surface/landmark_view.h"
+#include "core/surface/patch_extent.h"
 
 namespace plumbline {
 bool Landmark::IsJudged() const {

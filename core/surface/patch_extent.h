@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/cell_grid.h"
 #include "core/geometry/plane_axes.h"
+#include "core/surface/cell_grid.h"
 
 namespace plumbline {
 

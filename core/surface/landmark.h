@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/map/patch_extent.h"
+#include "core/surface/patch_extent.h"
 #include "factors/manifold/plane_model.h"
 
 namespace plumbline {

@@ -1,4 +1,4 @@
-#include "core/map/patch_extent.h"
+#include "core/surface/patch_extent.h"
 
 #include <algorithm>
 #include <cmath>
