@@ -145,7 +145,7 @@ std::vector<size_t> LargestPlanes(const std::vector<PlanePatch>& planes) {
   size_t num_parameters = 0;
   std::vector<size_t> kept;
   for (const size_t i : order) {
-    num_parameters += ParameterNames(planes[i]).size();
+    num_parameters += FieldsOf(planes[i].type).parameters.size();
     if (num_parameters > kMaxParameters) break;
     kept.push_back(i);
   }
@@ -166,7 +166,8 @@ DataSection CovarianceSection(const PlaneCovariance& covariance,
   std::vector<Eigen::Index> columns;
   Eigen::Index offset = 0;
   for (size_t i = 0, next = 0; i < covariance.planes().size(); ++i) {
-    const auto size = static_cast<Eigen::Index>(ParameterNames(covariance.planes()[i]).size());
+    const auto size =
+        static_cast<Eigen::Index>(FieldsOf(covariance.planes()[i].type).parameters.size());
     if (next < kept.size() && kept[next] == i) {
       for (Eigen::Index k = 0; k < size; ++k) columns.push_back(offset + k);
       ++next;

@@ -78,7 +78,7 @@ std::string Kinds(const std::vector<PlanePatch>& planes) {
   for (const PlanePatch& plane : planes) ++numbers[plane.type];
   std::string text;
   for (const auto& [type, number] : numbers) {
-    Append(&text, "%s%d %s", text.empty() ? "" : ", ", number, PlaneTypeName(type).c_str());
+    Append(&text, "%s%d %s", text.empty() ? "" : ", ", number, FieldsOf(type).name.c_str());
   }
   return text;
 }

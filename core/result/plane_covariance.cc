@@ -20,26 +20,13 @@ namespace {
 std::vector<int> Offsets(const std::vector<PlanePatch>& planes) {
   std::vector<int> offsets = {0};
   for (const PlanePatch& plane : planes) {
-    offsets.push_back(offsets.back() + static_cast<int>(ParameterNames(plane).size()));
+    offsets.push_back(offsets.back() +
+                      static_cast<int>(FieldsOf(plane.type).parameters.size()));
   }
   return offsets;
 }
 
 }  // namespace
-
-std::vector<std::string> ParameterNames(const PlanePatch& plane) {
-  switch (plane.type) {
-    case PlaneType::kHorizontal:
-      return {"d"};
-    case PlaneType::kVertical:
-      return {"angle", "d"};
-    case PlaneType::kCylinder:
-      return {"turn_u", "radius", "d_centre"};
-    case PlaneType::kGeneral:
-      break;
-  }
-  return {"turn_u", "turn_v", "d_centre"};
-}
 
 PlaneCovariance::PlaneCovariance(std::vector<PlanePatch> planes, Eigen::MatrixXd covariance)
     : planes_(std::move(planes)),
@@ -91,9 +78,7 @@ Eigen::RowVectorXd PlaneCovariance::DistanceRow(size_t plane,
 Eigen::MatrixXd PlaneCovariance::NormalRows(size_t plane) const {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, covariance_.cols());
   const PlanePatch& patch = planes_[plane];
-  const int num_turns = patch.type == PlaneType::kHorizontal ? 0
-                        : patch.type == PlaneType::kGeneral  ? 2
-                                                             : 1;
+  const int num_turns = FieldsOf(patch.type).num_turns;
   rows.middleCols(offsets_[plane], num_turns) =
       PlaneTangents(patch.normal).leftCols(num_turns);
   return rows;

@@ -8,9 +8,6 @@
 
 namespace plumbline {
 
-// Returns the names of a plane's parameters in plane_covariance.csv: see PlaneCovariance.
-std::vector<std::string> ParameterNames(const PlanePatch& plane);
-
 // PlaneCovariance is the joint covariance of a result's planes, and gives the standard
 // deviations of what people measure in a map. Parameters of a plane n.x = d, in rad and m of
 // the model frame: horizontal [ d ], vertical [ angle, d ] with n = (cos angle, sin angle, 0),

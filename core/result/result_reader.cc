@@ -151,7 +151,7 @@ class PlaneReader {
                            PlaneType::kVertical,
                            PlaneType::kGeneral,
                            PlaneType::kCylinder}) {
-      if (json.is_string() && json.get<std::string>() == PlaneTypeName(type)) return type;
+      if (json.is_string() && json.get<std::string>() == FieldsOf(type).name) return type;
     }
     Fail("type", "horizontal, vertical, general or cylinder");
   }
@@ -270,7 +270,7 @@ PlaneCovariance ReadPlaneCovariance(const std::string& result_directory) {
   const std::string path = (directory / "plane_covariance.csv").string();
   int size = 0;
   for (const PlanePatch& plane : planes)
-    size += static_cast<int>(ParameterNames(plane).size());
+    size += static_cast<int>(FieldsOf(plane.type).parameters.size());
   std::ifstream file(path);
   if (!file) throw Error(path + ": can not be read");
   Eigen::MatrixXd covariance(size, size);

@@ -59,7 +59,7 @@ std::string PlaneText(const PlanePatch& plane) {
   const auto add = [&text](const std::string& key, const std::string& value) {
     text += ", \"" + key + "\": " + value;
   };
-  add("type", "\"" + PlaneTypeName(plane.type) + "\"");
+  add("type", "\"" + FieldsOf(plane.type).name + "\"");
   add("normal", VectorText(plane.normal));
   add("distance", NumberText(plane.distance));
   add("sigma_angle_deg", NumberText(plane.sigma_angle_rad * kDegreesPerRadian));
@@ -358,7 +358,7 @@ std::string FormatSummary(const Summary& summary) {
 std::string FormatPlaneCovariance(const PlaneCovariance& covariance) {
   std::vector<std::pair<std::string, std::string>> names;  // id, parameter
   for (const PlanePatch& plane : covariance.planes()) {
-    for (const std::string& name : ParameterNames(plane)) {
+    for (const std::string& name : FieldsOf(plane.type).parameters) {
       names.emplace_back(std::to_string(plane.id), name);
     }
   }

@@ -2,20 +2,18 @@
 
 #include <glog/logging.h>
 
+#include <array>
+
 namespace plumbline {
 
-std::string PlaneTypeName(PlaneType type) {
-  switch (type) {
-    case PlaneType::kHorizontal:
-      return "horizontal";
-    case PlaneType::kVertical:
-      return "vertical";
-    case PlaneType::kGeneral:
-      return "general";
-    case PlaneType::kCylinder:
-      return "cylinder";
-  }
-  LOG(FATAL) << "plane type " << static_cast<int>(type);
+const PlaneTypeFields& FieldsOf(PlaneType type) {
+  static const std::array<PlaneTypeFields, 4> kFields = {{
+      {"horizontal", {"d"}, 0},
+      {"vertical", {"angle", "d"}, 1},
+      {"general", {"turn_u", "turn_v", "d_centre"}, 2},
+      {"cylinder", {"turn_u", "radius", "d_centre"}, 1},
+  }};
+  return kFields.at(static_cast<size_t>(type));
 }
 
 Eigen::Vector3d PlanePatch::NormalAt(const Eigen::Vector3d& p_world) const {

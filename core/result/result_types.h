@@ -29,8 +29,13 @@ struct StampedCovariance {
 
 enum class PlaneType { kHorizontal, kVertical, kGeneral, kCylinder };
 
-// "horizontal", "vertical", "general", "cylinder"
-std::string PlaneTypeName(PlaneType type);
+// What files state of the planes of one type.
+struct PlaneTypeFields {
+  std::string name;
+  std::vector<std::string> parameters;  // see PlaneCovariance
+  int num_turns;                        // of the normal, the first ones of the parameters
+};
+const PlaneTypeFields& FieldsOf(PlaneType type);
 
 // PlanePatch is a plane n.x = d in the world (model) frame with the outline of its part that
 // was seen. The normal points to the side that was seen. Of an upright cylinder, normal and

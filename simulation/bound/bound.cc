@@ -489,7 +489,7 @@ std::string BoundTable(const Bound& bound) {
                   sizeof(line),
                   "%5d  %-10s %7lld  %10.5f  %11.3f\n",
                   plane.id,
-                  PlaneTypeName(plane.type).c_str(),
+                  FieldsOf(plane.type).name.c_str(),
                   static_cast<long long>(plane.num_points),
                   plane.sigma_angle_rad * kDegreesPerRadian,
                   1e3 * plane.sigma_distance_m);

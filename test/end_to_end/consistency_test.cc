@@ -71,7 +71,7 @@ void AddPlanes(const Evaluation& evaluation,
   for (size_t i = 0; i < stated.planes().size(); ++i) {
     const PlanePatch& plane = stated.planes()[i];
     const PlanePatch& face = faces.at(evaluation.planes.list[i].face_ids.front());
-    for (const std::string& parameter : ParameterNames(plane)) {
+    for (const std::string& parameter : FieldsOf(plane.type).parameters) {
       const double angle = std::atan2(plane.normal.y(), plane.normal.x());
       const double true_angle = std::atan2(face.normal.y(), face.normal.x());
       if (stated.covariance()(row, row) > 0.0) {

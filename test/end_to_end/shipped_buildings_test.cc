@@ -117,7 +117,7 @@ FloorPlanInput TrueMapOf(const std::string& experiment_name) {
   const std::vector<PlanePatch> faces = truth.Patches();
   Eigen::Index num_parameters = 0;
   for (const PlanePatch& face : faces) {
-    num_parameters += static_cast<Eigen::Index>(ParameterNames(face).size());
+    num_parameters += static_cast<Eigen::Index>(FieldsOf(face.type).parameters.size());
   }
   constexpr double kVariance = 1e-8;  // of surfaces that are true
   input.planes = PlaneCovariance(
