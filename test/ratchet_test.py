@@ -37,7 +37,7 @@ SUMS = {"sum of core and factors": ("core", "factors"),
 MAX_METHODS = 25
 # The enumerations that say of what kind a surface is, and what stands for a comparison with them.
 KINDS = ("PlaneModel", "PlaneType")
-PREDICATES = ("IsCurved", "kIsCurved", "is_curved", "is_vertical")
+PREDICATES = ("IsCurved", "IsUpright", "is_curved", "is_vertical", "kIsCurved", "kIsUpright")
 # The lengths, codes and limits of files, and the sizes of what is drawn and written into them.
 FORMATS = ("core/recording/*", "core/result/cloud_export.*", "core/result/e57_*",
            "core/result/header_padding.*", "core/result/las_writer.*",

@@ -41,8 +41,7 @@ double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
 }
 
 double MinCuttingSine(const Landmark& landmark) {
-  const bool is_upright = landmark.model == PlaneModel::kVertical || landmark.IsCurved();
-  return is_upright ? kMinCuttingSine : kMinCuttingSineOfSlopes;
+  return landmark.IsUpright() ? kMinCuttingSine : kMinCuttingSineOfSlopes;
 }
 
 }  // namespace
@@ -58,12 +57,9 @@ bool Grazes(const Observation& observation,
   const Eigen::Vector3d end =
       poses.motion.ToWorld(observation.end(), observation.end_time_ns());
   return std::any_of(landmarks.begin(), landmarks.end(), [&](const Landmark& landmark) {
-    if (landmark.model == PlaneModel::kVertical || landmark.IsCurved() ||
-        landmark.num_segments == 0) {
-      return false;
-    }
-    const double min_sine = MinCuttingSine(landmark);
-    return scan_normal.cross(landmark.Normal()).squaredNorm() < min_sine * min_sine &&
+    if (landmark.IsUpright() || landmark.num_segments == 0) return false;
+    return scan_normal.cross(landmark.Normal()).squaredNorm() <
+               kMinCuttingSineOfSlopes * kMinCuttingSineOfSlopes &&
            std::abs(landmark.SignedDistance(start)) < max_distance_m &&
            std::abs(landmark.SignedDistance(end)) < max_distance_m;
   });
@@ -207,8 +203,7 @@ void VisitHypotheses(const Observation& observation,
   for (const LandmarkView& view : views) {
     if (view.SignedDistance(scanner_world) <= 0.0) continue;
     std::optional<LandmarkView> near;
-    if (view.is_curved) near = view.Near(centroid_world);
-    const LandmarkView& plane = near ? *near : view;
+    const LandmarkView& plane = view.Near(centroid_world, &near);
     const double min_sine = MinCuttingSine(*view.landmark);
     if (scan_normal.cross(plane.normal).squaredNorm() < min_sine * min_sine) continue;
     // Cheap first: a distance that no covariance can explain.

@@ -60,6 +60,12 @@ std::optional<CylinderEquations::Solution> CylinderEquations::Solve() const {
   return solution;
 }
 
+bool MayBend(const Landmark& landmark) {
+  constexpr double kMaxTurn = 0.5;  // rad
+  return landmark.IsUpright() && !landmark.heading_fixed &&
+         std::abs(landmark.Curvature()) * landmark.Width() < kMaxTurn;
+}
+
 BendTest::BendTest(const Landmark& wall, double flatness_m, double range_noise_m)
     : reference_(MakeCylinderLandmark(
           wall.NormalNear(wall.extent.axes().anchor), 0.0, wall.extent.axes().anchor)),
@@ -69,7 +75,8 @@ BendTest::BendTest(const Landmark& wall, double flatness_m, double range_noise_m
 void BendTest::Add(const Observation& observation,
                    const ObservationPoses& poses,
                    const Matrix6d& pose_covariance) {
-  const LandmarkView view(reference_);
+  if (!reference_) return;
+  const LandmarkView view(*reference_);
   const LineDeviation deviation = DeviationFromPlane(observation, poses, view);
   equations_.Add(observation,
                  poses,
@@ -78,7 +85,7 @@ void BendTest::Add(const Observation& observation,
                  flatness_m_);
   const ScanPlacement& placement = poses.motion.nodes()[1];
   const Eigen::Vector3d centroid = placement * observation.centroid().homogeneous();
-  const double along = reference_.extent.axes().u.dot(centroid - reference_.chart.anchor);
+  const double along = reference_->extent.axes().u.dot(centroid - reference_->chart.anchor);
   const Eigen::Vector3d piece =
       placement.leftCols<2>() * (observation.end() - observation.start());
   num_points_ += observation.num_points;
@@ -109,9 +116,9 @@ std::optional<Landmark> BendTest::Solve() const {
     return std::nullopt;
   }
   if (curvature * kMinRadius > 1.0 || curvature * kMaxRadius < 1.0) return std::nullopt;
-  const double angle = reference_.parameters[0] + solution->step[0];
+  const double angle = reference_->parameters[0] + solution->step[0];
   Landmark cylinder = MakeCylinderLandmark(
-      {std::cos(angle), std::sin(angle), 0.0}, step, reference_.chart.anchor);
+      {std::cos(angle), std::sin(angle), 0.0}, step, reference_->chart.anchor);
   cylinder.parameters[2] = solution->step[2];
   cylinder.covariance = solution->covariance;
   return cylinder;

@@ -44,11 +44,17 @@ class CylinderEquations {
   int num_segments_ = 0;
 };
 
+// Whether the segments of a landmark may show that it bends, or that it does not: of a wall,
+// or a cylinder that turns so little where it was seen that it may as well be a plane. The
+// gauge's wall stays one.
+bool MayBend(const Landmark& landmark);
+
 // Whether a wall bends: the likelihood ratio of an upright cylinder and a plane through the
 // same segments. Where they do not bend, or can not tell, the wall stays a plane, which has
 // one unknown less.
 class BendTest {
  public:
+  // Of a surface that can not bend: it takes no segments.
   BendTest() = default;
   // wall: vertical, or a cylinder that hardly turns on its width; the result's chart is about
   // its anchor. flatness_m: of surfaces (AssociationOptions); range_noise_m: of the scanners.
@@ -67,7 +73,7 @@ class BendTest {
   // The width on which points spread evenly would spread as these segments do, m.
   double Width() const;
 
-  Landmark reference_;  // not bent
+  std::optional<Landmark> reference_;  // not bent
   double flatness_m_ = 0.0;
   double range_noise_m_ = 0.0;
   CylinderEquations equations_;

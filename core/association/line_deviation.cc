@@ -66,8 +66,7 @@ LineDeviation DeviationFromPlane(const Observation& observation,
                                  const LandmarkView& surface) {
   const PlacedLine line(observation, poses);
   std::optional<LandmarkView> near;
-  const LandmarkView& plane =
-      surface.is_curved ? near.emplace(surface.Near(line.centroid_world)) : surface;
+  const LandmarkView& plane = surface.Near(line.centroid_world, &near);
   const SegmentWeights weights =
       WeightsOn(observation, poses.world_from_scanner.rotation, plane.normal);
   // What of the constant is the bow's rest, for a surface that does not bend.
@@ -94,13 +93,11 @@ LineDeviation DeviationFromPlane(const Observation& observation,
   const Eigen::Vector3d& normal = plane.normal;
   deviation.by_pose.row(0) << arm.cross(normal).transpose(), normal.transpose();
   deviation.by_pose.row(1) << line.tangent_world.cross(normal).transpose(), 0.0, 0.0, 0.0;
-  if (surface.is_curved) {
-    // Moved along the arc, the line meets another normal.
-    Eigen::Vector3d turn = surface.curvature * line.tangent_world;
-    turn.z() = 0.0;
-    deviation.by_pose.row(1) +=
-        (Eigen::Matrix<double, 6, 1>() << arm.cross(turn), turn).finished().transpose();
-  }
+  // Moved along an arc, the line meets another normal.
+  Eigen::Vector3d turn = surface.curvature * line.tangent_world;
+  turn.z() = 0.0;
+  deviation.by_pose.row(1) +=
+      (Eigen::Matrix<double, 6, 1>() << arm.cross(turn), turn).finished().transpose();
   deviation.by_plane = plane.DeviationJacobian(line.centroid_world, line.tangent_world);
   return deviation;
 }
@@ -109,7 +106,8 @@ BowedDeviation BowedDeviationFrom(const Observation& observation,
                                   const ObservationPoses& poses,
                                   const LandmarkView& surface) {
   const PlacedLine line(observation, poses);
-  const LandmarkView plane = surface.Near(line.centroid_world);
+  std::optional<LandmarkView> near;
+  const LandmarkView& plane = surface.Near(line.centroid_world, &near);
   BowedDeviation deviation;
   VisitResiduals(observation,
                  poses,

@@ -150,7 +150,7 @@ void TentativePlanes::Offer(const Observation& observation,
     if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;
     Update(deviation, deviation.covariance + FlatnessOf(observation), &plane.landmark);
     Record(observation, observation_index, poses, evidence, line, &plane);
-    if (!horizontal) plane.bend.Add(observation, poses, pose_covariance);
+    plane.bend.Add(observation, poses, pose_covariance);
     taken = true;
   }
   const double max_sigma = options_.planes.max_direction_sigma_deg * M_PI / 180.0;
@@ -158,12 +158,7 @@ void TentativePlanes::Offer(const Observation& observation,
       observation.num_points >= options_.planes.min_points &&
       !(observation.sigma_direction_rad > max_sigma)) {
     Start(observation, observation_index, poses, evidence, line);
-    TentativePlane& plane = planes_.back();
-    if (plane.landmark.model == PlaneModel::kVertical) {
-      plane.bend =
-          BendTest(plane.landmark, options_.association.surface_flatness_m, range_noise_m_);
-      plane.bend.Add(observation, poses, pose_covariance);
-    }
+    planes_.back().bend.Add(observation, poses, pose_covariance);
   }
 }
 
@@ -184,6 +179,8 @@ void TentativePlanes::Start(const Observation& observation,
     Eigen::Vector3d normal = direction.cross(Eigen::Vector3d::UnitZ());
     if (normal.dot(world_from_scanner.translation - centroid) < 0.0) normal = -normal;
     plane.landmark = MakeVerticalLandmark(normal, centroid);
+    plane.bend =
+        BendTest(plane.landmark, options_.association.surface_flatness_m, range_noise_m_);
   } else {
     return;
   }
@@ -228,7 +225,7 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
   const PlaneThroughLines::Fit fit = plane.lines.Solve();
   if (fit.normal_covariance.trace() > kDecidedSigma * kDecidedSigma) return true;
   const std::optional<Landmark> shown = DecideKind(fit, plane.landmark.extent.axes().anchor);
-  return shown && shown->model == PlaneModel::kHorizontal;
+  return shown && shown->model == plane.landmark.model;
 }
 
 std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,
@@ -240,8 +237,7 @@ std::vector<TentativePlane> TentativePlanes::TakeReady(int min_scans,
     if (is_ready && it->landmark.model == PlaneModel::kVertical &&
         undecided_.AreOnNoWall(it->observations, min_scans)) {
       it = planes_.erase(it);
-    } else if (is_ready && (it->landmark.model != PlaneModel::kVertical ||
-                            BendWhereShown(needs_age, options_.planes, &*it))) {
+    } else if (is_ready && BendWhereShown(needs_age, options_.planes, &*it)) {
       ready.push_back(std::move(*it));
       it = planes_.erase(it);
     } else {

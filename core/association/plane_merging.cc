@@ -186,7 +186,7 @@ std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
       options,
       0,
       [](const Compared& a, const Compared& b) {
-        return a.landmark->IsCurved() && b.landmark->IsCurved();
+        return a.landmark->IsCurved() && a.landmark->model == b.landmark->model;
       },
       [&](const Landmark& larger, const Landmark& smaller) {
         return AreOneCylinder(larger, smaller, range_noise_m, options.association);
@@ -198,7 +198,7 @@ bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_nois
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
   // So does a chord of an arc.
   const bool may_be_strip =
-      (weak.model != PlaneModel::kGeneral && strong.model == PlaneModel::kGeneral) ||
+      (strong.model == PlaneModel::kGeneral && weak.model != strong.model) ||
       strong.IsCurved();
   if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
   const std::array<Eigen::Vector3d, 5> points = PointsAcross(weak);

@@ -25,9 +25,7 @@ bool TentativePlane::HasAge(const PlaneOptions& options) const {
   // Somebody who walks is as high as a wall piece, but not as wide.
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
-  const bool is_vertical =
-      landmark.model == PlaneModel::kVertical || landmark.model == PlaneModel::kCylinder;
-  if ((is_vertical ? sides.x() : sides.norm()) > options.small_m) return true;
+  if ((landmark.IsUpright() ? sides.x() : sides.norm()) > options.small_m) return true;
   return SecondsBetween(first_time_ns, last_time_ns) > options.min_age_of_small_s;
 }
 

@@ -117,11 +117,10 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (fit.chi2 > kMaxMeanChi2 * (2 * seen.lines.num_lines() - 3)) return false;
   std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
   if (!landmark) return false;
+  const bool is_general = landmark->model == PlaneModel::kGeneral;
   // Two lines lie on a plane by chance, but hardly on one that is upright, too.
-  const bool is_likely = landmark->model == PlaneModel::kVertical;
-  if (!is_likely) {
+  if (!landmark->IsUpright()) {
     const bool is_start = min_scans <= 1;
-    const bool is_general = landmark->model == PlaneModel::kGeneral;
     const int min_lines = is_general ? kMinLinesOfGeneral : kMinLines;
     if (seen.lines.num_lines() < (is_start ? kMinWitnesses : min_lines)) return false;
     if (!is_start && seen.Motion() < (is_general ? kRevealingMotion : kSweepOfTwo))
@@ -134,7 +133,7 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (needs_age && !seen.HasAge(options_.planes)) return false;
   const Eigen::Vector2d sides =
       seen.landmark.extent.max_corner() - seen.landmark.extent.min_corner();
-  return seen.landmark.model != PlaneModel::kGeneral || sides.minCoeff() > kMinSide;
+  return !is_general || sides.minCoeff() > kMinSide;
 }
 
 std::vector<TentativePlane> UndecidedPlanes::TakeReady(int min_scans, bool needs_age) {

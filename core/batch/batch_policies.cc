@@ -184,23 +184,13 @@ int DecideGeneralPlanes(const Rig& rig, const AssociationOptions& options, MapSt
     }
     const std::optional<Landmark> decided =
         DecideKind(fit, fit.centre_world + landmark.Normal());
-    if (!decided || decided->model == PlaneModel::kGeneral) continue;
+    if (!decided || decided->model == landmark.model) continue;
     landmark.TakeShapeOf(*decided);
     is_changed[static_cast<size_t>(id)] = true;
   }
   RebuildLandmarks(rig, is_changed, state);
   return ReleaseObservations(is_none, state);
 }
-
-namespace {
-
-// Whether a cylinder turns so little where it was seen that it may as well be a plane.
-bool MayBeStraight(const Landmark& landmark) {
-  constexpr double kMaxTurn = 0.5;  // rad
-  return landmark.IsCurved() && std::abs(landmark.Curvature()) * landmark.Width() < kMaxTurn;
-}
-
-}  // namespace
 
 int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state) {
   std::vector<BendTest> tests;
@@ -213,8 +203,7 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
     if (observation.landmark_id < 0) continue;
     const auto id = static_cast<size_t>(observation.landmark_id);
     const Landmark& wall = state->landmarks[id];
-    const bool is_straight = wall.model == PlaneModel::kVertical && !wall.heading_fixed;
-    if (!is_straight && !MayBeStraight(wall)) continue;
+    if (!MayBend(wall)) continue;
     const int step = 1 + wall.num_segments / kFittedSegments;
     if (num_met[id]++ % step != 0) continue;
     tests[id].Add(observation, poses.Of(observation), Matrix6d::Zero());
@@ -224,11 +213,11 @@ int BendWalls(const Rig& rig, const AssociationOptions& options, MapState* state
   for (Landmark& wall : state->landmarks) {
     if (num_met[static_cast<size_t>(wall.id)] == 0) continue;
     std::optional<Landmark> shape = tests[static_cast<size_t>(wall.id)].Solve();
-    if (shape.has_value() == wall.IsCurved()) continue;
     if (!shape) {
       const Eigen::Vector3d centre = wall.extent.Centre();
       shape = MakeVerticalLandmark(wall.NormalNear(centre).normalized(), centre);
     }
+    if (shape->model == wall.model) continue;
     VLOG(1) << "wall " << wall.id << " of " << wall.num_segments << " segments, "
             << wall.Width() << " m wide: curvature " << wall.Curvature() << " -> "
             << shape->Curvature() << " 1/m";

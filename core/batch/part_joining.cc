@@ -14,7 +14,6 @@
 #include "core/batch/part_poses.h"
 #include "core/batch/visit_levels.h"
 #include "core/geometry/planar_pose.h"
-#include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
 #include "core/map/observation_poses.h"
 #include "core/registration/part_matching.h"
@@ -39,46 +38,9 @@ Rigid3d ToFrame(const PartPose& pose, double height_m) {
           {pose.translation.x(), pose.translation.y(), height_m}};
 }
 
-// Takes a landmark to another frame; its extent gets axes there, and is empty.
-void Move(const Rigid3d& to_from, Landmark* landmark) {
-  const Eigen::Vector3d anchor = to_from * landmark->extent.axes().anchor;
-  if (landmark->model == PlaneModel::kHorizontal) {
-    landmark->parameters[0] += landmark->chart.sign * to_from.translation.z();
-    landmark->extent = PatchExtent(anchor, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY());
-    return;
-  }
-  if (landmark->model == PlaneModel::kGeneral) {
-    // Its parameters are about the chart, which moves along.
-    landmark->chart.axes = to_from.rotation * landmark->chart.axes;
-    landmark->chart.anchor = to_from * landmark->chart.anchor;
-    const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(landmark->Normal());
-    landmark->extent = PatchExtent(anchor, tangents.col(0), tangents.col(1));
-    return;
-  }
-  if (landmark->IsCurved()) {
-    const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
-    landmark->chart.anchor = to_from * landmark->chart.anchor;
-    landmark->parameters[0] = std::atan2(normal.y(), normal.x());
-    landmark->extent = PatchExtent(anchor,
-                                   to_from.rotation * landmark->extent.axes().u,
-                                   Eigen::Vector3d::UnitZ(),
-                                   landmark->Curvature());
-    return;
-  }
-  const Eigen::Vector3d normal = to_from.rotation * landmark->Normal();
-  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal);
-  landmark->parameters[0] = std::atan2(normal.y(), normal.x());
-  landmark->parameters[1] += normal.dot(to_from.translation);
-  landmark->extent = PatchExtent(anchor, along, Eigen::Vector3d::UnitZ());
-  // The distance from the new origin changes with the angle.
-  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
-  jacobian(1, 0) = along.dot(to_from.translation);
-  landmark->covariance = jacobian * landmark->covariance * jacobian.transpose();
-}
-
 void Move(const Rig& rig, const Rigid3d& to_from, MapState* state) {
   state->trajectory.Move(to_from);
-  for (Landmark& landmark : state->landmarks) Move(to_from, &landmark);
+  for (Landmark& landmark : state->landmarks) landmark.Move(to_from);
   // The batch takes surfaces alone.
   state->pose_constraints.clear();
   RebuildLandmarks(rig, state);
@@ -101,8 +63,7 @@ std::optional<double> HeightOf(const Rig& rig,
         to_from * (poses.Of(observation).motion.At(observation.middle_time_ns()) *
                    observation.centroid().homogeneous());
     for (const Landmark& landmark : other.landmarks) {
-      if (landmark.model != PlaneModel::kHorizontal || landmark.chart.sign != floor.chart.sign)
-        continue;
+      if (landmark.model != floor.model || landmark.chart.sign != floor.chart.sign) continue;
       if (landmark.num_segments == 0) continue;
       const double height_m = landmark.chart.sign * landmark.Distance();
       if (!landmark.extent.IsSeenAt({p.x(), p.y(), height_m}, 0.0)) continue;

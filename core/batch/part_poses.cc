@@ -86,7 +86,7 @@ PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) 
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0 || observation.num_points == 0) continue;
     const Landmark& wall = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (wall.model != PlaneModel::kVertical && !wall.IsCurved()) continue;
+    if (!wall.IsUpright()) continue;
     if (LargestStep(observation) > spacing_m) continue;
     const ObservationPoses& poses = shared.Of(observation);
     const Eigen::Vector3d& scanner = poses.world_from_scanner.translation;

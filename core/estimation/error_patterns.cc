@@ -11,7 +11,6 @@
 
 #include "core/estimation/segment_groups.h"
 #include "core/geometry/cell_key.h"
-#include "core/geometry/plane_tangents.h"
 #include "core/geometry/rigid3.h"
 #include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
@@ -77,10 +76,7 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
       landmark_columns_(landmarks.size(), -1),
       scanner_columns_(rig.scanners.size(), -1) {
   for (const Landmark& landmark : landmarks) {
-    axes_.push_back(
-        landmark.model == PlaneModel::kHorizontal
-            ? PlaneTangents(Eigen::Vector3d::UnitZ())  // of floors and ceilings alike
-            : PlaneTangents(landmark.Normal()));
+    axes_.push_back(landmark.Tangents(landmark.Normal()));
   }
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
     const auto index = static_cast<size_t>(layout.blocks[i].index);

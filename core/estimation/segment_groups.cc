@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "core/surface/landmark_view.h"
 #include "factors/segment/segment_measurement.h"
 #include "factors/spline/spline.h"
 
@@ -25,11 +26,11 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   ids.shrink_to_fit();  // few planes, many observations
   std::vector<SegmentGroup::Plane> planes;
-  std::vector<Eigen::Vector3d> normals;  // of planes
+  std::vector<LandmarkView> views;  // of planes
   for (const int id : ids) {
     const Landmark& landmark = landmarks[static_cast<size_t>(id)];
     planes.push_back({landmark.model, landmark.chart});
-    normals.push_back(landmark.Normal());
+    views.emplace_back(landmark);
   }
   SharedPoses poses(rig, trajectory);
   std::vector<SegmentGroup::Segment> segments;
@@ -64,12 +65,13 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
     }
     segment.plane = static_cast<int>(
         std::lower_bound(ids.begin(), ids.end(), observation->landmark_id) - ids.begin());
-    const Landmark& landmark = landmarks[static_cast<size_t>(observation->landmark_id)];
-    segment.weights = landmark.IsCurved()
-                          ? ObservationWeights(poses.Of(*observation), landmarks, *observation)
-                          : WeightsOn(*observation,
-                                      poses.Of(*observation).world_from_scanner.rotation,
-                                      normals[static_cast<size_t>(segment.plane)]);
+    const ObservationPoses& placed = poses.Of(*observation);
+    const Eigen::Vector3d centroid =
+        placed.motion.nodes()[1] * observation->centroid().homogeneous();
+    segment.weights =
+        WeightsOn(*observation,
+                  placed.world_from_scanner.rotation,
+                  views[static_cast<size_t>(segment.plane)].UnitNormalNear(centroid));
     segments.push_back(segment);
   }
   SegmentGroup group(num_control_points,

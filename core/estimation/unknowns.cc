@@ -116,7 +116,7 @@ const ceres::Manifold* Unknowns::MakeManifold(const BlockId& block) {
     return own_manifolds_.back().get();
   }
   const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
-  if (landmark.model != PlaneModel::kVertical) return nullptr;
+  if (KindOf(block) != LinearPrior::Kind::kVerticalPlane) return nullptr;
   if (landmark.heading_fixed) return fixed_heading_manifold_.get();
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector3d centre = extent.empty() ? extent.axes().anchor : extent.Centre();

@@ -314,8 +314,7 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
 void ScanFollower::BridgeByMotion(int64_t now_ns) {
   std::vector<bool> is_narrow;
   for (const Landmark& landmark : state_->landmarks) {
-    is_narrow.push_back(landmark.model != PlaneModel::kHorizontal && !landmark.heading_fixed &&
-                        landmark.Width() < kLongWall);
+    is_narrow.push_back(!landmark.heading_fixed && IsNarrowWall(landmark, kLongWall));
   }
   window_->TakeBack(is_narrow);
   if (imu_ == nullptr) {

@@ -54,7 +54,7 @@ bool WallsLeaveOpen(const MapState& state,
     const Observation& observation = state.observations[static_cast<size_t>(index)];
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model == PlaneModel::kHorizontal || landmark.Width() < min_width_m) continue;
+    if (landmark.Width() < min_width_m) continue;
     // An arc's normals point into many directions: the one in its middle is as good as any.
     const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
     information += normal * normal.transpose() * InformationOf(observation, flatness_m);
@@ -73,11 +73,14 @@ bool HeightIsOpen(const MapState& state,
     const Observation& observation = state.observations[static_cast<size_t>(index)];
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model == PlaneModel::kVertical || landmark.IsCurved()) continue;
-    const double up = landmark.Normal().z();
+    const double up = landmark.Normal().z();  // zero on walls
     information += up * up * InformationOf(observation, flatness_m);
   }
   return information * kOpenHeightStddev * kOpenHeightStddev < 1.0;
+}
+
+bool IsNarrowWall(const Landmark& landmark, double min_width_m) {
+  return landmark.model != PlaneModel::kHorizontal && landmark.Width() < min_width_m;
 }
 
 std::vector<int> OnNarrowPlanes(const MapState& state,
@@ -89,9 +92,7 @@ std::vector<int> OnNarrowPlanes(const MapState& state,
     const Observation& observation = state.observations[static_cast<size_t>(index)];
     if (observation.landmark_id < 0) continue;
     const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.model != PlaneModel::kHorizontal && landmark.Width() < min_width_m) {
-      on_narrow.push_back(index);
-    }
+    if (IsNarrowWall(landmark, min_width_m)) on_narrow.push_back(index);
   }
   return on_narrow;
 }

@@ -42,7 +42,11 @@ bool HeightIsOpen(const MapState& state,
                   int last_observation,
                   double flatness_m);
 
-// Its observations on vertical planes of less than this width.
+// Whether a landmark is a wall or slope of which less than this width was seen: it may be a
+// door, or somebody who walks.
+bool IsNarrowWall(const Landmark& landmark, double min_width_m);
+
+// Its observations on such landmarks.
 std::vector<int> OnNarrowPlanes(const MapState& state,
                                 int first_observation,
                                 int last_observation,

@@ -38,7 +38,7 @@ void AddSegment(const Observation& observation,
   const ScanPlacement placement = poses.motion.At(observation.middle_time_ns());
   const Eigen::Vector3d centre = placement * observation.centroid().homogeneous();
   std::optional<LandmarkView> near;
-  const LandmarkView& plane = surface.is_curved ? near.emplace(surface.Near(centre)) : surface;
+  const LandmarkView& plane = surface.Near(centre, &near);
   const double cut = Cut(placement, plane);
   const Eigen::Vector3d along = placement.leftCols<2>() * observation.tangent();
   const Eigen::Vector3d lever = centre - poses.world_from_body.translation;

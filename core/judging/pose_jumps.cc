@@ -137,9 +137,7 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       const double information = 1.0 / (stddev_m * stddev_m);
       const Eigen::Vector3d centroid =
           poses.Of(observation).motion.nodes()[1] * observation.centroid().homogeneous();
-      const Eigen::Vector3d normal =
-          planes[id].is_curved ? planes[id].landmark->NormalNear(centroid) : planes[id].normal;
-      const double along = normal.dot(direction);
+      const double along = planes[id].UnitNormalNear(centroid).dot(direction);
       a.information += along * along * information;
       a.usual_information += information / 3.0;
     }

@@ -138,7 +138,7 @@ class VisitComparer {
     grid_->ForEachNear(middle.head<2>(), middle.head<2>(), [&](int index) {
       const LandmarkView& plane = planes_[static_cast<size_t>(index)];
       const double distance = std::abs(plane.SignedDistance(middle));
-      if (distance >= least || std::abs(plane.Near(middle).normal.dot(along)) > kMaxSlope ||
+      if (distance >= least || std::abs(plane.UnitNormalNear(middle).dot(along)) > kMaxSlope ||
           plane.SignedDistance(segment.scanner_world) < 0.0 ||
           !WasSeenBefore(sightings_, *plane.landmark, middle, second)) {
         return;
@@ -148,7 +148,7 @@ class VisitComparer {
     });
     if (nearest == nullptr) return;
     pairs->push_back({middle - origin,
-                      nearest->Near(middle).normal,
+                      nearest->landmark->NormalNear(middle),
                       nearest->SignedDistance(middle),
                       nearest->landmark->id});
   }

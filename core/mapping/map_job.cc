@@ -21,7 +21,6 @@
 #include "core/judging/consistency.h"
 #include "core/map/calibration_report.h"
 #include "core/map/imu_report.h"
-#include "core/map/plane_patches.h"
 #include "core/mapping/checked_recording.h"
 #include "core/mapping/point_exporter.h"
 #include "core/options/config.h"
@@ -31,6 +30,7 @@
 #include "core/result/result_directory.h"
 #include "core/result/result_files.h"
 #include "core/result/result_writer.h"
+#include "core/surface/plane_patches.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
@@ -226,7 +226,7 @@ Summary WriteResult(const Rig& rig,
                     RecordingReader* recording,
                     ResultWriter* writer,
                     Stopwatch* judging_watch) {
-  const std::vector<PlanePatch> planes = PlanePatches(result.state);
+  const std::vector<PlanePatch> planes = PlanePatches(result.state.landmarks);
   const PlaneCovariance covariance =
       StatedCovariance(result.state.landmarks, planes, result.batch.covariance.landmarks());
   writer->WriteTrajectory(Poses(result));

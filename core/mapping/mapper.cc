@@ -20,8 +20,8 @@
 #include "core/following/scan_follower.h"
 #include "core/following/tracker.h"
 #include "core/judging/consistency.h"
-#include "core/map/plane_patches.h"
 #include "core/sensor/scan_reader.h"
+#include "core/surface/plane_patches.h"
 #include "core/util/error.h"
 #include "core/util/free_memory.h"
 #include "core/util/stopwatch.h"
@@ -52,7 +52,7 @@ PlaneCovariance PlanesOf(const std::vector<WindowEstimate>& estimates, const Map
   std::vector<PlanePatch> patches;
   std::vector<int> rows;
   int row = 0;
-  for (const PlanePatch& patch : PlanePatches(state)) {
+  for (const PlanePatch& patch : PlanePatches(state.landmarks)) {
     const auto& ids = last.landmark_ids;
     if (std::binary_search(ids.begin(), ids.end(), patch.id)) patches.push_back(patch);
   }

@@ -95,10 +95,6 @@ struct Item {
   PointBuffer points;
 };
 
-Eigen::Vector3d UnitNormalAt(const LandmarkView& plane, const Eigen::Vector3d& p_world) {
-  return plane.is_curved ? plane.landmark->NormalNear(p_world).normalized() : plane.normal;
-}
-
 // Places the points of scan lines. Serves one block.
 class LinePlacer {
  public:
@@ -180,7 +176,7 @@ class LinePlacer {
         count.sum_squares += residual * residual;
         point.plane_id = plane->landmark->id;
         point.residual_m = static_cast<float>(residual);
-        point.normal_world = UnitNormalAt(*plane, p_world).cast<float>();
+        point.normal_world = plane->UnitNormalNear(p_world).cast<float>();
       } else if (moves_[static_cast<size_t>(beam)]) {
         point.plane_id = kMovingPlaneId;
         ++count.num_moving;

@@ -17,8 +17,7 @@ constexpr double kMinWayM = 2.0;    // over a floor
 constexpr double kMaxSwingM = 0.3;  // of the height of a rig that is carried
 
 bool IsLevel(const PlanePatch& plane, double direction) {
-  return !plane.IsCurved() && direction * plane.normal.z() > kLevelCosine &&
-         plane.outline.size() >= 3;
+  return direction * plane.normal.z() > kLevelCosine && plane.outline.size() >= 3;
 }
 
 double HeightAt(const PlanePatch& plane, const Eigen::Vector2d& p) {

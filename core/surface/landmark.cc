@@ -6,13 +6,48 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
-#include "core/geometry/plane_tangents.h"
 #include "core/surface/landmark_view.h"
 #include "core/surface/patch_extent.h"
 
 namespace plumbline {
+namespace {
+
+using Parameters = std::array<double, 3>;
+
+// What each kind of surface answers.
+
+// The direction of the parameter that is the distance from the world's origin; zero of
+// surfaces whose parameters are about their chart's anchor.
+template <typename Surface>
+Eigen::Vector3d AlongDistance(const Surface&) {
+  return Eigen::Vector3d::Zero();
+}
+Eigen::Vector3d AlongDistance(const HorizontalPlane&) { return Eigen::Vector3d::UnitX(); }
+Eigen::Vector3d AlongDistance(const VerticalPlane&) { return Eigen::Vector3d::UnitY(); }
+
+Parameters ParametersOf(const HorizontalPlane&, const Eigen::Vector3d&, double distance) {
+  return {distance};
+}
+Parameters ParametersOf(const VerticalPlane&, const Eigen::Vector3d& normal, double distance) {
+  return {std::atan2(normal.y(), normal.x()), distance};
+}
+Parameters ParametersOf(const GeneralPlane& plane,
+                        const Eigen::Vector3d& normal,
+                        double distance) {
+  const Eigen::Vector3d in_chart = plane.axes.transpose() * normal;
+  return {in_chart.x() / in_chart.z(),
+          in_chart.y() / in_chart.z(),
+          distance - normal.dot(plane.anchor)};
+}
+Parameters ParametersOf(const Cylinder&, const Eigen::Vector3d&, double) {
+  LOG(FATAL) << "a cylinder is no plane";
+}
+
+}  // namespace
+
 bool Landmark::IsJudged() const {
   constexpr int kMaxJudged = 200;  // their mean is known to a fourteenth
   return num_judged >= kMaxJudged;
@@ -31,6 +66,39 @@ void Landmark::TakeShapeOf(const Landmark& other) {
   extent = other.extent;
 }
 
+Eigen::Vector3d Landmark::AlongDistance() const {
+  return VisitPlaneModel(
+      model, chart, [](const auto& kind) { return plumbline::AlongDistance(kind); });
+}
+
+void Landmark::Move(const Rigid3d& to_from) {
+  const Eigen::Vector3d normal = to_from.rotation * Normal();
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal);
+  chart.axes = to_from.rotation * chart.axes;
+  chart.anchor = to_from * chart.anchor;
+  Eigen::Map<Eigen::Vector3d> of_surface(parameters.data());
+  if (IsUpright()) of_surface[0] = std::atan2(normal.y(), normal.x());
+  of_surface += normal.dot(to_from.translation) * AlongDistance();
+  // The distance from the new origin changes with the angle.
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+  jacobian.col(0) += along.dot(to_from.translation) * AlongDistance();
+  covariance = jacobian * covariance * jacobian.transpose();
+  const PlaneAxes& axes = extent.axes();
+  extent = PatchExtent(to_from * axes.anchor,
+                       to_from.rotation * axes.u,
+                       to_from.rotation * axes.v,
+                       axes.curvature);
+}
+
+Eigen::Vector3d Landmark::ParametersAbout(const Eigen::Vector2d& origin) const {
+  return Eigen::Vector3d(parameters.data()) - Normal().head<2>().dot(origin) * AlongDistance();
+}
+
+Eigen::Matrix3d Landmark::ByParametersAbout(const Eigen::Vector2d& origin) const {
+  return Eigen::Matrix3d::Identity() +
+         AlongDistance() * (origin.transpose() * PlaneByParameters().topRows<2>());
+}
+
 Eigen::Vector4d Landmark::PlaneNear(const Eigen::Vector3d& p_world) const {
   Eigen::Vector4d plane;
   VisitPlaneModel(model, chart, [&](const auto& parametrised) {
@@ -44,36 +112,19 @@ PatchExtent Landmark::EmptyExtent() const {
   const Eigen::Vector3d normal = NormalNear(extent.axes().anchor).normalized();
   const Eigen::Vector3d anchor =
       extent.axes().anchor - SignedDistance(extent.axes().anchor) * normal;
-  if (model == PlaneModel::kHorizontal) {
-    return PatchExtent(anchor, extent.axes().u, extent.axes().v);
-  }
-  const Eigen::Matrix<double, 3, 2> tangents = PlaneTangents(normal);
+  const Eigen::Matrix<double, 3, 2> tangents = Tangents(normal);
   return PatchExtent(anchor, tangents.col(0), tangents.col(1), Curvature());
 }
 
 Eigen::Matrix<double, 2, 3> Landmark::DeviationJacobian(
     const Eigen::Vector3d& p_world, const Eigen::Vector3d& direction_world) const {
-  return LandmarkView(*this).Near(p_world).DeviationJacobian(p_world, direction_world);
+  std::optional<LandmarkView> near;
+  return LandmarkView(*this).Near(p_world, &near).DeviationJacobian(p_world, direction_world);
 }
 
 void Landmark::SetPlane(const Eigen::Vector3d& normal, double distance) {
-  switch (model) {
-    case PlaneModel::kHorizontal:
-      parameters[0] = distance;
-      return;
-    case PlaneModel::kVertical:
-      parameters[0] = std::atan2(normal.y(), normal.x());
-      parameters[1] = distance;
-      return;
-    case PlaneModel::kCylinder:
-      LOG(FATAL) << "landmark " << id << " is a cylinder";
-    case PlaneModel::kGeneral:
-      break;
-  }
-  const Eigen::Vector3d in_chart = chart.axes.transpose() * normal;
-  parameters[0] = in_chart.x() / in_chart.z();
-  parameters[1] = in_chart.y() / in_chart.z();
-  parameters[2] = distance - normal.dot(chart.anchor);
+  parameters = VisitPlaneModel(
+      model, chart, [&](const auto& kind) { return ParametersOf(kind, normal, distance); });
 }
 
 Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters(const Eigen::Vector3d& p_world) const {

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/plane_tangents.h"
+#include "core/geometry/rigid3.h"
 #include "core/surface/patch_extent.h"
 #include "factors/manifold/plane_model.h"
 
@@ -59,6 +61,10 @@ struct Landmark {
   double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
   int num_parameters() const { return PlaneModelSize(model); }
   bool IsCurved() const { return model == PlaneModel::kCylinder; }
+  // Whether its normal is level everywhere.
+  bool IsUpright() const {
+    return VisitPlaneModel(model, chart, [](const auto& kind) { return kind.kIsUpright; });
+  }
   // Curvature of a cylinder, 1/m, negative if the axis lies on the side that was seen; else 0.
   double Curvature() const { return IsCurved() ? parameters[Cylinder::kCurvatureAt] : 0.0; }
   // The unit normal and the distance d of n.x = d; of a cylinder, of the plane that stands for
@@ -80,6 +86,17 @@ struct Landmark {
   // columns beyond num_parameters() are zero.
   Eigen::Matrix<double, 2, 3> DeviationJacobian(const Eigen::Vector3d& p_world,
                                                 const Eigen::Vector3d& direction_world) const;
+  // Two unit vectors along it where this is its normal: of floors and ceilings alike x and y.
+  Eigen::Matrix<double, 3, 2> Tangents(const Eigen::Vector3d& normal) const {
+    return PlaneTangents(chart.sign * normal);
+  }
+  // Takes it to another frame, which is turned about the vertical; its extent gets axes there,
+  // and is empty.
+  void Move(const Rigid3d& to_from);
+  // Its parameters for an origin at this point of the floor plan, and the derivative of the
+  // parameters by those. Charts with an anchor do not change.
+  Eigen::Vector3d ParametersAbout(const Eigen::Vector2d& origin) const;
+  Eigen::Matrix3d ByParametersAbout(const Eigen::Vector2d& origin) const;
   // Becomes the surface that another landmark is; what was seen of it stays.
   void TakeShapeOf(const Landmark& other);
   // Sets the parameters to those of a plane of its model, n.x = d. CHECKs that it is one.
@@ -90,6 +107,9 @@ struct Landmark {
   Eigen::Matrix<double, 4, 3> PlaneByParameters() const {
     return PlaneByParameters(chart.anchor);
   }
+
+ private:
+  Eigen::Vector3d AlongDistance() const;
 };
 
 // A horizontal landmark through a point; sign +1 seen from above.

@@ -23,9 +23,8 @@ LandmarkView::LandmarkView(const Landmark& of)
   if (heading_fixed) plane_by_parameters.col(0).setZero();
 }
 
-LandmarkView LandmarkView::Near(const Eigen::Vector3d& p_world) const {
+LandmarkView LandmarkView::AtTangentPlane(const Eigen::Vector3d& p_world) const {
   LandmarkView near = *this;
-  if (!is_curved) return near;
   const Eigen::Vector4d plane = landmark->PlaneNear(p_world);
   near.normal = plane.head<3>();
   near.distance = plane[3];

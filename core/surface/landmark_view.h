@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/surface/landmark.h"
 
@@ -30,8 +31,16 @@ struct LandmarkView {
   Eigen::Matrix3d covariance;
 
   explicit LandmarkView(const Landmark& of);
-  // The view of the surface as it is near the point: of a plane, the same one.
-  LandmarkView Near(const Eigen::Vector3d& p_world) const;
+  // The view of the surface as it is near the point: of a plane this one, else one that is
+  // put into storage.
+  const LandmarkView& Near(const Eigen::Vector3d& p_world,
+                           std::optional<LandmarkView>* storage) const {
+    return is_curved ? storage->emplace(AtTangentPlane(p_world)) : *this;
+  }
+  // The surface's unit normal at the point.
+  Eigen::Vector3d UnitNormalNear(const Eigen::Vector3d& p_world) const {
+    return is_curved ? landmark->NormalNear(p_world).normalized() : normal;
+  }
   // Signed distance; of a cylinder that of the landmark, wherever the view is near.
   double SignedDistance(const Eigen::Vector3d& p_world) const {
     if (is_curved) return landmark->SignedDistance(p_world);
@@ -46,6 +55,9 @@ struct LandmarkView {
   // The derivative of the deviation by the parameters: see Landmark::DeviationJacobian.
   Eigen::Matrix<double, 2, 3> DeviationJacobian(const Eigen::Vector3d& p_world,
                                                 const Eigen::Vector3d& direction_world) const;
+
+ private:
+  LandmarkView AtTangentPlane(const Eigen::Vector3d& p_world) const;
 };
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/association/surface_levels.h"
 #include "core/geometry/angles.h"
@@ -36,10 +37,10 @@ double BeamAssociation::RangeAlong(const LandmarkView& surface,
 }
 
 Trace BeamAssociation::TraceAt(const LandmarkView& surface, int beam) const {
-  if (!surface.is_curved) return Trace(placement_, surface);
   const Eigen::Vector2d direction = scan_line_.BeamDirection(beam);
   const double range = std::min(RangeAlong(surface, direction), scanner_.max_range_m);
-  return Trace(placement_, surface.Near(placement_ * (range * direction).homogeneous()));
+  std::optional<LandmarkView> near;
+  return {placement_, surface.Near(placement_ * (range * direction).homogeneous(), &near)};
 }
 
 bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
@@ -55,8 +56,8 @@ bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
 bool BeamAssociation::EndsBefore(const LandmarkView& plane,
                                  const Eigen::Vector3d& p_world) const {
   bool ends = false;
-  const Eigen::Vector3d normal =
-      plane.is_curved ? plane.landmark->NormalNear(p_world) : plane.normal;
+  std::optional<LandmarkView> near;
+  const Eigen::Vector3d& normal = plane.Near(p_world, &near).normal;
   const auto ends_at = [&](const LandmarkView& other, const Eigen::Vector3d& other_normal) {
     if (ends || other.landmark == plane.landmark) return;
     const double cosine = other_normal.dot(normal);

@@ -47,9 +47,8 @@ double LengthOf(const ScanLine& scan_line, const Run& run) {
   return length_m;
 }
 
-// How many segments a run on a cylinder makes.
+// How many segments a run makes: on a plane one, on an arc chords.
 int NumChords(const ScanLine& scan_line, const Run& run) {
-  if (!run.plane->is_curved) return 1;
   // The bow of a chord is an eighth of the curvature times its squared length.
   const double num_chords =
       std::sqrt(std::abs(run.plane->curvature) / (8.0 * kMaxBow)) * LengthOf(scan_line, run);

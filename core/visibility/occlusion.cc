@@ -148,8 +148,10 @@ bool Occlusion::IsNearOpening(const PlaneView& view,
 }
 
 Occlusion::WallCrossings Occlusion::FindCrossings(
-    const PlaneView& view, const std::vector<LandmarkView>& others) const {
+    const std::vector<LandmarkView>& others) const {
   WallCrossings crossings;
+  if (plane.landmark->model != PlaneModel::kHorizontal) return crossings;
+  const PlaneView view = MakePlaneView();
   const std::optional<Eigen::Vector3d> start =
       IntersectionPoint(view, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
   const std::optional<Eigen::Vector3d> end =
@@ -176,8 +178,7 @@ double Occlusion::BeamAt(const WallCrossings& crossings, double share) const {
 
 std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& others) const {
   std::vector<int> beams;
-  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const WallCrossings crossings = FindCrossings(MakePlaneView(), others);
+  const WallCrossings crossings = FindCrossings(others);
   for (const WallCrossing& first : crossings.leaving) {
     for (const WallCrossing& second : crossings.entering) {
       if (first.at >= second.at) continue;
@@ -200,10 +201,8 @@ std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& other
 
 std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others) const {
   std::vector<int> beams;
-  if (plane.landmark->model != PlaneModel::kHorizontal) return beams;
-  const PlaneView view = MakePlaneView();
-  const WallCrossings crossings = FindCrossings(view, others);
-  const auto is_hidden = [&](int beam, const LandmarkView& wall) {
+  const WallCrossings crossings = FindCrossings(others);
+  const auto is_hidden = [&](const PlaneView& view, int beam, const LandmarkView& wall) {
     const auto at = IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kMinCosine);
     return at && wall.SignedDistance(*at) > -kSeenReach &&
            wall.landmark->extent.IsNear(*at, *at, kSeenReach);
@@ -211,7 +210,8 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
   // Goes from the crossing on, to the side of it that lies behind the wall.
   const auto add = [&](const WallCrossing& crossing, int step) {
     int beam = static_cast<int>(std::lround(BeamAt(crossings, crossing.at)));
-    for (; beam >= first_beam && beam <= last_beam && is_hidden(beam, *crossing.wall);
+    const PlaneView view = MakePlaneView();
+    for (; beam >= first_beam && beam <= last_beam && is_hidden(view, beam, *crossing.wall);
          beam += step) {
       beams.push_back(beam);
     }

@@ -74,10 +74,9 @@ struct Occlusion {
 
   PlaneView MakePlaneView() const;
   int64_t BeamInstantNs(int beam) const;
-  // The walls that the segment crosses; none where an end meets the plane too obliquely for
-  // its place to be known.
-  WallCrossings FindCrossings(const PlaneView& view,
-                              const std::vector<LandmarkView>& others) const;
+  // The walls that a segment on a floor or ceiling crosses; none where an end meets the plane
+  // too obliquely for its place to be known.
+  WallCrossings FindCrossings(const std::vector<LandmarkView>& others) const;
   // The beam that meets the plane at a share of the segment's length, whole or between two.
   double BeamAt(const WallCrossings& crossings, double share) const;
   // The point in the world where a beam along a direction meets the plane; nothing where the

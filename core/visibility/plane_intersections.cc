@@ -46,7 +46,8 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);
   // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
-  if (own.plane.is_vertical && other.is_vertical) outwards.z() = 0.0;
+  const bool are_walls = own.plane.is_vertical && other.is_vertical;
+  if (are_walls) outwards.z() = 0.0;
   outwards.normalize();
   const PatchExtent& own_extent = own.plane.landmark->extent;
   if (IsBehind(other, own.plane)) {
@@ -55,8 +56,7 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
     if (own_extent.IsNear(beyond, beyond, 0.0)) return std::nullopt;
   }
   // The middle beam of a segment that does not belong there may pass its plane by.
-  const bool at_upright_edge =
-      own.plane.is_vertical && other.is_vertical && outwards.allFinite();
+  const bool at_upright_edge = are_walls && outwards.allFinite();
   // Close to its own rim a wall has not been seen beyond a floor or ceiling.
   const bool goes_on = at_upright_edge
                            ? own_extent.GoesOnBeyond(at_world, outwards)

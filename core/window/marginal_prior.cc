@@ -10,37 +10,28 @@
 
 #include "core/estimation/block_layout.h"
 #include "core/estimation/normal_equations.h"
-#include "factors/manifold/anchored_plane.h"
 
 namespace plumbline {
 
 Eigen::Vector2d AnchorOf(const Landmark& landmark) {
-  if (landmark.model != PlaneModel::kVertical || landmark.heading_fixed) {
-    return Eigen::Vector2d::Zero();
-  }
+  if (landmark.heading_fixed) return Eigen::Vector2d::Zero();
   return landmark.extent.axes().anchor.head<2>();
 }
 
 Eigen::VectorXd AnchoredParameters(const Landmark& landmark) {
-  const Eigen::VectorXd parameters =
-      Eigen::Map<const Eigen::VectorXd>(landmark.parameters.data(), landmark.num_parameters());
-  if (landmark.model != PlaneModel::kVertical) return parameters;
-  return AnchoredFromPlane(parameters, AnchorOf(landmark));
+  return landmark.ParametersAbout(AnchorOf(landmark)).head(landmark.num_parameters());
 }
 
 void SetFromAnchored(const Eigen::VectorXd& anchored, Landmark* landmark) {
   Eigen::Map<Eigen::VectorXd> parameters(landmark->parameters.data(),
                                          landmark->num_parameters());
   parameters = anchored;
-  if (landmark->model != PlaneModel::kVertical) return;
-  parameters = PlaneFromAnchored(anchored, AnchorOf(*landmark));
+  parameters = landmark->ParametersAbout(-AnchorOf(*landmark)).head(parameters.size());
 }
 
 Eigen::MatrixXd ParametersByAnchored(const Landmark& landmark) {
-  if (landmark.model != PlaneModel::kVertical) {
-    return Eigen::MatrixXd::Identity(landmark.num_parameters(), landmark.num_parameters());
-  }
-  return PlaneByAnchored(landmark.parameters[0], AnchorOf(landmark));
+  const Eigen::Index size = landmark.num_parameters();
+  return landmark.ByParametersAbout(AnchorOf(landmark)).topLeftCorner(size, size);
 }
 
 void SetCovarianceFromAnchored(const Eigen::MatrixXd& covariance, Landmark* landmark) {
@@ -52,15 +43,14 @@ void SetCovarianceFromAnchored(const Eigen::MatrixXd& covariance, Landmark* land
 
 namespace {
 
-// Calls visit(row, landmark) for each vertical landmark's first row.
+// Calls visit(row, landmark) for each landmark's first row.
 template <typename Visit>
-void ForEachVertical(const std::deque<Landmark>& landmarks,
+void ForEachLandmark(const std::deque<Landmark>& landmarks,
                      const NormalEquations& equations,
                      Visit visit) {
   for (size_t i = 0; i < equations.blocks.size(); ++i) {
     if (!IsLandmark(equations.blocks[i])) continue;
-    const Landmark& landmark = landmarks[static_cast<size_t>(equations.blocks[i].index)];
-    if (landmark.model == PlaneModel::kVertical) visit(equations.offsets[i], landmark);
+    visit(equations.offsets[i], landmarks[static_cast<size_t>(equations.blocks[i].index)]);
   }
 }
 
@@ -89,7 +79,7 @@ Eigen::MatrixXd ByOther(const Landmark& landmark, const Landmark& other) {
 }  // namespace
 
 void EquationsToAnchored(const std::deque<Landmark>& landmarks, NormalEquations* equations) {
-  ForEachVertical(landmarks, *equations, [&](int row, const Landmark& landmark) {
+  ForEachLandmark(landmarks, *equations, [&](int row, const Landmark& landmark) {
     ChangeCoordinates(ParametersByAnchored(landmark), row, equations);
   });
 }
@@ -97,11 +87,11 @@ void EquationsToAnchored(const std::deque<Landmark>& landmarks, NormalEquations*
 void CovarianceToAnchored(const std::deque<Landmark>& landmarks,
                           const NormalEquations& equations,
                           Eigen::MatrixXd* covariance) {
-  ForEachVertical(landmarks, equations, [&](int row, const Landmark& landmark) {
-    const Eigen::Matrix2d by_parameters = ParametersByAnchored(landmark).inverse();
-    auto columns = covariance->middleCols<2>(row);
+  ForEachLandmark(landmarks, equations, [&](int row, const Landmark& landmark) {
+    const Eigen::MatrixXd by_parameters = ParametersByAnchored(landmark).inverse();
+    auto columns = covariance->middleCols(row, by_parameters.rows());
     columns = (columns * by_parameters.transpose()).eval();
-    auto rows = covariance->middleRows<2>(row);
+    auto rows = covariance->middleRows(row, by_parameters.rows());
     rows = (by_parameters * rows).eval();
   });
 }

@@ -22,8 +22,8 @@ struct MarginalPrior {
   MarginalPrior() { equations.offsets.assign(1, 0); }
 };
 
-// Returns the point that a landmark is anchored at: x, y of the world. Zero for horizontal
-// ones and for the gauge's wall, which does not turn.
+// Returns the point that a landmark is anchored at: x, y of the world. Zero for the gauge's
+// wall, which does not turn.
 Eigen::Vector2d AnchorOf(const Landmark& landmark);
 
 // Converts a landmark's parameters to the marginal prior's coordinates, and back; d parameters

@@ -16,11 +16,6 @@ inline Eigen::Vector2d AnchoredFromPlane(const Eigen::Vector2d& plane,
   return {plane[0], plane[1] - normal.dot(anchor)};
 }
 
-inline Eigen::Vector2d PlaneFromAnchored(const Eigen::Vector2d& anchored,
-                                         const Eigen::Vector2d& anchor) {
-  return AnchoredFromPlane(anchored, -anchor);
-}
-
 // d (a, d) / d (a, e) at the angle a; its inverse is that of the opposite anchor.
 inline Eigen::Matrix2d PlaneByAnchored(double a, const Eigen::Vector2d& anchor) {
   const Eigen::Vector2d along(-std::sin(a), std::cos(a));

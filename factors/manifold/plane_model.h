@@ -35,7 +35,7 @@ struct PlaneChart {
 
 struct HorizontalPlane {
   static constexpr int kSize = 1;
-  static constexpr bool kIsCurved = false;
+  static constexpr bool kIsCurved = false, kIsUpright = false;
   double sign = 1.0;
 
   template <typename T>
@@ -49,7 +49,7 @@ struct HorizontalPlane {
 
 struct VerticalPlane {
   static constexpr int kSize = 2;
-  static constexpr bool kIsCurved = false;
+  static constexpr bool kIsCurved = false, kIsUpright = true;
 
   template <typename T>
   void Evaluate(const T* params, T normal[3], T* distance) const {
@@ -64,7 +64,7 @@ struct VerticalPlane {
 
 struct GeneralPlane {
   static constexpr int kSize = 3;
-  static constexpr bool kIsCurved = false;
+  static constexpr bool kIsCurved = false, kIsUpright = false;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
 
@@ -82,7 +82,7 @@ struct GeneralPlane {
 
 struct Cylinder {
   static constexpr int kSize = 3;
-  static constexpr bool kIsCurved = true;
+  static constexpr bool kIsCurved = true, kIsUpright = true;
   static constexpr int kCurvatureAt = 1;  // of the parameters
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
 
@@ -113,13 +113,13 @@ struct Cylinder {
 
 // A surface's plane near a point: of a plane, itself.
 template <typename Model, typename T, typename P>
+void EvaluateNear(const Model& model, const T* params, const P*, T normal[3], T* distance) {
+  model.Evaluate(params, normal, distance);
+}
+template <typename T, typename P>
 void EvaluateNear(
-    const Model& model, const T* params, const P* point, T normal[3], T* distance) {
-  if constexpr (Model::kIsCurved) {
-    model.EvaluateAt(params, point, normal, distance);
-  } else {
-    model.Evaluate(params, normal, distance);
-  }
+    const Cylinder& cylinder, const T* params, const P* point, T normal[3], T* distance) {
+  cylinder.EvaluateAt(params, point, normal, distance);
 }
 
 // Calls visitor with the model's struct and returns what it returns.
@@ -140,17 +140,7 @@ auto VisitPlaneModel(PlaneModel model, const PlaneChart& chart, Visitor&& visito
 
 // Number of parameters, each a degree of freedom.
 inline int PlaneModelSize(PlaneModel model) {
-  switch (model) {
-    case PlaneModel::kHorizontal:
-      return HorizontalPlane::kSize;
-    case PlaneModel::kVertical:
-      return VerticalPlane::kSize;
-    case PlaneModel::kCylinder:
-      return Cylinder::kSize;
-    case PlaneModel::kGeneral:
-      break;
-  }
-  return GeneralPlane::kSize;
+  return VisitPlaneModel(model, {}, [](const auto& surface) { return surface.kSize; });
 }
 
 }  // namespace plumbline

@@ -20,11 +20,11 @@
 #include "core/map/calibration_report.h"
 #include "core/map/imu_report.h"
 #include "core/map/map_state.h"
-#include "core/map/plane_patches.h"
 #include "core/result/calibration_text.h"
 #include "core/result/result_text.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/scan_reader.h"
+#include "core/surface/plane_patches.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/util/atomic_file.h"
 #include "core/util/error.h"
@@ -157,8 +157,8 @@ class BoundComputer {
       SetCalibrationCovariance(*problem, covariance.scanners(), &state_->calibration);
       bound.calibration.imu = DescribeImu(*state_);
     }
-    bound.planes =
-        StatedCovariance(state_->landmarks, PlanePatches(*state_), covariance.landmarks());
+    bound.planes = StatedCovariance(
+        state_->landmarks, PlanePatches(state_->landmarks), covariance.landmarks());
     for (const PlanePatch& plane : bound.planes.planes()) {
       bound.face_ids.push_back(face_of_landmark_[static_cast<size_t>(plane.id)]);
     }

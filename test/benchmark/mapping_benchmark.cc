@@ -10,11 +10,11 @@
 #include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/map_covariance.h"
 #include "core/estimation/segment_groups.h"
-#include "core/map/plane_patches.h"
 #include "core/result/point_cloud_writer.h"
 #include "core/sensor/beam_instant.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/scan_reader.h"
+#include "core/surface/plane_patches.h"
 #include "core/util/stopwatch.h"
 #include "core/window/window.h"
 #include "test/benchmark/mapped_walk.h"
@@ -162,7 +162,7 @@ void TimeBatchIteration(benchmark::State& state, const MappedWalk& walk, FactorK
   const double duration_s =
       SecondsBetween(walk.result().scan_times_ns.front(), walk.result().scan_times_ns.back());
   state.counters["recording_s"] = duration_s;
-  state.counters["planes"] = static_cast<double>(PlanePatches(map).size());
+  state.counters["planes"] = static_cast<double>(PlanePatches(map.landmarks).size());
 }
 
 void BatchIteration(benchmark::State& state, const std::string& walk_name) {

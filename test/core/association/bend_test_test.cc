@@ -60,6 +60,23 @@ class BendTestTest : public testing::Test {
   std::normal_distribution<double> noise_;
 };
 
+TEST(MayBendTest, OnlyWhatIsUprightAndTurnsLittle) {
+  const Eigen::Vector3d p(1.0, 2.0, 0.3);
+  const auto seen = [](Landmark landmark, double width_m) {
+    const PlaneAxes axes = landmark.extent.axes();
+    landmark.extent.AddSegment(axes.anchor, axes.ToWorld({width_m, 0.0}));
+    return landmark;
+  };
+  Landmark wall = seen(MakeVerticalLandmark({0.6, 0.8, 0.0}, p), 9.0);
+  EXPECT_TRUE(MayBend(wall));
+  wall.heading_fixed = true;
+  EXPECT_FALSE(MayBend(wall));
+  EXPECT_FALSE(MayBend(seen(MakeHorizontalLandmark(1.0, p), 9.0)));
+  EXPECT_FALSE(MayBend(seen(MakeGeneralLandmark({0.6, 0.0, 0.8}, p), 9.0)));
+  EXPECT_TRUE(MayBend(seen(MakeCylinderLandmark({0.6, 0.8, 0.0}, 0.2, p), 2.0)));
+  EXPECT_FALSE(MayBend(seen(MakeCylinderLandmark({0.6, 0.8, 0.0}, 0.2, p), 3.0)));
+}
+
 TEST_F(BendTestTest, AnArcIsACylinder) {
   // Round the scanner's side: seen from within a circle about (-2, 0), and from outside one
   // about (7, 0.5).

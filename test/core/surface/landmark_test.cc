@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -90,6 +91,103 @@ TEST(LandmarkTest, ACylinderIsAPlaneNearAPoint) {
       EXPECT_NEAR(jacobian(1, column),
                   (moved.NormalNear(p) - cylinder.NormalNear(p)).dot(direction) / kStep,
                   1e-5);
+    }
+  }
+}
+
+// One landmark of each kind, off the values that it was founded with.
+std::vector<Landmark> OneOfEach() {
+  std::vector<Landmark> landmarks = {
+      MakeHorizontalLandmark(1.0, {1.0, 2.0, 0.3}),
+      MakeHorizontalLandmark(-1.0, {1.0, 2.0, 2.3}),
+      MakeVerticalLandmark({-0.8, 0.6, 0.0}, {1.0, 2.0, 0.3}),
+      MakeGeneralLandmark({-0.48, 0.36, -0.8}, {1.0, 2.0, 3.3}),
+      MakeCylinderLandmark({0.6, 0.8, 0.0}, -0.25, {3.0, -1.0, 1.0})};
+  for (Landmark& landmark : landmarks) {
+    for (size_t i = 0; i < 3; ++i)
+      landmark.parameters[i] += 0.02 + 0.01 * static_cast<double>(i);
+    Eigen::Matrix3d root;
+    root << 0.02, 0.0, 0.0, 0.01, 0.03, 0.0, -0.02, 0.01, 0.01;
+    const int size = landmark.num_parameters();
+    landmark.covariance.topLeftCorner(size, size) =
+        (root * root.transpose()).topLeftCorner(size, size);
+  }
+  return landmarks;
+}
+
+TEST(LandmarkTest, UprightSurfacesHaveLevelNormals) {
+  const Eigen::Vector3d p(2.0, 1.0, -3.0);
+  for (const Landmark& landmark : OneOfEach()) {
+    EXPECT_EQ(landmark.IsUpright(), landmark.NormalNear(p).z() == 0.0);
+    EXPECT_EQ(landmark.IsCurved(), landmark.Curvature() != 0.0);
+  }
+}
+
+TEST(LandmarkTest, TangentsLieOnTheSurface) {
+  for (const Landmark& landmark : OneOfEach()) {
+    const Eigen::Vector3d normal = landmark.Normal().normalized();
+    const Eigen::Matrix<double, 3, 2> tangents = landmark.Tangents(normal);
+    EXPECT_LT((tangents.transpose() * tangents - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+    EXPECT_LT((tangents.transpose() * normal).norm(), 1e-12);
+    if (landmark.model != PlaneModel::kHorizontal) continue;
+    EXPECT_EQ(tangents.col(0), Eigen::Vector3d::UnitX());
+    EXPECT_EQ(tangents.col(1), Eigen::Vector3d::UnitY());
+  }
+}
+
+// Points keep their distances, and these their variances.
+TEST(LandmarkTest, MovesWithItsFrame) {
+  const Rigid3d to_from = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ())), {7.0, -4.0, 1.5}};
+  for (const Landmark& landmark : OneOfEach()) {
+    Landmark moved = landmark;
+    moved.extent.AddSegment({1.0, 2.0, 0.3}, {1.5, 2.1, 0.7});
+    moved.Move(to_from);
+    for (const Eigen::Vector3d& p :
+         {Eigen::Vector3d(2.0, 1.0, -3.0), Eigen::Vector3d(0.5, -1.0, 1.0)}) {
+      EXPECT_NEAR(moved.SignedDistance(to_from * p), landmark.SignedDistance(p), 1e-12);
+      EXPECT_LT(
+          (moved.NormalNear(to_from * p) - to_from.rotation * landmark.NormalNear(p)).norm(),
+          1e-12);
+      const Eigen::RowVector3d before =
+          landmark.DeviationJacobian(p, Eigen::Vector3d::UnitX()).row(0);
+      const Eigen::RowVector3d after =
+          moved.DeviationJacobian(to_from * p, Eigen::Vector3d::UnitX()).row(0);
+      EXPECT_NEAR(after.dot(after * moved.covariance),
+                  before.dot(before * landmark.covariance),
+                  1e-12);
+    }
+    EXPECT_TRUE(moved.extent.empty());
+    EXPECT_LT((moved.extent.axes().anchor - to_from * landmark.extent.axes().anchor).norm(),
+              1e-12);
+    const PlaneAxes& axes = moved.extent.axes();
+    EXPECT_LT((axes.u.cross(axes.v) -
+               to_from.rotation * landmark.extent.axes().u.cross(landmark.extent.axes().v))
+                  .norm(),
+              1e-12);
+  }
+}
+
+// About another origin a surface's parameters are those of the surface moved there.
+TEST(LandmarkTest, ParametersAboutAnotherOriginAndBack) {
+  const Eigen::Vector2d origin(20.0, -7.0);
+  const Rigid3d shift = {Eigen::Quaterniond::Identity(), {-20.0, 7.0, 0.0}};
+  for (const Landmark& landmark : OneOfEach()) {
+    Landmark moved = landmark;
+    moved.Move(shift);
+    const Eigen::Vector3d about = landmark.ParametersAbout(origin);
+    EXPECT_LT((about - Eigen::Vector3d(moved.parameters.data())).norm(), 1e-12);
+    const Eigen::Matrix3d by_about = landmark.ByParametersAbout(origin);
+    for (int i = 0; i < 3; ++i) {
+      constexpr double kStep = 1e-6;
+      Landmark back = landmark;
+      for (int k = 0; k < 3; ++k) {
+        back.parameters[static_cast<size_t>(k)] = about[k] + (k == i ? kStep : 0.0);
+      }
+      const Eigen::Vector3d derivative =
+          (back.ParametersAbout(-origin) - Eigen::Vector3d(landmark.parameters.data())) /
+          kStep;
+      EXPECT_LT((by_about.col(i) - derivative).norm(), 1e-4);
     }
   }
 }

@@ -96,7 +96,7 @@ TEST(LinearPriorFactor, VerticalPlanesTurnAboutTheirAnchor) {
   for (const double turn : {0.0, 1e-3, 0.3}) {
     TestBlocks blocks;
     blocks.AddEuclidean(
-        PlaneFromAnchored(Eigen::Vector2d(x0 + Eigen::Vector2d(turn, 0.001)), anchor));
+        AnchoredFromPlane(Eigen::Vector2d(x0 + Eigen::Vector2d(turn, 0.001)), -anchor));
     EXPECT_LT((blocks.Residuals(*factor) - Eigen::Vector2d(0.1 * turn, 1.0)).norm(), 1e-9);
     blocks.ExpectGradientsCorrect(*factor);
   }
