@@ -35,13 +35,15 @@ struct AccelerometerFunctor {
     const Vector3 gravity = Exp(lean) * Vector3(T(0.0), T(0.0), T(-gravity_m_s2));
     const Vector3 shift(imu[kImuShiftAt], imu[kImuShiftAt + 1], imu[kImuShiftAt + 2]);
     const Vector3 lever = stated.position_body.template cast<T>() + shift;
+    const Steps<T> steps = StepsOf(q);
+    const Eigen::Map<const Eigen::Quaternion<T>> world_from_first(q0);
     Vector3 force_body = Vector3::Zero();
     for (const double u : measurement.u) {
       const T delayed = u + imu[kImuDelayAt] / knot_interval_s;
-      const SplineMotion<T> motion = RotationMotionAt(q, delayed, knot_interval_s);
+      const SplineMotion<T> motion = MotionOf(steps, delayed, knot_interval_s);
       const Vector3 acceleration = EvaluateAcceleration(p, delayed, knot_interval_s);
-      const Vector3 of_body =
-          motion.world_from_body.conjugate() * Vector3(acceleration - gravity);
+      const Vector3 of_first = world_from_first.conjugate() * Vector3(acceleration - gravity);
+      const Vector3 of_body = motion.first_from_body.conjugate() * of_first;
       const Vector3 of_lever = motion.angular_acceleration_body.cross(lever) +
                                motion.rate_body.cross(Vector3(motion.rate_body.cross(lever)));
       force_body += (of_body + of_lever) * T(0.5);

@@ -24,10 +24,11 @@ struct GyroscopeFunctor {
                   const T* next_bias,
                   T* residuals) const {
     const T* const q[4] = {q0, q1, q2, q3};
+    const Steps<T> steps = StepsOf(q);
     Eigen::Matrix<T, 3, 1> rate_body = Eigen::Matrix<T, 3, 1>::Zero();
     for (const double u : measurement.u) {
       const T delayed = u + imu[kImuDelayAt] / knot_interval_s;
-      rate_body += RotationMotionAt(q, delayed, knot_interval_s).rate_body * T(0.5);
+      rate_body += MotionOf<true>(steps, delayed, knot_interval_s).rate_body * T(0.5);
     }
     const Eigen::Matrix<T, 3, 1> rate = BodyFromImu(stated, imu).conjugate() * rate_body;
     WhitenReadings(measurement, rate, imu + kImuGyroscopeScaleAt, bias, next_bias, residuals);

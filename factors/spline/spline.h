@@ -40,27 +40,39 @@ inline std::array<double, 4> CumulativeSplineBasisDerivative(double u) {
   return {0.0, 0.5 * (1.0 + u * (u - 2.0)), 0.5 * (1.0 + u * (2.0 - 2.0 * u)), 0.5 * u * u};
 }
 
-// SplineMotion is the motion of the body at an instant, for functors that Ceres differentiates
-// automatically, by the instant too.
+// Rotation of a spline and its derivatives; the rotation is from the body to the frame of the
+// first control point.
 template <typename T>
 struct SplineMotion {
-  Eigen::Quaternion<T> world_from_body;
+  Eigen::Quaternion<T> first_from_body;
   Eigen::Matrix<T, 3, 1> rate_body;                  // rad/s
   Eigen::Matrix<T, 3, 1> angular_acceleration_body;  // rad/s^2
 };
 
-// The rotation and its derivatives at u, which may be a Jet and lie somewhat outside of [0,
-// 1). With the factors A_j = Exp(B_j d_j) of the rotation,
+// The rotation vector (rad) from one control point to the next.
+template <typename T>
+Eigen::Matrix<T, 3, 1> StepBetween(const T* from, const T* to) {
+  using ConstMap = Eigen::Map<const Eigen::Quaternion<T>>;
+  return Log(ConstMap(from).conjugate() * ConstMap(to));
+}
+
+// The steps d_j between the four control points.
+template <typename T>
+std::array<Eigen::Matrix<T, 3, 1>, 3> RotationSteps(const T* const q[4]) {
+  return {StepBetween(q[0], q[1]), StepBetween(q[1], q[2]), StepBetween(q[2], q[3])};
+}
+
+// The motion of these steps at u, which may be a Jet and lie somewhat outside of [0, 1). With
+// the factors A_j = Exp(B_j d_j) of the rotation,
 //   w_j = A_j^-1 w_{j-1} + B_j' d_j,   a_j = A_j^-1 a_{j-1} + B_j'' d_j + w_j x B_j' d_j
 // (Sommer et al. 2020, "Efficient derivative computation for cumulative B-splines on Lie
-// groups").
-template <typename T>
-SplineMotion<T> EvaluateRotationMotion(const T* const q[4],
+// groups"). kRateOnly: the other members are not set.
+template <bool kRateOnly = false, typename T>
+SplineMotion<T> EvaluateRotationMotion(const std::array<Eigen::Matrix<T, 3, 1>, 3>& steps,
                                        const T& u,
                                        double knot_interval_s) {
   using Quaternion = Eigen::Quaternion<T>;
   using Vector3 = Eigen::Matrix<T, 3, 1>;
-  using ConstMap = Eigen::Map<const Quaternion>;
   const double per_s = 1.0 / knot_interval_s;
   const T cumulative[3] = {(5.0 + u * (3.0 + u * (u - 3.0))) / 6.0,
                            (1.0 + u * (3.0 + u * (3.0 - 2.0 * u))) / 6.0,
@@ -69,21 +81,24 @@ SplineMotion<T> EvaluateRotationMotion(const T* const q[4],
       0.5 * (1.0 + u * (u - 2.0)), 0.5 * (1.0 + u * (2.0 - 2.0 * u)), 0.5 * u * u};
   const T second[3] = {u - 1.0, 1.0 - 2.0 * u, u};
   SplineMotion<T> motion;
-  motion.world_from_body = ConstMap(q[0]);
-  motion.rate_body.setZero();
-  motion.angular_acceleration_body.setZero();
-  for (int j = 0; j < 3; ++j) {
-    const Quaternion step = ConstMap(q[j]).conjugate() * ConstMap(q[j + 1]);
-    const Vector3 d = Log(step);
-    const Vector3 turn = d * cumulative[j];
+  for (size_t j = 0; j < 3; ++j) {
+    const Vector3& d = steps[j];
     const Vector3 rate = d * T(first[j] * per_s);
-    const Quaternion factor = Exp(turn);
+    const Vector3 push = d * T(second[j] * per_s * per_s);
+    if (j == 0) {  // it turns about its own rate
+      motion.rate_body = rate;
+      if (kRateOnly) continue;
+      motion.first_from_body = Exp(Vector3(d * cumulative[j]));
+      motion.angular_acceleration_body = push;
+      continue;
+    }
+    const Quaternion factor = Exp(Vector3(d * cumulative[j]));
     const Quaternion back = factor.conjugate();
-    motion.world_from_body = motion.world_from_body * factor;
     motion.rate_body = Vector3(back * motion.rate_body) + rate;
-    motion.angular_acceleration_body = Vector3(back * motion.angular_acceleration_body) +
-                                       d * T(second[j] * per_s * per_s) +
-                                       motion.rate_body.cross(rate);
+    if (kRateOnly) continue;
+    motion.first_from_body = motion.first_from_body * factor;
+    motion.angular_acceleration_body =
+        Vector3(back * motion.angular_acceleration_body) + push + motion.rate_body.cross(rate);
   }
   return motion;
 }
