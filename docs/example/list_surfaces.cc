@@ -17,7 +17,7 @@ void List(const plumbline::MapJob& job) {
        plumbline::ReadPlanes(job.output + "/planes.json")) {
     std::printf("%3d %-10s  normal (%6.3f, %6.3f, %6.3f)  distance %8.4f m +- %.1f mm\n",
                 plane.id,
-                plumbline::PlaneTypeName(plane.type).c_str(),
+                plumbline::FieldsOf(plane.type).name.c_str(),
                 plane.normal.x(),
                 plane.normal.y(),
                 plane.normal.z(),
