@@ -108,7 +108,9 @@ FinalEstimate BatchEstimator::EstimateFinally() {
   state_->calibration.ApplyTo(rig_);
   VLOG(1) << "cost " << equations.cost;
   const std::vector<MotionEvidence> evidence = FindMotionEvidence(
-      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian)));
+      motion_noise_,
+      *problem,
+      ArrowheadCholesky(std::move(equations.hessian), BorderElimination::kNested));
   estimate.motion_noise = motion_noise_.usual;
   estimate.variance_factor = VarianceFactor(*problem, equations.cost, SumOf(evidence));
   const Stopwatch::Running running(&estimate.covariance_watch);
@@ -122,7 +124,9 @@ double BatchEstimator::EstimateWithNoise(double huber_width, const SolverOptions
       GaussNewtonSolver<ArrowheadEquations>(options).Solve(problem.get());
   state_->calibration.ApplyTo(rig_);
   return TakeNoise(FindMotionEvidence(
-      motion_noise_, *problem, ArrowheadCholesky(std::move(equations.hessian))));
+      motion_noise_,
+      *problem,
+      ArrowheadCholesky(std::move(equations.hessian), BorderElimination::kNested)));
 }
 
 double BatchEstimator::TakeNoise(const std::vector<MotionEvidence>& evidence) {

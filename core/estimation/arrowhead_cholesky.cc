@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "core/util/error.h"
 
@@ -50,15 +51,21 @@ void ArrowheadInverse::Clear(int variable) {
   }
 }
 
-ArrowheadCholesky::ArrowheadCholesky(ArrowheadMatrix matrix)
+ArrowheadCholesky::ArrowheadCholesky(ArrowheadMatrix matrix, BorderElimination border)
     : num_band_(matrix.num_band_),
       tile_size_(matrix.tile_size_),
-      corner_(std::move(matrix.corner_)) {
+      corner_(std::move(matrix.corner_)),
+      border_(border),
+      is_eliminated_(corner_.size(), false) {
   std::vector<ArrowheadTile> tiles = std::move(matrix.tiles_);
+  std::vector<Front> fronts;
   while (!tiles.empty()) {
     Level& level = levels_.emplace_back();
     level.tiles = std::move(tiles);
     Cut(&level);
+    fronts.resize(level.subdomains.size());
+    FindSeen(fronts, &level);
+    FindOwn(&level);
     tiles.clear();
     for (size_t i = 0; i < level.separators.size(); ++i) {
       ArrowheadTile& from = level.tiles[level.separators[i]];
@@ -70,15 +77,39 @@ ArrowheadCholesky::ArrowheadCholesky(ArrowheadMatrix matrix)
       separator.next.setZero(num_next, separator.size());
       tiles.push_back(std::move(separator));
     }
-    for (Subdomain& subdomain : level.subdomains) Eliminate(&level, &subdomain, &tiles);
+    std::vector<Front> next_fronts(tiles.size() / (kPieceTiles + 1) + 1);
+    for (size_t i = 0; i < level.subdomains.size(); ++i) {
+      Eliminate(&level, &level.subdomains[i], std::move(fronts[i]), &tiles, &next_fronts);
+    }
+    fronts = std::move(next_fronts);
+  }
+  FactorCorner(fronts.empty() ? Front() : std::move(fronts.front()));
+}
+
+void ArrowheadCholesky::FactorCorner(Front front) {
+  std::vector<int> positions(corner_.size(), -1);
+  for (size_t variable = 0; variable < corner_.size(); ++variable) {
+    if (is_eliminated_[variable]) continue;
+    positions[variable] = static_cast<int>(last_.size());
+    last_.push_back(static_cast<int>(variable));
+  }
+  const auto size = static_cast<Eigen::Index>(last_.size());
+  // Makes room for what no tile sees.
+  if (front.variables != last_) front.Add(last_, Eigen::MatrixXd::Zero(size, size));
+  Eigen::MatrixXd corner = std::move(front.lower);
+  for (const int variable : last_) {
+    const int column = positions[static_cast<size_t>(variable)];
+    for (const auto& [other, value] : corner_[static_cast<size_t>(variable)]) {
+      const int row = positions[static_cast<size_t>(other)];
+      if (row >= column) corner(row, column) += value;
+    }
   }
   // Scaled to a unit diagonal, so that metres and radians do not spoil the condition.
-  corner_scale_ = corner_.diagonal().cwiseSqrt().cwiseInverse();
-  corner_factor_.compute(corner_scale_.asDiagonal() * corner_ * corner_scale_.asDiagonal());
-  if (corner_.rows() > 0 && corner_factor_.info() != Eigen::Success) {
+  corner_scale_ = corner.diagonal().cwiseSqrt().cwiseInverse();
+  corner_factor_.compute(corner_scale_.asDiagonal() * corner * corner_scale_.asDiagonal());
+  if (size > 0 && corner_factor_.info() != Eigen::Success) {
     throw Error("the scans do not determine where the planes lie");
   }
-  corner_.resize(0, 0);
 }
 
 void ArrowheadCholesky::Cut(Level* level) {
@@ -99,19 +130,93 @@ void ArrowheadCholesky::Cut(Level* level) {
   }
 }
 
+void ArrowheadCholesky::FindSeen(const std::vector<Front>& fronts, Level* level) {
+  for (size_t i = 0; i < level->subdomains.size(); ++i) {
+    Subdomain& subdomain = level->subdomains[i];
+    subdomain.seen = fronts[i].variables;
+    for (size_t k = subdomain.begin; k < subdomain.end; ++k) {
+      const std::vector<int>& of_tile = level->tiles[k].seen;
+      std::vector<int> all;
+      std::set_union(subdomain.seen.begin(),
+                     subdomain.seen.end(),
+                     of_tile.begin(),
+                     of_tile.end(),
+                     std::back_inserter(all));
+      subdomain.seen = std::move(all);
+    }
+  }
+}
+
+void ArrowheadCholesky::FindOwn(Level* level) {
+  std::vector<int> num_places(corner_.size(), 0);  // subdomains and separators that see it
+  for (const Subdomain& subdomain : level->subdomains) {
+    for (const int variable : subdomain.seen) ++num_places[static_cast<size_t>(variable)];
+  }
+  for (const size_t separator : level->separators) {
+    for (const int variable : level->tiles[separator].seen) {
+      ++num_places[static_cast<size_t>(variable)];
+    }
+  }
+  for (Subdomain& subdomain : level->subdomains) {
+    const std::vector<int>& seen = subdomain.seen;
+    const auto is_own = [&](int variable) {
+      const auto& column = corner_[static_cast<size_t>(variable)];
+      return border_ == BorderElimination::kNested &&
+             num_places[static_cast<size_t>(variable)] == 1 &&
+             std::all_of(column.begin(), column.end(), [&](const auto& entry) {
+               return is_eliminated_[static_cast<size_t>(entry.first)] ||
+                      std::binary_search(seen.begin(), seen.end(), entry.first);
+             });
+    };
+    std::partition_copy(seen.begin(),
+                        seen.end(),
+                        std::back_inserter(subdomain.own),
+                        std::back_inserter(subdomain.kept),
+                        is_own);
+  }
+}
+
+void ArrowheadCholesky::EliminateOwn(int num_left,
+                                     Subdomain* subdomain,
+                                     Eigen::MatrixXd* schur) {
+  const auto row_of = [&](int variable) {
+    return num_left + PositionsOf({variable}, subdomain->seen).front();
+  };
+  for (const int variable : subdomain->own) {
+    const int row = row_of(variable);
+    for (const auto& [other, value] : corner_[static_cast<size_t>(variable)]) {
+      if (is_eliminated_[static_cast<size_t>(other)]) continue;
+      const int other_row = row_of(other);
+      (*schur)(std::max(row, other_row), std::min(row, other_row)) += value;
+    }
+    is_eliminated_[static_cast<size_t>(variable)] = true;  // with all its entries
+    subdomain->own_rows.push_back(row);
+  }
+  std::vector<int> rows(static_cast<size_t>(schur->rows()));
+  std::iota(rows.begin(), rows.end(), 0);
+  std::set_difference(rows.begin(),
+                      rows.end(),
+                      subdomain->own_rows.begin(),
+                      subdomain->own_rows.end(),
+                      std::back_inserter(subdomain->other_rows));
+  const Eigen::MatrixXd full = schur->selfadjointView<Eigen::Lower>();
+  const Eigen::LLT<Eigen::MatrixXd> factor(full(subdomain->own_rows, subdomain->own_rows));
+  if (factor.info() != Eigen::Success) {
+    throw Error("the scans do not determine where the planes lie");
+  }
+  subdomain->own_factor = factor.matrixL();
+  subdomain->own_below = full(subdomain->other_rows, subdomain->own_rows);
+  factor.matrixU().solveInPlace<Eigen::OnTheRight>(subdomain->own_below);
+  *schur = full(subdomain->other_rows, subdomain->other_rows);
+  schur->selfadjointView<Eigen::Lower>().rankUpdate(subdomain->own_below, -1.0);
+}
+
 void ArrowheadCholesky::Eliminate(Level* level,
                                   Subdomain* subdomain,
-                                  std::vector<ArrowheadTile>* rest) {
+                                  Front front,
+                                  std::vector<ArrowheadTile>* rest,
+                                  std::vector<Front>* fronts) {
   std::vector<ArrowheadTile>& tiles = level->tiles;
-  for (size_t k = subdomain->begin; k < subdomain->end; ++k) {
-    std::vector<int> all;
-    std::set_union(subdomain->seen.begin(),
-                   subdomain->seen.end(),
-                   tiles[k].seen.begin(),
-                   tiles[k].seen.end(),
-                   std::back_inserter(all));
-    subdomain->seen = std::move(all);
-  }
   const Eigen::Index num_left =
       subdomain->left < 0 ? 0 : (*rest)[static_cast<size_t>(subdomain->left)].size();
   const Eigen::Index num_right =
@@ -149,33 +254,62 @@ void ArrowheadCholesky::Eliminate(Level* level,
     tile.border = std::move(border);
     tile.seen.clear();
   }
-  AddToRest(*subdomain, schur, rest);
+  std::vector<int> in_front = PositionsOf(front.variables, subdomain->seen);
+  for (int& row : in_front) row += static_cast<int>(num_left);
+  schur(in_front, in_front) += front.lower;
+  front = Front();  // of a long recording, memory
+  if (!subdomain->own.empty()) {
+    EliminateOwn(static_cast<int>(num_left), subdomain, &schur);
+  }
+  // It goes to one of the next level's subdomains that has a tile beside this one.
+  const auto is_separator = [&](size_t tile) {
+    return tile % (kPieceTiles + 1) == kPieceTiles && tile + 1 < rest->size();
+  };
+  auto beside = static_cast<size_t>(std::max(0, subdomain->right));
+  if (subdomain->left >= 0 && (subdomain->right < 0 || is_separator(beside))) {
+    beside = static_cast<size_t>(subdomain->left);
+  }
+  AddToRest(*subdomain, schur, rest, &(*fronts)[beside / (kPieceTiles + 1)]);
 }
 
 void ArrowheadCholesky::AddToRest(const Subdomain& subdomain,
                                   const Eigen::MatrixXd& schur,
-                                  std::vector<ArrowheadTile>* rest) {
-  const auto num_seen = static_cast<Eigen::Index>(subdomain.seen.size());
+                                  std::vector<ArrowheadTile>* rest,
+                                  Front* front) {
+  const std::vector<int>& kept = subdomain.kept;
+  const auto num_kept = static_cast<Eigen::Index>(kept.size());
   Eigen::Index at = 0;
   if (subdomain.left >= 0) {
     ArrowheadTile& left = (*rest)[static_cast<size_t>(subdomain.left)];
     const Eigen::Index size = left.size();
     left.diagonal += schur.topLeftCorner(size, size);
-    left.AddBorder(subdomain.seen, schur.block(size, 0, num_seen, size));
+    left.AddBorder(kept, schur.block(size, 0, num_kept, size));
     if (subdomain.right >= 0) left.next += schur.bottomLeftCorner(left.next.rows(), size);
     at = size;
   }
-  for (Eigen::Index j = 0; j < num_seen; ++j) {
-    for (Eigen::Index i = j; i < num_seen; ++i) {
-      corner_(subdomain.seen[static_cast<size_t>(i)],
-              subdomain.seen[static_cast<size_t>(j)]) += schur(at + i, at + j);
-    }
-  }
+  front->Add(kept, schur.block(at, at, num_kept, num_kept));
   if (subdomain.right < 0) return;
   ArrowheadTile& right = (*rest)[static_cast<size_t>(subdomain.right)];
   const Eigen::Index size = right.size();
   right.diagonal += schur.bottomRightCorner(size, size);
-  right.AddBorder(subdomain.seen, schur.block(at + num_seen, at, size, num_seen).transpose());
+  right.AddBorder(kept, schur.block(at + num_kept, at, size, num_kept).transpose());
+}
+
+void ArrowheadCholesky::Front::Add(const std::vector<int>& added,
+                                   const Eigen::MatrixXd& block) {
+  std::vector<int> all;
+  std::set_union(
+      variables.begin(), variables.end(), added.begin(), added.end(), std::back_inserter(all));
+  if (all.size() > variables.size()) {
+    const auto size = static_cast<Eigen::Index>(all.size());
+    Eigen::MatrixXd larger = Eigen::MatrixXd::Zero(size, size);
+    const std::vector<int> before = PositionsOf(variables, all);
+    larger(before, before) = lower;
+    lower = std::move(larger);
+    variables = std::move(all);
+  }
+  const std::vector<int> at = PositionsOf(added, variables);
+  lower(at, at) += block;
 }
 
 std::vector<int> ArrowheadCholesky::BorderRows(const Level& level,
@@ -225,18 +359,30 @@ void ArrowheadCholesky::Forward(const Level& level,
     border->topRows(tile.border.rows()).noalias() -= tile.border * y;
     at += tile.size();
   }
+  if (subdomain.own.empty()) return;
+  Eigen::MatrixXd own = (*border)(subdomain.own_rows, Eigen::all);
+  subdomain.own_factor.triangularView<Eigen::Lower>().solveInPlace(own);
+  (*border)(subdomain.own_rows, Eigen::all) = own;
+  (*border)(subdomain.other_rows, Eigen::all) -= subdomain.own_below * own;
 }
 
 void ArrowheadCholesky::Backward(const Level& level,
                                  const Subdomain& subdomain,
-                                 const Eigen::MatrixXd& border,
+                                 Eigen::MatrixXd* border,
                                  Eigen::MatrixXd* rows) {
+  if (!subdomain.own.empty()) {
+    Eigen::MatrixXd own = (*border)(subdomain.own_rows, Eigen::all);
+    own.noalias() -=
+        subdomain.own_below.transpose() * (*border)(subdomain.other_rows, Eigen::all);
+    subdomain.own_factor.transpose().triangularView<Eigen::Upper>().solveInPlace(own);
+    (*border)(subdomain.own_rows, Eigen::all) = own;
+  }
   Eigen::Index at = rows->rows();
   for (size_t k = subdomain.end; k-- > subdomain.begin;) {
     const ArrowheadTile& tile = level.tiles[k];
     at -= tile.size();
     auto y = rows->middleRows(at, tile.size());
-    y.noalias() -= tile.border.transpose() * border.topRows(tile.border.rows());
+    y.noalias() -= tile.border.transpose() * border->topRows(tile.border.rows());
     if (k + 1 < subdomain.end) {
       y.noalias() -= tile.next.transpose() *
                      rows->middleRows(at + tile.size(), level.tiles[k + 1].size());
@@ -246,10 +392,10 @@ void ArrowheadCholesky::Backward(const Level& level,
 }
 
 void ArrowheadCholesky::SolveCorner(Eigen::Ref<Eigen::MatrixXd> x) const {
-  if (x.rows() == 0) return;
-  x = corner_scale_.asDiagonal() * x;
-  corner_factor_.solveInPlace(x);
-  x = corner_scale_.asDiagonal() * x;
+  if (last_.empty()) return;
+  Eigen::MatrixXd last = corner_scale_.asDiagonal() * x(last_, Eigen::all);
+  corner_factor_.solveInPlace(last);
+  x(last_, Eigen::all) = corner_scale_.asDiagonal() * last;
 }
 
 Eigen::MatrixXd ArrowheadCholesky::Solve(Eigen::MatrixXd right_side) const {
@@ -269,10 +415,12 @@ Eigen::MatrixXd ArrowheadCholesky::Solve(Eigen::MatrixXd right_side) const {
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
     for (const Subdomain& subdomain : level->subdomains) {
       const std::vector<int> tiles = TileRows(*level, subdomain);
-      const Eigen::MatrixXd border = x(BorderRows(*level, subdomain), Eigen::all);
+      const std::vector<int> borders = BorderRows(*level, subdomain);
       Eigen::MatrixXd rows = x(tiles, Eigen::all);
-      Backward(*level, subdomain, border, &rows);
+      Eigen::MatrixXd border = x(borders, Eigen::all);
+      Backward(*level, subdomain, &border, &rows);
       x(tiles, Eigen::all) = rows;
+      x(borders, Eigen::all) = border;
     }
   }
   return right_side;
@@ -342,6 +490,7 @@ void ArrowheadCholesky::Invert(const Eigen::MatrixXd& border_inverse,
 }
 
 ArrowheadInverse ArrowheadCholesky::TakeInverse() {
+  CHECK(border_ == BorderElimination::kLast);
   const Eigen::Index num_border = corner_scale_.size();
   Eigen::MatrixXd corner = Eigen::MatrixXd::Identity(num_border, num_border);
   if (num_border > 0) {

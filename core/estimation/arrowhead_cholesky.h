@@ -30,6 +30,11 @@ class ArrowheadInverse {
   Eigen::MatrixXd border_;
 };
 
+// When the border's variables are eliminated: all after the band, so that the inverse has all
+// that they have in common; or each with the first subdomain outside of which nothing sees it,
+// which takes less time and memory where planes are seen for a while only.
+enum class BorderElimination { kLast, kNested };
+
 // ArrowheadCholesky factorises a block arrowhead matrix. The band is cut into subdomains of a
 // few tiles, each followed by a tile that separates it from the next. Given its two separators
 // and the planes seen from it, a subdomain is independent of all others, so that it is
@@ -40,14 +45,14 @@ class ArrowheadInverse {
 class ArrowheadCholesky {
  public:
   // Throws Error when the matrix is not positive definite.
-  explicit ArrowheadCholesky(ArrowheadMatrix matrix);
+  ArrowheadCholesky(ArrowheadMatrix matrix, BorderElimination border);
 
-  int size() const { return num_band_ + static_cast<int>(corner_scale_.size()); }
+  int size() const { return num_band_ + static_cast<int>(corner_.size()); }
   // The solution for each column of the right side, in the right side's own memory.
   Eigen::MatrixXd Solve(Eigen::MatrixXd right_side) const;
 
   // The inverse's entries by Takahashi's recursion, from the last elimination to the first, in
-  // the factorisation's own memory, which it takes away.
+  // the factorisation's own memory, which it takes away. CHECKs that the border came last.
   ArrowheadInverse TakeInverse();
 
  private:
@@ -59,6 +64,23 @@ class ArrowheadCholesky {
     int left = -1;  // position among the level's separators, -1: none
     int right = -1;
     std::vector<int> seen;
+    // Of what is seen, what is eliminated with the subdomain, after its tiles, and what is
+    // not.
+    std::vector<int> own;
+    std::vector<int> kept;
+    // Rows of the border that are own, and the others; the Cholesky factor of the former, and
+    // the rows below it of the latter.
+    std::vector<int> own_rows;
+    std::vector<int> other_rows;
+    Eigen::MatrixXd own_factor;
+    Eigen::MatrixXd own_below;
+  };
+  // What eliminated subdomains have left on border variables.
+  struct Front {
+    std::vector<int> variables;  // ascending
+    Eigen::MatrixXd lower;       // triangle
+
+    void Add(const std::vector<int>& added, const Eigen::MatrixXd& block);
   };
   struct Level {
     std::vector<ArrowheadTile> tiles;
@@ -69,11 +91,25 @@ class ArrowheadCholesky {
   };
 
   static void Cut(Level* level);
-  // Adds to `rest`, the separators, and to the corner.
-  void Eliminate(Level* level, Subdomain* subdomain, std::vector<ArrowheadTile>* rest);
-  void AddToRest(const Subdomain& subdomain,
-                 const Eigen::MatrixXd& schur,
-                 std::vector<ArrowheadTile>* rest);
+  // Finds what each subdomain sees. fronts: by subdomain.
+  static void FindSeen(const std::vector<Front>& fronts, Level* level);
+  // Finds which variables are eliminated with a subdomain.
+  void FindOwn(Level* level);
+  // Takes the front that earlier levels left; adds to `rest`, the separators, and to the
+  // fronts of the next level.
+  void Eliminate(Level* level,
+                 Subdomain* subdomain,
+                 Front front,
+                 std::vector<ArrowheadTile>* rest,
+                 std::vector<Front>* fronts);
+  // Eliminates the subdomain's own variables; schur: on its border, afterwards on the others.
+  void EliminateOwn(int num_left, Subdomain* subdomain, Eigen::MatrixXd* schur);
+  static void AddToRest(const Subdomain& subdomain,
+                        const Eigen::MatrixXd& schur,
+                        std::vector<ArrowheadTile>* rest,
+                        Front* front);
+  // Factors what no subdomain has eliminated.
+  void FactorCorner(Front front);
   // The inverse on a subdomain's border, from that on the next level's tiles.
   Eigen::MatrixXd BorderInverse(const Subdomain& subdomain,
                                 const std::vector<ArrowheadTile>& rest,
@@ -88,10 +124,12 @@ class ArrowheadCholesky {
                       const Subdomain& subdomain,
                       Eigen::MatrixXd* rows,
                       Eigen::MatrixXd* border);
+  // Sets the rows of own variables in the border, too.
   static void Backward(const Level& level,
                        const Subdomain& subdomain,
-                       const Eigen::MatrixXd& border,
+                       Eigen::MatrixXd* border,
                        Eigen::MatrixXd* rows);
+  // x: the border's rows, of which it sets those that came last.
   void SolveCorner(Eigen::Ref<Eigen::MatrixXd> x) const;
   // Rows of all variables in a subdomain's tiles, and of those in its last tile's border.
   static std::vector<int> TileRows(const Level& level, const Subdomain& subdomain);
@@ -100,7 +138,10 @@ class ArrowheadCholesky {
   int num_band_;
   int tile_size_;
   std::vector<Level> levels_;
-  Eigen::MatrixXd corner_;  // lower triangle, until it is factored
+  std::vector<std::vector<std::pair<int, double>>> corner_;  // as in ArrowheadMatrix
+  BorderElimination border_;
+  std::vector<bool> is_eliminated_;  // by border variable: with a subdomain
+  std::vector<int> last_;            // border variables that are not
   Eigen::LLT<Eigen::MatrixXd> corner_factor_;
   Eigen::VectorXd corner_scale_;  // the factor is that of S corner S, S = diag(scale)
 

@@ -7,6 +7,21 @@
 #include <utility>
 
 namespace plumbline {
+namespace {
+
+void AddEntry(int row, double value, std::vector<std::pair<int, double>>* column) {
+  const auto at = std::lower_bound(
+      column->begin(), column->end(), row, [](const std::pair<int, double>& entry, int of) {
+        return entry.first < of;
+      });
+  if (at != column->end() && at->first == row) {
+    at->second += value;
+  } else {
+    column->emplace(at, row, value);
+  }
+}
+
+}  // namespace
 
 std::vector<int> PositionsOf(const std::vector<int>& variables,
                              const std::vector<int>& among) {
@@ -36,9 +51,7 @@ std::vector<int> ArrowheadTile::BorderRows(const std::vector<int>& variables) {
 }
 
 ArrowheadMatrix::ArrowheadMatrix(int num_band, int tile_size, int num_border)
-    : num_band_(num_band),
-      tile_size_(tile_size),
-      corner_(Eigen::MatrixXd::Zero(num_border, num_border)) {
+    : num_band_(num_band), tile_size_(tile_size), corner_(static_cast<size_t>(num_border)) {
   CHECK_GT(tile_size, 0);
   for (int first = 0; first < num_band; first += tile_size) {
     const int size = std::min(tile_size, num_band - first);
@@ -57,8 +70,12 @@ void ArrowheadMatrix::AddBlock(const std::vector<int>& columns, const Eigen::Mat
   for (auto at = band_end; at != columns.end(); ++at) border.push_back(*at - num_band_);
   const auto num_in_band = static_cast<Eigen::Index>(band_end - columns.begin());
   const auto num_in_border = static_cast<Eigen::Index>(border.size());
-  if (num_in_border > 0) {
-    corner_(border, border) += block.bottomRightCorner(num_in_border, num_in_border);
+  for (Eigen::Index j = 0; j < num_in_border; ++j) {
+    auto& column = corner_[static_cast<size_t>(border[static_cast<size_t>(j)])];
+    for (Eigen::Index i = 0; i < num_in_border; ++i) {
+      const double value = block(num_in_band + i, num_in_band + j);
+      if (value != 0.0) AddEntry(border[static_cast<size_t>(i)], value, &column);
+    }
   }
   for (Eigen::Index begin = 0; begin < num_in_band;) {
     const int index = columns[static_cast<size_t>(begin)] / tile_size_;

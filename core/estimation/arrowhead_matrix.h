@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 namespace plumbline {
@@ -34,7 +35,8 @@ std::vector<int> PositionsOf(const std::vector<int>& variables, const std::vecto
 //   H = [ A   B ]   A: num_band x num_band, non-zero only within and between adjacent tiles
 //       [ B^T C ]   C: num_border x num_border
 //
-// B holds only what has been added: a tile sees few of the planes.
+// B and C hold only what has been added: a tile sees few of the planes, and planes have little
+// to do with each other but for the poses from which they were seen.
 class ArrowheadMatrix {
  public:
   // Makes tiles of tile_size variables, the last one smaller where num_band is no multiple.
@@ -44,13 +46,14 @@ class ArrowheadMatrix {
   // same tile or in adjacent ones, which is CHECKed.
   void AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block);
 
-  int size() const { return num_band_ + static_cast<int>(corner_.rows()); }
+  int size() const { return num_band_ + static_cast<int>(corner_.size()); }
 
  private:
   int num_band_;
   int tile_size_;
   std::vector<ArrowheadTile> tiles_;
-  Eigen::MatrixXd corner_;  // lower triangle of C
+  // Entries of C by column, both triangles: row and value, rows ascending.
+  std::vector<std::vector<std::pair<int, double>>> corner_;
 
   friend class ArrowheadCholesky;
 };

@@ -46,7 +46,8 @@ struct Arrowhead {
     return LineariseArrowhead(problem, layout);
   }
   static Eigen::VectorXd Step(const BlockLayout&, ArrowheadEquations* equations) {
-    return -ArrowheadCholesky(std::move(equations->hessian)).Solve(equations->gradient);
+    return -ArrowheadCholesky(std::move(equations->hessian), BorderElimination::kNested)
+                .Solve(equations->gradient);
   }
 };
 

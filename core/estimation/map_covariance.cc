@@ -85,7 +85,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
     result.landmark_ids_.push_back(layout.blocks[i].index);
     result.offsets_.push_back(layout.offsets[i + 1] - num_band);
   }
-  ArrowheadCholesky factor(std::move(equations.hessian));
+  ArrowheadCholesky factor(std::move(equations.hessian), BorderElimination::kLast);
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   CorrelatedErrors errors;
   if (correlated) errors = correlated(factor);

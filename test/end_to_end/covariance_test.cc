@@ -300,7 +300,8 @@ TEST_F(CovarianceTest, AFewCombinationsShowTheNoiseOfTheMotion) {
   const std::vector<MotionEvidence> evidence = FindMotionEvidence(
       assumed,
       *problem_,
-      ArrowheadCholesky(LineariseArrowhead(*problem_, problem_->Layout()).hessian));
+      ArrowheadCholesky(LineariseArrowhead(*problem_, problem_->Layout()).hessian,
+                        BorderElimination::kNested));
   // G of the heights' accelerations, without the few that random combinations share with other
   // kinds of motion.
   const Eigen::MatrixXd covariance = InverseOf(Linearise());

@@ -27,7 +27,8 @@ TEST(ArrowheadCholeskyTest, SolvesAndInvertsLikeTheDenseMatrix) {
                                                         {720, 3, 90}}) {
     const RandomArrowhead random(num_band, bandwidth, num_border, 8);
     const Eigen::MatrixXd& dense = random.dense;
-    ArrowheadCholesky factor(random.arrowhead);
+    ArrowheadCholesky factor(random.arrowhead, BorderElimination::kLast);
+    const ArrowheadCholesky nested(random.arrowhead, BorderElimination::kNested);
     const Eigen::MatrixXd expected = dense.inverse();
     const double tolerance = 1e-9 * expected.norm();
     Eigen::MatrixXd right_side(dense.rows(), 2);
@@ -35,6 +36,7 @@ TEST(ArrowheadCholeskyTest, SolvesAndInvertsLikeTheDenseMatrix) {
         Eigen::VectorXd::LinSpaced(dense.rows(), 3.0, 1.0);
     const Eigen::MatrixXd solution = expected * right_side;
     EXPECT_LT((factor.Solve(right_side) - solution).norm(), 1e-9 * solution.norm());
+    EXPECT_LT((nested.Solve(right_side) - solution).norm(), 1e-9 * solution.norm());
     const ArrowheadInverse inverse = factor.TakeInverse();
     EXPECT_LT((inverse.border() - expected.bottomRightCorner(num_border, num_border)).norm(),
               tolerance);
@@ -53,17 +55,21 @@ TEST(ArrowheadCholeskyTest, SingularMatrixIsAnError) {
   ArrowheadMatrix band(3, 1, 1);
   for (int i = 0; i < 4; ++i) band.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));
   band.AddBlock({0, 1}, ones - Eigen::MatrixXd::Identity(2, 2));
-  EXPECT_THROW(ArrowheadCholesky{band}, Error);
+  EXPECT_THROW(ArrowheadCholesky(band, BorderElimination::kLast), Error);
   ArrowheadMatrix border(1, 1, 2);
   border.AddBlock({0}, Eigen::MatrixXd::Identity(1, 1));
   border.AddBlock({1, 2}, ones);
-  EXPECT_THROW(ArrowheadCholesky{border}, Error);
+  EXPECT_THROW(ArrowheadCholesky(border, BorderElimination::kLast), Error);
+  ArrowheadMatrix seen(1, 1, 2);
+  seen.AddBlock({0, 1, 2}, Eigen::MatrixXd::Ones(3, 3));
+  seen.AddBlock({0}, Eigen::MatrixXd::Identity(1, 1));
+  EXPECT_THROW(ArrowheadCholesky(seen, BorderElimination::kNested), Error);
 }
 
 TEST(ArrowheadCholeskyTest, ClearsVariablesThatStandAlone) {
   ArrowheadMatrix matrix(3, 2, 2);
   for (int i = 0; i < 5; ++i) matrix.AddBlock({i}, 0.5 * Eigen::MatrixXd::Identity(1, 1));
-  ArrowheadInverse inverse = ArrowheadCholesky(matrix).TakeInverse();
+  ArrowheadInverse inverse = ArrowheadCholesky(matrix, BorderElimination::kLast).TakeInverse();
   inverse.Clear(2);
   inverse.Clear(3);
   const Eigen::Vector3d band(2.0, 2.0, 0.0);

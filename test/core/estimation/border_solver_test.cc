@@ -22,7 +22,8 @@ TEST(BorderSolverTest, SolvesForTheBorderLikeTheDenseMatrix) {
                                                         {101, 2, 20},
                                                         {2000, 3, 15}}) {
     RandomArrowhead random_matrix(num_band, bandwidth, num_border, 7);
-    const ArrowheadCholesky factor(std::move(random_matrix.arrowhead));
+    const ArrowheadCholesky factor(std::move(random_matrix.arrowhead),
+                                   BorderElimination::kLast);
     BorderSolver solver(factor);
     constexpr int kNumColumns = 30;
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(random_matrix.dense.rows(), kNumColumns);
@@ -53,7 +54,7 @@ TEST(BorderSolverTest, SolvesForTheBorderLikeTheDenseMatrix) {
 
 TEST(BorderSolverTest, NoRightSidesGiveNoColumns) {
   RandomArrowhead random_matrix(40, 7, 6, 7);
-  const ArrowheadCholesky factor(std::move(random_matrix.arrowhead));
+  const ArrowheadCholesky factor(std::move(random_matrix.arrowhead), BorderElimination::kLast);
   BorderSolver solver(factor);
   const Eigen::MatrixXd found = solver.TakeSolution();
   EXPECT_EQ(found.rows(), 6);
