@@ -33,9 +33,9 @@ constexpr double kSameHeight = 0.05;      // m
 constexpr double kMinAgreement = 0.7;     // share of the segments on floors and ceilings
 constexpr int kMinSegmentsOnFloors = 20;  // that both parts saw
 
-Rigid3d ToFrame(const PartPose& pose, double height_m) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(pose.yaw_rad, Eigen::Vector3d::UnitZ())),
-          {pose.translation.x(), pose.translation.y(), height_m}};
+Rigid3d ToFrame(const PlanarPose& pose, double height_m) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(pose.heading, Eigen::Vector3d::UnitZ())),
+          {pose.position.x(), pose.position.y(), height_m}};
 }
 
 void Move(const Rig& rig, const Rigid3d& to_from, MapState* state) {
@@ -181,7 +181,8 @@ Eigen::Vector3d Foreseen(const FollowedPart& part, double time_s) {
 
 // Returns the pose of the later part in the frame of the earlier one by the wheels, of a rig
 // that moves in the plane; nothing where they do not cover the time between them.
-std::optional<PartPose> PoseByWheels(const FollowedPart& earlier, const FollowedPart& later) {
+std::optional<PlanarPose> PoseByWheels(const FollowedPart& earlier,
+                                       const FollowedPart& later) {
   const MapState& state = earlier.state;
   if (state.odometry == nullptr) return std::nullopt;
   const int64_t end_ns = earlier.scan_times_ns.back();
@@ -191,12 +192,7 @@ std::optional<PartPose> PoseByWheels(const FollowedPart& earlier, const Followed
   const OdometryMeasurement motion = state.odometry_calibration.Measure(*stated);
   const PlanarPose start = FromAbove(state.trajectory.WorldFromBody(end_ns)) *
                            PlanarPose{motion.turn, motion.translation};
-  const PlanarPose frame =
-      start * FromAbove(later.state.trajectory.WorldFromBody(start_ns)).Inverse();
-  PartPose pose;
-  pose.yaw_rad = frame.heading;
-  pose.translation = frame.position;
-  return pose;
+  return start * FromAbove(later.state.trajectory.WorldFromBody(start_ns)).Inverse();
 }
 
 // Returns the pose of the later part in the frame of the earlier one, or in words why it is
@@ -208,7 +204,7 @@ std::optional<Rigid3d> PoseOf(const Rig& rig,
                               std::string* reason) {
   const int64_t start_ns = later.scan_times_ns.front();
   const double time_s = SecondsBetween(earlier.scan_times_ns.back(), start_ns);
-  const std::optional<PartPose> by_wheels =
+  const std::optional<PlanarPose> by_wheels =
       planar ? PoseByWheels(earlier, later) : std::nullopt;
   if (by_wheels) return ToFrame(*by_wheels, 0.0);
   if (time_s > kMaxForeseen) {
@@ -222,7 +218,7 @@ std::optional<Rigid3d> PoseOf(const Rig& rig,
       ViewFromAbove(earlier.state.calibration.Posed(rig), earlier.state, options.spacing_m),
       ViewFromAbove(later.state.calibration.Posed(rig), later.state, options.spacing_m),
       options,
-      [&](const PartPose& pose) {
+      [&](const PlanarPose& pose) {
         const Eigen::Vector3d found = ToFrame(pose, 0.0) * start;
         return (found - foreseen).head<2>().norm() < kMaxDeviation;
       });
@@ -230,14 +226,14 @@ std::optional<Rigid3d> PoseOf(const Rig& rig,
     *reason = match.reason;
     return std::nullopt;
   }
-  const Rigid3d from_above = ToFrame(*match.pose, 0.0);
+  const Rigid3d from_above = ToFrame(match.pose->a_from_b, 0.0);
   if (planar) return from_above;
   const auto height_m = HeightOf(rig, from_above, later.state, earlier.state);
   if (!height_m) {
     *reason = "floors and ceilings leave its height open";
     return std::nullopt;
   }
-  const Rigid3d pose = ToFrame(*match.pose, *height_m);
+  const Rigid3d pose = ToFrame(match.pose->a_from_b, *height_m);
   if (std::abs((pose * start - foreseen).z()) > kMaxDeviation) {
     *reason = "its floors and ceilings match those of another storey";
     return std::nullopt;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "core/geometry/robust_fit.h"
 #include "core/judging/levels.h"
 #include "factors/spline/so3.h"
 
@@ -139,8 +140,8 @@ class MountingFit {
   }
 
   void Step(double loss_scale) {
-    Matrix8d normal_matrix = prior_;
-    Vector8d right = -prior_ * total_;
+    RobustFit<8> fit;
+    fit.AddPrior(prior_, total_);
     const Eigen::Vector3d origin = rig_[scanner_].body_from_scanner.translation;
     for (const ViewComparison& one : comparisons_) {
       const Eigen::Vector3d beam = one.p_a - origin;
@@ -149,15 +150,13 @@ class MountingFit {
       jacobian.segment<3>(3) = one.normal;
       jacobian(6) = -one.rate_m_s;
       jacobian(7) = one.normal.dot(beam.normalized());
-      const double scaled = one.distance_m / loss_scale;
-      const double weight = 1.0 / ((1.0 + scaled * scaled) * loss_scale * loss_scale);
-      normal_matrix += weight * jacobian * jacobian.transpose();
-      right -= weight * one.distance_m * jacobian;
+      fit.Add(jacobian,
+              one.distance_m,
+              CauchyWeight(one.distance_m, loss_scale) / (loss_scale * loss_scale));
     }
-    const Eigen::LDLT<Matrix8d> factor(normal_matrix);
     const double scatter = ScatterRatio(loss_scale);
-    covariance_ = scatter * scatter * factor.solve(Matrix8d::Identity());
-    total_ += factor.solve(right);
+    covariance_ = scatter * scatter * fit.hessian().ldlt().solve(Matrix8d::Identity());
+    total_ += fit.Step();
   }
 
   // The standard deviation of a place's distance over the one that the loss stands for.

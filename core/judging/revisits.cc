@@ -3,12 +3,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "core/geometry/plan_grid.h"
+#include "core/geometry/robust_fit.h"
 #include "core/judging/verdict_levels.h"
 #include "core/surface/landmark_view.h"
 
@@ -65,17 +65,14 @@ RevisitOffset Fit(const std::vector<Pair>& pairs) {
   prior << Eigen::Vector3d::Constant(1.0 / (kPriorShift * kPriorShift)),
       1.0 / (kPriorTurn * kPriorTurn);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Eigen::Matrix4d normal_matrix = prior.asDiagonal();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    RobustFit<4> fit;
+    fit.AddPrior(prior.asDiagonal(), motion);
     for (const Pair& pair : pairs) {
       const Eigen::Vector4d row = RowOf(pair);
       const double left = pair.distance_m + row.dot(motion);
-      const double scaled = left / kRobustScale;
-      const double weight = 1.0 / ((1.0 + scaled * scaled) * kRobustScale * kRobustScale);
-      normal_matrix += weight * row * row.transpose();
-      right -= weight * pair.distance_m * row;
+      fit.Add(row, left, CauchyWeight(left, kRobustScale) / (kRobustScale * kRobustScale));
     }
-    motion = normal_matrix.ldlt().solve(right);
+    motion += fit.Step();
   }
   int num_near = 0;
   int num_moved = 0;

@@ -329,9 +329,9 @@ void PlaceParts(const Rig& rig,
     PartSummary& part = summary->parts[i];
     if (match.pose) {
       const PartPose& pose = *match.pose;
-      part.pose = {pose.yaw_rad * 180.0 / M_PI,
-                   pose.translation.x(),
-                   pose.translation.y(),
+      part.pose = {pose.a_from_b.heading * 180.0 / M_PI,
+                   pose.a_from_b.position.x(),
+                   pose.a_from_b.position.y(),
                    pose.length_m};
     } else {
       summary->warnings.push_back(

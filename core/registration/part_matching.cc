@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "core/geometry/robust_fit.h"
+
 namespace plumbline {
 namespace {
 
@@ -24,76 +26,48 @@ Cell CellOf(const Eigen::Vector2d& p, double size) {
           static_cast<int>(std::floor(p.y() / size))};
 }
 
-Eigen::Matrix2d Rotation(double yaw) { return Eigen::Rotation2Dd(yaw).toRotationMatrix(); }
-
-// The spots of a part by cell, for those near a position.
-class SpotGrid {
- public:
-  SpotGrid(const std::vector<WallSpot>& spots, double size) : size_(size) {
-    for (const WallSpot& spot : spots) cells_[CellOf(spot.position, size_)].push_back(&spot);
-  }
-
-  // The spot of the same wall that is nearest along it; null where there is none.
-  const WallSpot* Find(const WallSpot& spot, double max_across) const {
-    const WallSpot* best = nullptr;
-    double best_distance = size_;
-    ForNear(spot.position, [&](const WallSpot& other) {
-      const Eigen::Vector2d offset = spot.position - other.position;
-      if (other.normal.dot(spot.normal) < kMinCosine ||
-          std::abs(other.normal.dot(offset)) > max_across || offset.norm() >= best_distance) {
-        return;
-      }
-      best = &other;
-      best_distance = offset.norm();
-    });
-    return best;
-  }
-
-  // Calls visit(spot) for the walls that a way leads through: it begins and ends well off
-  // them, on different sides. Beams along a wall come near it all the way.
-  template <typename Visit>
-  void ForWallsOn(const FreeBeam& way, double spacing_m, const Visit& visit) const {
-    const double distance = 0.6 * spacing_m;
-    const Eigen::Vector2d along = way.to - way.from;
-    const double length_m = along.norm();
-    for (double at = 0.0; at < length_m; at += 0.5 * spacing_m) {
-      const Eigen::Vector2d p = way.from + along * (at / length_m);
-      ForNear(p, [&](const WallSpot& wall) {
-        if ((wall.position - p).squaredNorm() > distance * distance) return;
-        const double from = wall.normal.dot(way.from - wall.position);
-        const double to = wall.normal.dot(way.to - wall.position);
-        if (from * to < 0.0 && std::min(std::abs(from), std::abs(to)) > distance) visit(wall);
-      });
+// The spot of the same wall that is nearest along it; null where there is none.
+const WallSpot* FindOn(const SpotGrid& grid,
+                       const WallSpot& spot,
+                       double max_along,
+                       double max_across) {
+  const WallSpot* best = nullptr;
+  double best_distance = max_along;
+  grid.ForEachNear(spot.position, [&](const WallSpot& other) {
+    const Eigen::Vector2d offset = spot.position - other.position;
+    if (other.normal.dot(spot.normal) < kMinCosine ||
+        std::abs(other.normal.dot(offset)) > max_across || offset.norm() >= best_distance) {
+      return;
     }
-  }
-
- private:
-  template <typename Action>
-  void ForNear(const Eigen::Vector2d& p, const Action& action) const {
-    const Cell centre = CellOf(p, size_);
-    for (int i = -1; i <= 1; ++i) {
-      for (int j = -1; j <= 1; ++j) {
-        const auto found = cells_.find({centre.first + i, centre.second + j});
-        if (found == cells_.end()) continue;
-        for (const WallSpot* spot : found->second) action(*spot);
-      }
-    }
-  }
-
-  double size_;
-  std::map<Cell, std::vector<const WallSpot*>> cells_;
-};
-
-WallSpot Moved(const PartPose& pose, const WallSpot& spot) {
-  const Eigen::Matrix2d rotation = Rotation(pose.yaw_rad);
-  return {rotation * spot.position + pose.translation, rotation * spot.normal};
+    best = &other;
+    best_distance = offset.norm();
+  });
+  return best;
 }
 
-PartPose Inverse(const PartPose& pose) {
-  PartPose inverse;
-  inverse.yaw_rad = -pose.yaw_rad;
-  inverse.translation = -(Rotation(-pose.yaw_rad) * pose.translation);
-  return inverse;
+// Calls visit(spot) for the walls that a way leads through: it begins and ends well off them,
+// on different sides. Beams along a wall come near it all the way.
+template <typename Visit>
+void ForWallsOn(const SpotGrid& grid,
+                const FreeBeam& way,
+                double spacing_m,
+                const Visit& visit) {
+  const double distance = 0.6 * spacing_m;
+  const Eigen::Vector2d along = way.to - way.from;
+  const double length_m = along.norm();
+  for (double at = 0.0; at < length_m; at += 0.5 * spacing_m) {
+    const Eigen::Vector2d p = way.from + along * (at / length_m);
+    grid.ForEachNear(p, [&](const WallSpot& wall) {
+      if ((wall.position - p).squaredNorm() > distance * distance) return;
+      const double from = wall.normal.dot(way.from - wall.position);
+      const double to = wall.normal.dot(way.to - wall.position);
+      if (from * to < 0.0 && std::min(std::abs(from), std::abs(to)) > distance) visit(wall);
+    });
+  }
+}
+
+WallSpot Moved(const PlanarPose& pose, const WallSpot& spot) {
+  return {pose * spot.position, pose.Rotation() * spot.normal};
 }
 
 std::vector<double> HeadingHistogram(const std::vector<WallSpot>& spots) {
@@ -135,10 +109,10 @@ std::vector<double> CandidateYaws(const PartView& a, const PartView& b) {
 }
 
 // The shifts that bring most spots of b, turned, onto spots of a.
-std::vector<PartPose> CandidateShifts(const PartView& a,
-                                      const PartView& b,
-                                      double yaw,
-                                      double cell_m) {
+std::vector<PlanarPose> CandidateShifts(const PartView& a,
+                                        const PartView& b,
+                                        double yaw,
+                                        double cell_m) {
   std::map<Cell, int> votes;
   for (const WallSpot& spot : b.spots) {
     const WallSpot turned = Moved({yaw, Eigen::Vector2d::Zero()}, spot);
@@ -160,55 +134,53 @@ std::vector<PartPose> CandidateShifts(const PartView& a,
   }
   std::sort(order.begin(), order.end());
   if (order.size() > kMaxShifts) order.resize(kMaxShifts);
-  std::vector<PartPose> poses;
+  std::vector<PlanarPose> poses;
   for (const auto& [count, cell] : order) {
-    PartPose pose;
-    pose.yaw_rad = yaw;
-    pose.translation = cell_m * Eigen::Vector2d(cell.first + 0.5, cell.second + 0.5);
-    poses.push_back(pose);
+    poses.push_back({yaw, cell_m * Eigen::Vector2d(cell.first + 0.5, cell.second + 0.5)});
   }
   return poses;
 }
 
 // Gauss-Newton on the spots' distances from the walls of the other part.
-void Refine(
-    const SpotGrid& grid, const PartView& b, double spacing_m, double last_m, PartPose* pose) {
+void Refine(const SpotGrid& grid,
+            const PartView& b,
+            double spacing_m,
+            double last_m,
+            PlanarPose* pose) {
   constexpr int kSteps = 8;
   for (int step = 0; step < kSteps; ++step) {
     const double max_across = step < kSteps / 2 ? 1.5 * spacing_m : last_m;
-    Eigen::Matrix3d information = 1e-6 * Eigen::Matrix3d::Identity();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    RobustFit<3> fit;
+    fit.AddPrior(1e-6 * Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero());
     for (const WallSpot& spot : b.spots) {
       const WallSpot moved = Moved(*pose, spot);
-      const WallSpot* other = grid.Find(moved, max_across);
+      const WallSpot* other = FindOn(grid, moved, 2.0 * spacing_m, max_across);
       if (other == nullptr) continue;
-      const Eigen::Vector2d arm = moved.position - pose->translation;
-      const Eigen::Vector3d row(other->normal.dot(Eigen::Vector2d(-arm.y(), arm.x())),
-                                other->normal.x(),
-                                other->normal.y());
-      information += row * row.transpose();
-      right -= row * other->normal.dot(moved.position - other->position);
+      const Eigen::Vector2d arm = moved.position - pose->position;
+      fit.Add({other->normal.dot(Eigen::Vector2d(-arm.y(), arm.x())),
+               other->normal.x(),
+               other->normal.y()},
+              other->normal.dot(moved.position - other->position),
+              1.0);
     }
-    const Eigen::Vector3d change = information.ldlt().solve(right);
-    pose->yaw_rad += change(0);
-    pose->translation += change.tail<2>();
+    const Eigen::Vector3d change = fit.Step();
+    pose->heading += change(0);
+    pose->position += change.tail<2>();
   }
 }
 
 // Counts the beams of one part, moved, that pass through walls of the other: (through, all).
 std::pair<int, int> CountRefuted(const SpotGrid& grid,
                                  const std::vector<FreeBeam>& beams,
-                                 const PartPose& pose,
+                                 const PlanarPose& pose,
                                  double spacing_m) {
   constexpr size_t kStride = 5;  // a fifth of the beams tells as well
   int refuted = 0;
   int all = 0;
-  const Eigen::Matrix2d rotation = Rotation(pose.yaw_rad);
   for (size_t i = 0; i < beams.size(); i += kStride) {
-    const FreeBeam moved = {rotation * beams[i].from + pose.translation,
-                            rotation * beams[i].to + pose.translation};
+    const FreeBeam moved = {pose * beams[i].from, pose * beams[i].to};
     bool through = false;
-    grid.ForWallsOn(moved, spacing_m, [&through](const WallSpot&) { through = true; });
+    ForWallsOn(grid, moved, spacing_m, [&through](const WallSpot&) { through = true; });
     if (through) ++refuted;
     ++all;
   }
@@ -224,11 +196,11 @@ std::vector<WallSpot> SolidSpots(const std::vector<WallSpot>& spots,
   std::map<const WallSpot*, int> num_through;
   for (const FreeBeam& beam : beams) {
     std::set<const WallSpot*> through;
-    grid.ForWallsOn(beam, spacing_m, [&](const WallSpot& wall) { through.insert(&wall); });
+    ForWallsOn(grid, beam, spacing_m, [&](const WallSpot& wall) { through.insert(&wall); });
     for (const WallSpot* wall : through) ++num_through[wall];
   }
   std::vector<WallSpot> solid;
-  for (const WallSpot& spot : spots) {
+  for (const WallSpot& spot : grid.spots()) {
     const auto found = num_through.find(&spot);
     if (found == num_through.end() || found->second < kFew) solid.push_back(spot);
   }
@@ -242,7 +214,7 @@ double OwnRefutedShare(const PartView& view, double spacing_m) {
   for (size_t i = 0; i < view.beams.size(); ++i) halves[i % 2].push_back(view.beams[i]);
   const std::vector<WallSpot> solid = SolidSpots(view.spots, halves[0], spacing_m);
   const auto [refuted, all] =
-      CountRefuted(SpotGrid(solid, 2.0 * spacing_m), halves[1], PartPose(), spacing_m);
+      CountRefuted(SpotGrid(solid, 2.0 * spacing_m), halves[1], PlanarPose(), spacing_m);
   return static_cast<double>(refuted) / std::max(1, all);
 }
 
@@ -254,14 +226,15 @@ struct Overlap {
 
 Overlap OverlapAt(const SpotGrid& grid,
                   const PartView& b,
-                  const PartPose& pose,
+                  const PlanarPose& pose,
                   const PartMatchingOptions& options) {
   Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
   std::map<Cell, int> surfaces;  // by heading and distance from the origin
   int count = 0;
   for (const WallSpot& spot : b.spots) {
     const WallSpot moved = Moved(pose, spot);
-    if (grid.Find(moved, options.max_distance_m) == nullptr) continue;
+    if (FindOn(grid, moved, 2.0 * options.spacing_m, options.max_distance_m) == nullptr)
+      continue;
     ++count;
     normals += spot.normal * spot.normal.transpose();
     const double heading = std::atan2(spot.normal.y(), spot.normal.x());
@@ -277,10 +250,8 @@ Overlap OverlapAt(const SpotGrid& grid,
   return overlap;
 }
 
-bool AreOne(const PartPose& a, const PartPose& b, const Eigen::Vector2d& centre) {
-  const Eigen::Vector2d at_a = Rotation(a.yaw_rad) * centre + a.translation;
-  const Eigen::Vector2d at_b = Rotation(b.yaw_rad) * centre + b.translation;
-  return std::cos(a.yaw_rad - b.yaw_rad) > 0.99 && (at_a - at_b).norm() < 0.4;
+bool AreOne(const PlanarPose& a, const PlanarPose& b, const Eigen::Vector2d& centre) {
+  return std::cos(a.heading - b.heading) > 0.99 && (a * centre - b * centre).norm() < 0.4;
 }
 
 }  // namespace
@@ -288,7 +259,7 @@ bool AreOne(const PartPose& a, const PartPose& b, const Eigen::Vector2d& centre)
 PartMatch MatchParts(const PartView& view_a,
                      const PartView& view_b,
                      const PartMatchingOptions& options,
-                     const std::function<bool(const PartPose&)>& is_possible) {
+                     const std::function<bool(const PlanarPose&)>& is_possible) {
   const PartView a = {SolidSpots(view_a.spots, view_a.beams, options.spacing_m), view_a.beams};
   const PartView b = {SolidSpots(view_b.spots, view_b.beams, options.spacing_m), view_b.beams};
   // Among furniture, part of which is seen from here and part from there, beams pass through
@@ -306,12 +277,11 @@ PartMatch MatchParts(const PartView& view_a,
   }
   std::vector<std::pair<PartPose, Overlap>> candidates;
   for (const double yaw : CandidateYaws(a, b)) {
-    for (PartPose pose : CandidateShifts(a, b, yaw, 1.5 * options.spacing_m)) {
+    for (PlanarPose pose : CandidateShifts(a, b, yaw, 1.5 * options.spacing_m)) {
       Refine(of_a, b, options.spacing_m, options.max_distance_m, &pose);
       if (is_possible && !is_possible(pose)) continue;
       const Overlap overlap = OverlapAt(of_a, b, pose, options);
-      pose.length_m = overlap.length_m;
-      candidates.emplace_back(pose, overlap);
+      candidates.push_back({{pose, overlap.length_m, 0.0}, overlap});
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& x, const auto& y) {
@@ -321,16 +291,18 @@ PartMatch MatchParts(const PartView& view_a,
     return {std::nullopt, "no walls match where the rig can have come to"};
   std::vector<std::pair<PartPose, Overlap>> kept;  // at most two poses that nothing refutes
   for (auto& [pose, overlap] : candidates) {
-    if (!kept.empty() && AreOne(kept.front().first, pose, centre)) continue;
-    const auto through_a = CountRefuted(of_a, b.beams, pose, options.spacing_m);
-    const auto through_b = CountRefuted(of_b, a.beams, Inverse(pose), options.spacing_m);
+    if (!kept.empty() && AreOne(kept.front().first.a_from_b, pose.a_from_b, centre)) continue;
+    const auto through_a = CountRefuted(of_a, b.beams, pose.a_from_b, options.spacing_m);
+    const auto through_b =
+        CountRefuted(of_b, a.beams, pose.a_from_b.Inverse(), options.spacing_m);
     pose.refuted_share = static_cast<double>(through_a.first + through_b.first) /
                          std::max(1, through_a.second + through_b.second);
-    VLOG(1) << "candidate: yaw " << pose.yaw_rad * 180.0 / M_PI << " deg, "
-            << pose.translation.transpose() << " m, matches " << overlap.length_m << " m ("
-            << overlap.weaker_length_m << " m the other way) of " << overlap.num_surfaces
-            << " surfaces, " << through_a.first << " of " << through_a.second << " and "
-            << through_b.first << " of " << through_b.second << " beams refute it";
+    VLOG(1) << "candidate: yaw " << pose.a_from_b.heading * 180.0 / M_PI << " deg, "
+            << pose.a_from_b.position.transpose() << " m, matches " << overlap.length_m
+            << " m (" << overlap.weaker_length_m << " m the other way) of "
+            << overlap.num_surfaces << " surfaces, " << through_a.first << " of "
+            << through_a.second << " and " << through_b.first << " of " << through_b.second
+            << " beams refute it";
     if (pose.refuted_share > max_refuted_share) continue;
     kept.emplace_back(pose, overlap);
     if (kept.size() == 2) break;

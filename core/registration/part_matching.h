@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
-namespace plumbline {
+#include "core/geometry/planar_pose.h"
+#include "core/registration/spot_grid.h"
 
-// A spot of a wall as seen from above, in the model frame of a part.
-struct WallSpot {
-  Eigen::Vector2d position;  // m
-  Eigen::Vector2d normal;    // unit vector towards the side that was seen
-};
+namespace plumbline {
 
 // A beam as seen from above, in the model frame of a part: nothing is between its ends.
 struct FreeBeam {
@@ -20,7 +17,8 @@ struct FreeBeam {
   Eigen::Vector2d to;    // m
 };
 
-// The compared content of a part: spots evenly spaced on its walls, and some of its beams.
+// The compared content of a part, in its model frame: spots evenly spaced on its walls, with
+// normals to the side that was seen, and some of its beams.
 struct PartView {
   std::vector<WallSpot> spots;
   std::vector<FreeBeam> beams;
@@ -35,11 +33,10 @@ struct PartMatchingOptions {
   double max_second_share = 0.75;   // of the best candidate's length that another may reach
 };
 
-// The pose of part b in the model frame of part a: p_a = R(yaw) p_b + translation.
+// The pose of part b in the model frame of part a.
 struct PartPose {
-  double yaw_rad = 0.0;
-  Eigen::Vector2d translation = Eigen::Vector2d::Zero();  // m
-  double length_m = 0.0;                                  // of the walls that match
+  PlanarPose a_from_b;
+  double length_m = 0.0;       // of the walls that match
   double refuted_share = 0.0;  // of the beams, those that pass through walls of the other part
 };
 
@@ -56,6 +53,6 @@ struct PartMatch {
 PartMatch MatchParts(const PartView& a,
                      const PartView& b,
                      const PartMatchingOptions& options,
-                     const std::function<bool(const PartPose&)>& is_possible = {});
+                     const std::function<bool(const PlanarPose&)>& is_possible = {});
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/geometry/matrix_types.h"
+#include "core/geometry/robust_fit.h"
 #include "core/sensor/beam_instant.h"
 #include "core/util/quantiles.h"
 #include "factors/linear_algebra/square_root_marginalisation.h"
@@ -49,40 +50,22 @@ constexpr double kTracePeriod = 0.05;  // s
 // The local map forgets at these intervals.
 constexpr double kForgetPeriod = 5.0;  // s
 
-// Collects the normal equations of a pose's error: rotation (rad, world frame), position (m).
-class PoseEquations {
- public:
-  explicit PoseEquations(const Rigid3d& world_from_body) : world_from_body_(world_from_body) {}
-
-  void Add(const Eigen::Vector3d& p_world,
-           const Eigen::Vector3d& normal,
-           double residual,
-           double weight) {
-    Eigen::Matrix<double, 6, 1> row;
-    row << (p_world - world_from_body_.translation).cross(normal), normal;
-    hessian_.noalias() += weight * row * row.transpose();
-    gradient_ += weight * residual * row;
-  }
-
-  const Matrix6d& hessian() const { return hessian_; }
-  const Eigen::Matrix<double, 6, 1>& gradient() const { return gradient_; }
-  PoseConstraint ConstraintAt(int64_t time_ns, double weight) const {
-    PoseConstraint constraint;
-    constraint.time_ns = time_ns;
-    constraint.measurement.world_from_body = world_from_body_.rotation;
-    constraint.measurement.position = world_from_body_.translation;
-    const MarginalisedSystem root = Marginalise(weight * hessian_, weight * gradient_, 0);
-    const Eigen::Index rank = root.root.rows();
-    constraint.measurement.root.topRows(rank) = root.root;
-    constraint.measurement.offset.head(rank) = root.offset;
-    return constraint;
-  }
-
- private:
-  Rigid3d world_from_body_;
-  Matrix6d hessian_ = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 1> gradient_ = Eigen::Matrix<double, 6, 1>::Zero();
-};
+// The constraint that a fit of a pose's error says: rotation (rad, world frame), position (m).
+PoseConstraint ConstraintOf(const RobustFit<6>& fit,
+                            const Rigid3d& world_from_body,
+                            int64_t time_ns,
+                            double weight) {
+  PoseConstraint constraint;
+  constraint.time_ns = time_ns;
+  constraint.measurement.world_from_body = world_from_body.rotation;
+  constraint.measurement.position = world_from_body.translation;
+  const MarginalisedSystem root =
+      Marginalise(weight * fit.hessian(), weight * fit.gradient(), 0);
+  const Eigen::Index rank = root.root.rows();
+  constraint.measurement.root.topRows(rank) = root.root;
+  constraint.measurement.offset.head(rank) = root.offset;
+  return constraint;
+}
 
 // The motion that turns about a point by a rotation vector and shifts.
 Rigid3d About(const Eigen::Vector3d& p_world,
@@ -213,7 +196,8 @@ void ScanMatcher::MatchLine(const Line& line,
   const Eigen::Matrix<double, 6, 1> of_line = by_motion * error;
   const Rigid3d correction =
       About(predicted.translation, of_line.head<3>(), of_line.tail<3>());
-  PoseEquations equations(correction * predicted);
+  const Rigid3d world_from_body = correction * predicted;
+  RobustFit<6> fit;
   const Eigen::Matrix3d turn = correction.rotation.toRotationMatrix();
   const Eigen::Vector3d from_world = turn * motion.nodes()[1].col(2) + correction.translation;
   CellPoints current;
@@ -231,14 +215,11 @@ void ScanMatcher::MatchLine(const Line& line,
       const double variance =
           surface_variance + (direction.variance + noise_m * noise_m) / current.num;
       const double residual = direction.normal.dot(deviation);
-      const double share =
-          residual * residual / (kSignificantStddevs * kSignificantStddevs * variance);
-      is_near = is_near &&
-                residual * residual < kSignificantStddevs * kSignificantStddevs * variance;
-      equations.Add(p_world,
-                    direction.normal,
-                    residual,
-                    1.0 / (variance * (1.0 + share) * (1.0 + share)));
+      const double significant = kSignificantStddevs * std::sqrt(variance);
+      is_near = is_near && std::abs(residual) < significant;
+      Eigen::Matrix<double, 6, 1> row;
+      row << (p_world - world_from_body.translation).cross(direction.normal), direction.normal;
+      fit.Add(row, residual, GemanMcClureWeight(residual, significant) / variance);
     }
     if (is_near) match->num_near += current.num;
     ++num_cells;
@@ -260,9 +241,10 @@ void ScanMatcher::MatchLine(const Line& line,
   take();
   match->num_cells += num_cells;
   if (num_cells == 0) return;
-  match->constraints.push_back(equations.ConstraintAt(line.middle_ns(), repeated_weight_));
-  match->hessian += repeated_weight_ * by_motion.transpose() * equations.hessian() * by_motion;
-  match->gradient += repeated_weight_ * by_motion.transpose() * equations.gradient();
+  match->constraints.push_back(
+      ConstraintOf(fit, world_from_body, line.middle_ns(), repeated_weight_));
+  match->hessian += repeated_weight_ * by_motion.transpose() * fit.hessian() * by_motion;
+  match->gradient += repeated_weight_ * by_motion.transpose() * fit.gradient();
 }
 
 Eigen::Matrix<double, 6, 12> ScanMatcher::ByMotion(const Line& line) const {

@@ -1,10 +1,11 @@
 #include "core/registration/visit_matching.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <vector>
+
+#include "core/geometry/robust_fit.h"
 
 namespace plumbline {
 namespace {
@@ -154,30 +155,25 @@ Eigen::Matrix3d Step(const VisitSurface& surface,
   const Eigen::Vector3d prior(1.0 / (kGuessStddev * kGuessStddev),
                               1.0 / (kGuessStddev * kGuessStddev),
                               1.0 / (kGuessHeadingStddev * kGuessHeadingStddev));
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient;
-  gradient << pose->position - guess.position, pose->heading - guess.heading;
-  gradient = prior.cwiseProduct(gradient).eval();
+  RobustFit<3> fit;
   const Eigen::Matrix2d rotation = pose->Rotation();
   for (const Eigen::Vector2d& point : points) {
     const Eigen::Vector2d turned = rotation * point;
     const Eigen::Vector2d p = turned + pose->position;
-    const VisitSurface::Spot* spot = surface.Nearest(p);
+    const WallSpot* spot = surface.Nearest(p);
     if (spot == nullptr) continue;
     const Eigen::Vector2d& normal = spot->normal;
     const double residual = normal.dot(p - spot->position);
-    const double ratio = residual / width_m;
-    if (std::abs(ratio) > 1.0) continue;
-    // Tukey's weight.
-    const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio) /
-                          (kSurfaceStddev * kSurfaceStddev * kPointsPerMeasurement);
-    const Eigen::Vector3d jacobian(
-        normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-turned.y(), turned.x())));
-    hessian += weight * jacobian * jacobian.transpose();
-    gradient += weight * residual * jacobian;
+    fit.Add({normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-turned.y(), turned.x()))},
+            residual,
+            TukeyWeight(residual, width_m) /
+                (kSurfaceStddev * kSurfaceStddev * kPointsPerMeasurement));
   }
-  const Eigen::Matrix3d with_prior = hessian + Eigen::Matrix3d(prior.asDiagonal());
-  const Eigen::Vector3d delta = with_prior.ldlt().solve(-gradient);
+  const Eigen::Matrix3d hessian = fit.hessian();
+  Eigen::Vector3d from_guess;
+  from_guess << pose->position - guess.position, pose->heading - guess.heading;
+  fit.AddPrior(prior.asDiagonal(), from_guess);
+  const Eigen::Vector3d delta = fit.Step();
   pose->position += delta.head<2>();
   pose->heading += delta[2];
   return hessian;
@@ -201,7 +197,7 @@ bool Fits(const VisitGrid& grid, const Points& points, const PlanarPose& pose) {
 std::vector<double> DirectionsOf(const VisitSurface& surface) {
   const auto num_bins = static_cast<int>(M_PI / kTurnStep);
   std::vector<double> directions(static_cast<size_t>(num_bins), 0.0);
-  for (const VisitSurface::Spot& spot : surface.spots()) {
+  for (const WallSpot& spot : surface.spots()) {
     if (spot.normal.isZero()) continue;
     const double share = std::atan2(spot.normal.y(), spot.normal.x()) / M_PI + 1.0;
     const int bin = static_cast<int>(share * num_bins) % num_bins;

@@ -91,9 +91,9 @@ TEST(MatchPartsTest, FindsThePoseWithoutAnInitialOne) {
     const PartMatch match =
         MatchParts(a, InFrame(OddRoom({0.0, 0.0}), yaw, translation), PartMatchingOptions());
     ASSERT_TRUE(match.pose) << yaw << ": " << match.reason;
-    EXPECT_GT(std::cos(match.pose->yaw_rad - yaw), std::cos(0.003)) << yaw;
+    EXPECT_GT(std::cos(match.pose->a_from_b.heading - yaw), std::cos(0.003)) << yaw;
     // The parts' origins are 14 m apart: what 0.003 rad make there.
-    EXPECT_LT((match.pose->translation - translation).norm(), 0.045) << yaw;
+    EXPECT_LT((match.pose->a_from_b.position - translation).norm(), 0.045) << yaw;
     EXPECT_GT(match.pose->length_m, 20.0);
   }
 }
@@ -172,8 +172,8 @@ TEST(MatchPartsTest, OnlyPossiblePosesCount) {
   const PartView a = OddRoom({0.0, 0.0});
   const PartView b = InFrame(a, 0.6, {3.0, 4.0});
   const auto match = [&](double max_shift_m) {
-    return MatchParts(a, b, PartMatchingOptions(), [max_shift_m](const PartPose& pose) {
-      return pose.translation.norm() < max_shift_m;
+    return MatchParts(a, b, PartMatchingOptions(), [max_shift_m](const PlanarPose& pose) {
+      return pose.position.norm() < max_shift_m;
     });
   };
   EXPECT_TRUE(match(10.0).pose);
