@@ -116,6 +116,12 @@ TEST_F(OpenRecordingTest, FirstBytesTellTheFormat) {
   EXPECT_THAT(ErrorWith("ODOMETER\n"), HasSubstr("a text that begins with 'ODOMETER'"));
 }
 
+// What a full disk leaves of a file may be zeros alone.
+TEST_F(OpenRecordingTest, ZerosAreNoText) {
+  EXPECT_THAT(ErrorWith(std::string(100, '\0')), HasSubstr("a file of an unknown kind"));
+  EXPECT_THAT(ErrorWith(std::string("ODOM 1 2\0 3\n", 12)), HasSubstr("an unknown kind"));
+}
+
 TEST_F(OpenRecordingTest, PackedFilesAreOpenedOnce) {
   for (const char* compression : {"bz2", "zstd"}) {
     const std::string packed = Pack(compression, FlaserLine(180, "70.1"));
