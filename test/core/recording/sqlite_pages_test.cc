@@ -93,6 +93,14 @@ TEST_F(SqlitePagesTest, FindsAllRowsInPagesOfAnySize) {
   }
 }
 
+// Where a row begins to flow over to other pages, to the byte.
+TEST_F(SqlitePagesTest, RowsThatJustFitAPageAreRead) {
+  std::vector<Message> messages;
+  for (int i = 0; i < 80; ++i) messages.push_back({i, 1, 2, DataOf(i, 440u + i)});
+  Write(512, messages);
+  EXPECT_EQ(NumGoodRows(messages), messages.size());
+}
+
 TEST_F(SqlitePagesTest, CutFileHoldsTheRowsThatAreWhole) {
   const std::vector<Message> messages = Messages();
   Write(1024, messages);

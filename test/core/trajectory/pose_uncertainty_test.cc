@@ -34,7 +34,7 @@ Eigen::MatrixXd SomeCovariance(int num_control_points) {
   Eigen::MatrixXd root(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
     for (Eigen::Index j = 0; j < size; ++j) {
-      root(i, j) = std::sin(1.7 * static_cast<double>(i) + 0.9 * static_cast<double>(j * j));
+      root(i, j) = std::sin(0.7 * static_cast<double>((i + 1) * (j * j + 2)));
     }
   }
   return 1e-4 * root * root.transpose();
