@@ -64,6 +64,9 @@ TEST(BlockLayoutTest, ControlPointsTakeTheFirstColumns) {
   layout.offsets = {0, 1, 4, 6, 13};
   EXPECT_EQ(layout.size(), 13);
   EXPECT_EQ(layout.NumControlPointColumns(), 4);
+  layout.blocks = {RotationBlock(4), PositionBlock(4), ScannerBlockId(0)};  // no planes
+  layout.offsets = {0, 1, 4, 11};
+  EXPECT_EQ(layout.NumControlPointColumns(), 4);
   layout.blocks.resize(2);
   layout.offsets.resize(3);
   EXPECT_EQ(layout.NumControlPointColumns(), 4);  // there is nothing else

@@ -89,6 +89,7 @@ TEST(TextBoxTest, OverlapIsMoreThanABorder) {
   EXPECT_TRUE(Overlap(box, Box(5.9, 0.0, 10.0, 2.0, 90.0)));
   // Its bounding box has them, itself does not.
   EXPECT_FALSE(Overlap(Box(0.0, 0.0, 10.0, 0.5, 45.0), Box(4.0, -3.0, 4.0, 1.0, 0.0)));
+  EXPECT_FALSE(Overlap(Box(4.0, -3.0, 4.0, 1.0, 0.0), Box(0.0, 0.0, 10.0, 0.5, 45.0)));
   EXPECT_TRUE(Overlap(Box(0.0, 0.0, 10.0, 0.5, 45.0), Box(3.0, 3.0, 4.0, 1.0, 0.0)));
 }
 
