@@ -115,9 +115,11 @@ Equations GaussNewtonSolver<Equations>::Solve(EstimationProblem* problem) const 
             << " less, " << std::abs(decrease - expected) << " off the model, "
             << NumGroupLinearisations(*problem) - num_linearisations
             << " groups linearised anew";
-    if (decrease <= limit || (share == 1.0 && std::abs(decrease - expected) <= limit) ||
-        NumGroupLinearisations(*problem) == num_linearisations) {
-      break;  // the last one: or the problem was linear
+    const bool is_linear = !problem->group_terms().empty() &&
+                           NumGroupLinearisations(*problem) == num_linearisations;
+    if (decrease <= limit || is_linear ||
+        (share == 1.0 && std::abs(decrease - expected) <= limit)) {
+      break;
     }
   }
   return now;

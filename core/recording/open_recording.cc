@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -100,8 +99,9 @@ std::string LookOf(std::string_view head) {
   for (const Look& look : kLooks) {
     if (BeginsWith(head, look.bytes)) return look.text;
   }
-  const bool is_text = std::none_of(head.begin(), head.end(), [](char c) {
-    return static_cast<unsigned char>(c) < ' ' && std::strchr("\t\n\r\f", c) == nullptr;
+  constexpr std::string_view kLayout = "\t\n\r\f";
+  const bool is_text = std::none_of(head.begin(), head.end(), [&](char c) {
+    return static_cast<unsigned char>(c) < ' ' && kLayout.find(c) == std::string_view::npos;
   });
   if (!is_text) return "a file of an unknown kind";
   const std::string_view line = head.substr(0, std::min(head.find('\n'), size_t{40}));

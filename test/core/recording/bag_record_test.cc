@@ -4,34 +4,24 @@
 
 #include <string>
 
+#include "test/core/recording/bag_text.h"
+
 namespace plumbline {
 namespace {
 
-std::string Number(uint32_t value) {
-  return std::string(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-
-std::string Field(const std::string& field) {
-  return Number(static_cast<uint32_t>(field.size())) + field;
-}
-
-std::string Record(const std::string& header, const std::string& data) {
-  return Number(static_cast<uint32_t>(header.size())) + header +
-         Number(static_cast<uint32_t>(data.size())) + data;
-}
-
 std::optional<BagRecord> Read(const std::string& bytes, uint64_t offset = 0) {
-  MemorySource source({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  MemorySource source(ViewOf(bytes));
   return ReadBagRecord(&source, offset);
 }
 
 std::string MessageHeader() {
-  return Field("conn=" + Number(3)) + Field(std::string("op=\2", 4)) +
-         Field("time=" + Number(1600000000) + Number(5));
+  return BagField("conn", BytesOf(uint32_t{3})) + BagField("op", "\2") +
+         BagField("time", BytesOf(uint32_t{1600000000}) + BytesOf(uint32_t{5}));
 }
 
 TEST(BagRecord, ReadsTheFieldsOfAMessage) {
-  const std::optional<BagRecord> record = Read("xx" + Record(MessageHeader(), "data"), 2);
+  const std::optional<BagRecord> record =
+      Read("xx" + BagRecordText(MessageHeader(), "data"), 2);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->type, BagRecord::Type::kMessage);
   EXPECT_EQ(record->connection_id, 3u);
@@ -41,7 +31,7 @@ TEST(BagRecord, ReadsTheFieldsOfAMessage) {
 }
 
 TEST(BagRecord, DataMayLieBeyondTheEndButNotTheHeader) {
-  const std::string bytes = Record(MessageHeader(), "data");
+  const std::string bytes = BagRecordText(MessageHeader(), "data");
   for (size_t size = 0; size < bytes.size(); ++size) {
     const std::optional<BagRecord> record = Read(bytes.substr(0, size));
     EXPECT_EQ(record.has_value(), size >= bytes.size() - 4) << size;
@@ -52,34 +42,36 @@ TEST(BagRecord, DataMayLieBeyondTheEndButNotTheHeader) {
 }
 
 TEST(BagRecord, LengthsThatLieAreNoRecord) {
-  std::string bytes = Record(MessageHeader(), "data");
+  std::string bytes = BagRecordText(MessageHeader(), "data");
   for (const size_t position : {size_t{0}, size_t{4}}) {  // of the header, of its first field
     for (const uint32_t length : {0xffffffffu, 0x7fffffffu, 1000u, 1u}) {
       std::string lie = bytes;
-      lie.replace(position, 4, Number(length));
+      lie.replace(position, 4, BytesOf(length));
       EXPECT_FALSE(Read(lie)) << position << " " << length;
     }
   }
 }
 
 TEST(BagRecord, FieldsMustBeThoseOfTheType) {
-  EXPECT_FALSE(Read(Record(Field(std::string("op=\2", 4)), "")));                // none else
-  EXPECT_FALSE(Read(Record(MessageHeader() + Field("conn=" + Number(1)), "")));  // twice
-  EXPECT_FALSE(Read(Record(MessageHeader() + Field("nothing"), "")));            // no value
-  EXPECT_FALSE(Read(Record(Field("op=\1"), "")));  // of version 1.2
+  EXPECT_FALSE(Read(BagRecordText(BagField("op", "\2"), "")));  // none else
+  EXPECT_FALSE(Read(
+      BagRecordText(MessageHeader() + BagField("conn", BytesOf(uint32_t{1})), "")));  // twice
+  EXPECT_FALSE(Read(BagRecordText(MessageHeader() + WithLength("nothing"), "")));  // no value
+  EXPECT_FALSE(Read(BagRecordText(BagField("op", "\1"), "")));  // of version 1.2
   // Index data of two messages take 24 bytes.
-  const std::string index =
-      Field("conn=" + Number(0)) + Field("count=" + Number(2)) + Field("op=\4");
-  EXPECT_TRUE(Read(Record(index, std::string(24, '\0'))));
-  EXPECT_FALSE(Read(Record(index, std::string(23, '\0'))));
+  const std::string index = BagField("conn", BytesOf(uint32_t{0})) +
+                            BagField("count", BytesOf(uint32_t{2})) + BagField("op", "\4");
+  EXPECT_TRUE(Read(BagRecordText(index, std::string(24, '\0'))));
+  EXPECT_FALSE(Read(BagRecordText(index, std::string(23, '\0'))));
 }
 
 TEST(BagRecord, ConnectionNeedsTypeAndMd5Sum) {
-  const std::string header = Field("conn=" + Number(1)) + Field("op=\7") + Field("topic=/a");
+  const std::string header =
+      BagField("conn", BytesOf(uint32_t{1})) + BagField("op", "\7") + BagField("topic", "/a");
   for (const bool whole : {true, false}) {
-    const std::string bytes =
-        Record(header, Field("md5sum=12") + Field(whole ? "type=b/C" : "typo=b/C"));
-    MemorySource source({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    const std::string bytes = BagRecordText(
+        header, BagField("md5sum", "12") + BagField(whole ? "type" : "typo", "b/C"));
+    MemorySource source(ViewOf(bytes));
     const auto connection = ReadBagConnection(&source, *ReadBagRecord(&source, 0));
     ASSERT_EQ(connection.has_value(), whole);
     if (!whole) continue;

@@ -1,38 +1,14 @@
 #include "core/recording/unpack.h"
 
-#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <lz4frame.h>
 
 #include <string>
 
+#include "test/core/recording/byte_text.h"
+#include "test/core/recording/packing.h"
+
 namespace plumbline {
 namespace {
-
-// Packs without mercy for what is small: the tests' texts are.
-std::string PackBz2(const std::string& text) {
-  std::string packed(text.size() + 1000, '\0');
-  auto size = static_cast<unsigned>(packed.size());
-  EXPECT_EQ(BZ2_bzBuffToBuffCompress(packed.data(),
-                                     &size,
-                                     const_cast<char*>(text.data()),
-                                     static_cast<unsigned>(text.size()),
-                                     9,
-                                     0,
-                                     0),
-            BZ_OK);
-  return packed.substr(0, size);
-}
-
-std::string PackLz4(const std::string& text) {
-  LZ4F_preferences_t preferences = {};
-  preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
-  std::string packed(LZ4F_compressFrameBound(text.size(), &preferences), '\0');
-  return packed.substr(
-      0,
-      LZ4F_compressFrame(
-          packed.data(), packed.size(), text.data(), text.size(), &preferences));
-}
 
 struct Outcome {
   std::string problem;
@@ -43,7 +19,7 @@ struct Outcome {
 Outcome UnpackText(const std::string& compression,
                    const std::string& packed,
                    uint32_t expected_size) {
-  MemorySource source({reinterpret_cast<const uint8_t*>(packed.data()), packed.size()});
+  MemorySource source(ViewOf(packed));
   std::vector<uint8_t> unpacked;
   Outcome outcome;
   outcome.problem = Unpack(compression, &source, expected_size, &unpacked, &outcome.num_taken);
@@ -60,9 +36,7 @@ std::string LongText() {
 
 class UnpackTest : public ::testing::TestWithParam<const char*> {
  protected:
-  std::string Pack(const std::string& text) const {
-    return std::string(GetParam()) == "bz2" ? PackBz2(text) : PackLz4(text);
-  }
+  std::string Pack(const std::string& text) const { return plumbline::Pack(GetParam(), text); }
 };
 
 TEST_P(UnpackTest, GivesBackWhatWasPackedWhateverSizeIsStated) {

@@ -2,15 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <pcl/PCLPointCloud2.h>
-#include <pcl/conversions.h>
-#include <pcl/io/pcd_io.h>
-#include <pcl/point_types.h>
 
-#include <cstring>
-#include <sstream>
-
-#include "core/result/e57_pages.h"
 #include "core/result/surface_colour.h"
 #include "test/testing/known_points.h"
 #include "test/testing/temporary_directory.h"
@@ -70,13 +62,6 @@ TEST(CloudFormatsTest, FilesHaveNamesOfTheirOwn) {
   EXPECT_FALSE(IsCloudFileName("planes.ply"));
 }
 
-TEST(E57PagesTest, PhysicalOffsetsCountTheChecksums) {
-  EXPECT_EQ(E57Pages::PhysicalOffset(0), 0u);
-  EXPECT_EQ(E57Pages::PhysicalOffset(1019), 1019u);
-  EXPECT_EQ(E57Pages::PhysicalOffset(1020), 1024u);
-  EXPECT_EQ(E57Pages::PhysicalOffset(2041), 2049u);
-}
-
 class PointCloudWriterTest : public TemporaryDirectoryTest {
  protected:
   // Writes the known points, so many at a time, and returns the file's bytes.
@@ -97,108 +82,6 @@ TEST_F(PointCloudWriterTest, BytesDoNotDependOnTheCalls) {
     EXPECT_TRUE(at_once == Write(format, 3500, 777)) << CloudFileName(format);
     EXPECT_TRUE(at_once == Write(format, 3500, 7)) << CloudFileName(format);
   }
-}
-
-TEST_F(PointCloudWriterTest, PclReadsThePoints) {
-  constexpr int kNumPoints = 25'000;  // several blocks
-  Write(CloudFormat::kPcd, kNumPoints, 1000);
-  pcl::PCLPointCloud2 cloud;
-  ASSERT_EQ(pcl::PCDReader().read((directory_ / "map.pcd").string(), cloud), 0);
-  std::vector<std::string> names;
-  for (const pcl::PCLPointField& field : cloud.fields) names.push_back(field.name);
-  EXPECT_THAT(names,
-              ElementsAre("x",
-                          "y",
-                          "z",
-                          "time",
-                          "scanner",
-                          "plane_id",
-                          "residual",
-                          "rgba",
-                          "normal_x",
-                          "normal_y",
-                          "normal_z"));
-  EXPECT_EQ(cloud.fields[3].datatype, pcl::PCLPointField::FLOAT64);
-  EXPECT_EQ(cloud.fields[4].datatype, pcl::PCLPointField::UINT8);
-  EXPECT_EQ(cloud.fields[5].datatype, pcl::PCLPointField::INT32);
-  ASSERT_EQ(cloud.width * cloud.height, static_cast<unsigned>(kNumPoints));
-  pcl::PointCloud<pcl::PointXYZRGBA> colours;
-  pcl::PointCloud<pcl::PointNormal> normals;
-  pcl::fromPCLPointCloud2(cloud, colours);
-  pcl::fromPCLPointCloud2(cloud, normals);
-  for (int i = 0; i < kNumPoints; i += 777) {
-    const auto index = static_cast<size_t>(i);
-    const MapPoint point = KnownPoint(i);
-    EXPECT_EQ(colours[index].getVector3fMap(), point.p_world);
-    EXPECT_THAT(PointColour(point.plane_id),
-                ElementsAre(colours[index].r, colours[index].g, colours[index].b));
-    EXPECT_EQ(colours[index].a, 255);
-    EXPECT_EQ(normals[index].getNormalVector3fMap(), point.normal_world);
-    double time_s = 0.0;
-    int32_t plane_id = 0;
-    const uint8_t* bytes = cloud.data.data() + index * cloud.point_step;
-    std::memcpy(&time_s, bytes + cloud.fields[3].offset, sizeof(time_s));
-    std::memcpy(&plane_id, bytes + cloud.fields[5].offset, sizeof(plane_id));
-    EXPECT_EQ(time_s, point.time_s);
-    EXPECT_EQ(bytes[cloud.fields[4].offset], point.scanner);
-    EXPECT_EQ(plane_id, point.plane_id);
-  }
-}
-
-TEST_F(PointCloudWriterTest, PlyHeaderDescribesThePoints) {
-  constexpr int kNumPoints = 12'345;
-  const std::string ply = Write(CloudFormat::kPly, kNumPoints, 1000);
-  const std::string end = "end_header\n";
-  const size_t start = ply.find(end) + end.size();
-  std::istringstream header(ply.substr(0, start));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(header, line);) {
-    if (line.rfind("comment", 0) != 0) lines.push_back(line);
-  }
-  // Open3D reads colours and normals only where they stand in this order.
-  EXPECT_THAT(lines,
-              ElementsAre("ply",
-                          "format binary_little_endian 1.0",
-                          "element vertex 12345",
-                          "property float x",
-                          "property float y",
-                          "property float z",
-                          "property double time",
-                          "property uchar scanner",
-                          "property int plane_id",
-                          "property float residual",
-                          "property uchar red",
-                          "property uchar green",
-                          "property uchar blue",
-                          "property uchar alpha",
-                          "property float nx",
-                          "property float ny",
-                          "property float nz",
-                          "end_header"));
-  const PointBuffer points = KnownPoints(0, kNumPoints);
-  EXPECT_TRUE(ply.substr(start) == std::string(points.data(), points.num_bytes()));
-}
-
-TEST_F(PointCloudWriterTest, LasHoldsNoPointBeyondItsIntegers) {
-  PointBuffer points;
-  MapPoint far = KnownPoint(0);
-  far.p_world.y() = 300'000.0f;
-  points.Add(far);
-  const auto writer = CreatePointCloudWriter(
-      CloudFormat::kLas, (directory_ / "a.las").string(), "out/map.las");
-  EXPECT_THAT(ErrorOf([&] { writer->Add(points); }),
-              HasSubstr("out/map.las: can not be written: a coordinate of 300000"));
-}
-
-TEST_F(PointCloudWriterTest, Las12HoldsNoPlaneBeyondItsIntegers) {
-  PointBuffer points;
-  MapPoint late = KnownPoint(0);
-  late.plane_id = 65535;
-  points.Add(late);
-  const auto writer = CreatePointCloudWriter(
-      CloudFormat::kLas12, (directory_ / "a.las").string(), "out/map_las12.las");
-  EXPECT_THAT(ErrorOf([&] { writer->Add(points); }),
-              HasSubstr("LAS 1.2 has no number for plane 65535"));
 }
 
 TEST_F(PointCloudWriterTest, FullDiskIsAnError) {

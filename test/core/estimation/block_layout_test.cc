@@ -1,0 +1,89 @@
+#include "core/estimation/block_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(BlockIdTest, ControlPointsPlanesScannersAndImuFollowEachOther) {
+  const std::vector<BlockId> in_order = {RotationBlock(0),
+                                         PositionBlock(0),
+                                         RotationBlock(1),
+                                         PositionBlock(1),
+                                         LandmarkBlock(0),
+                                         LandmarkBlock(7),
+                                         ScannerBlockId(0),
+                                         ScannerBlockId(1),
+                                         ImuBlockId(),
+                                         GyroscopeBiasBlock(3),
+                                         AccelerometerBiasBlock(3),
+                                         GyroscopeBiasBlock(7)};
+  for (size_t i = 0; i < in_order.size(); ++i) {
+    for (size_t k = 0; k < in_order.size(); ++k) {
+      EXPECT_EQ(in_order[i] < in_order[k], i < k) << i << " " << k;
+      EXPECT_EQ(in_order[i] == in_order[k], i == k) << i << " " << k;
+    }
+  }
+}
+
+TEST(BlockIdTest, EachIsOfOneKind) {
+  for (const BlockId& block : {RotationBlock(2),
+                               PositionBlock(2),
+                               LandmarkBlock(2),
+                               ScannerBlockId(2),
+                               ImuBlockId(),
+                               GyroscopeBiasBlock(2),
+                               AccelerometerBiasBlock(2)}) {
+    EXPECT_EQ(IsControlPoint(block) + IsLandmark(block) + IsScanner(block) + IsImu(block) +
+                  IsBias(block),
+              1);
+  }
+}
+
+// What a window gives up.
+TEST(BlockIdTest, PosesAndBiasesComeBeforeAControlPointAndNothingElseDoes) {
+  EXPECT_TRUE(IsBefore(RotationBlock(2), 3));
+  EXPECT_TRUE(IsBefore(PositionBlock(2), 3));
+  EXPECT_TRUE(IsBefore(GyroscopeBiasBlock(2), 3));
+  EXPECT_FALSE(IsBefore(PositionBlock(3), 3));
+  EXPECT_FALSE(IsBefore(AccelerometerBiasBlock(3), 3));
+  EXPECT_FALSE(IsBefore(LandmarkBlock(2), 3));
+  EXPECT_FALSE(IsBefore(ScannerBlockId(0), 3));
+  EXPECT_FALSE(IsBefore(ImuBlockId(), 3));
+}
+
+TEST(BlockLayoutTest, ControlPointsTakeTheFirstColumns) {
+  BlockLayout layout;
+  layout.blocks = {RotationBlock(4), PositionBlock(4), LandmarkBlock(1), ScannerBlockId(0)};
+  layout.offsets = {0, 1, 4, 6, 13};
+  EXPECT_EQ(layout.size(), 13);
+  EXPECT_EQ(layout.NumControlPointColumns(), 4);
+  layout.blocks = {RotationBlock(4), PositionBlock(4), ScannerBlockId(0)};  // no planes
+  layout.offsets = {0, 1, 4, 11};
+  EXPECT_EQ(layout.NumControlPointColumns(), 4);
+  layout.blocks.resize(2);
+  layout.offsets.resize(3);
+  EXPECT_EQ(layout.NumControlPointColumns(), 4);  // there is nothing else
+  layout.blocks = {LandmarkBlock(1)};
+  layout.offsets = {0, 2};
+  EXPECT_EQ(layout.NumControlPointColumns(), 0);
+}
+
+TEST(BlockLayoutTest, FreeColumnsAreThoseThatNoManifoldHolds) {
+  BlockLayout layout;
+  layout.blocks = {RotationBlock(0), PositionBlock(0), LandmarkBlock(1)};
+  layout.offsets = {0, 1, 4, 6};
+  layout.is_free = {true, true, true, false, false, true};
+  EXPECT_THAT(layout.FreeColumns(), ElementsAre(0, 1, 2, 5));
+  layout.is_free.assign(6, false);
+  EXPECT_THAT(layout.FreeColumns(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,115 @@
+// Of maps: end_to_end/covariance_test.cc.
+
+#include "core/estimation/map_covariance.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/estimation/linearisation.h"
+#include "core/trajectory/pose_uncertainty.h"
+#include "core/util/error.h"
+#include "test/core/estimation/prior_problem.h"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+
+Eigen::MatrixXd InverseOf(const Eigen::MatrixXd& matrix) {
+  return matrix.llt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+}
+
+TEST(MapCovarianceTest, IsTheInverseOfTheNormalMatrix) {
+  PriorProblem priors;
+  priors.AddAllPriors();
+  const MapCovariance covariance = MapCovariance::Of(priors.problem());
+  const Eigen::MatrixXd inverse = InverseOf(priors.Hessian());
+  EXPECT_THAT(covariance.landmark_ids(), ElementsAre(0, 1));
+  EXPECT_THAT(covariance.offsets(), ElementsAre(0, 1, 4));
+  EXPECT_LT((covariance.landmarks() - inverse.bottomRightCorner(4, 4)).norm(),
+            1e-9 * inverse.bottomRightCorner(4, 4).norm());
+  EXPECT_EQ(covariance.scanners().size(), 0);
+  const Eigen::MatrixXd points = inverse.block(30, 30, 24, 24);
+  EXPECT_LT((covariance.ControlPoints(30, 24) - points).norm(), 1e-9 * points.norm());
+}
+
+TEST(MapCovarianceTest, PoseIsThatOfItsControlPoints) {
+  PriorProblem priors;
+  priors.AddAllPriors();
+  const MapCovariance covariance = MapCovariance::Of(priors.problem());
+  const Eigen::MatrixXd inverse = InverseOf(priors.Hessian());
+  const PoseUncertainty uncertainty(0, inverse.topLeftCorner(66, 66));
+  for (const double knots : {0.0, 2.3, 7.9}) {
+    const int64_t time_ns =
+        PriorProblem::kStartNs + static_cast<int64_t>(knots * PriorProblem::kKnotNs);
+    const Matrix6d expected = uncertainty.At(priors.trajectory(), time_ns);
+    EXPECT_LT((covariance.PoseAt(priors.trajectory(), time_ns) - expected).norm(),
+              1e-9 * expected.norm());
+  }
+}
+
+// A planar rig: heights and tilts are held, and have no variance.
+TEST(MapCovarianceTest, WhatIsHeldHasNoVariance) {
+  PriorProblem priors(true);
+  priors.AddAllPriors();
+  const MapCovariance covariance = MapCovariance::Of(priors.problem());
+  const Matrix6d pose =
+      covariance.PoseAt(priors.trajectory(), PriorProblem::kStartNs + PriorProblem::kKnotNs);
+  for (const int held : {0, 1, 5}) {
+    EXPECT_EQ(pose.row(held).norm() + pose.col(held).norm(), 0.0) << held;
+  }
+  for (const int free : {2, 3, 4}) EXPECT_GT(pose(free, free), 0.0) << free;
+}
+
+TEST(MapCovarianceTest, CorrelatedErrorsAreAdded) {
+  PriorProblem priors;
+  priors.AddAllPriors();
+  const BlockLayout layout = priors.problem().Layout();
+  CorrelatedErrors errors;
+  errors.shift = Eigen::MatrixXd::Zero(layout.NumControlPointColumns(), 1);
+  errors.shift(3, 0) = 0.5;
+  errors.landmarks = 0.25 * Eigen::MatrixXd::Identity(4, 4);
+  const MapCovariance plain = MapCovariance::Of(priors.problem());
+  const MapCovariance covariance =
+      MapCovariance::Of(priors.problem(),
+                        LineariseArrowhead(priors.problem(), layout),
+                        [&](const ArrowheadCholesky&) { return errors; });
+  EXPECT_LT((covariance.landmarks() - plain.landmarks() - errors.landmarks).norm(), 1e-12);
+  Eigen::MatrixXd added = covariance.ControlPoints(0, 12) - plain.ControlPoints(0, 12);
+  EXPECT_NEAR(added(3, 3), 0.25, 1e-12);
+  added(3, 3) = 0.0;
+  EXPECT_LT(added.norm(), 1e-12);
+}
+
+TEST(MapCovarianceTest, WeakDirectionsAreTheLeastEigenvalues) {
+  PriorProblem priors;
+  priors.AddAllPriors();
+  const Eigen::MatrixXd hessian = priors.Hessian();
+  const Eigen::VectorXd scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                          scale.asDiagonal() * hessian * scale.asDiagonal())
+                                          .eigenvalues();
+  const MapCovariance covariance = MapCovariance::Of(priors.problem());
+  const auto& weak = covariance.weak_directions();
+  ASSERT_EQ(weak.size(), 3u);
+  EXPECT_NEAR(weak[0].eigenvalue, eigenvalues[0], 1e-3 * eigenvalues[0]);
+  EXPECT_LE(weak[0].eigenvalue, weak[1].eigenvalue);
+  EXPECT_LE(weak[1].eigenvalue, weak[2].eigenvalue);
+  for (const WeakDirection& direction : weak) {
+    EXPECT_GT(direction.share, 0.0);
+    EXPECT_LE(direction.share, 1.0 + 1e-12);
+  }
+}
+
+TEST(MapCovarianceTest, UnknownsThatNothingDeterminesAreAnError) {
+  PriorProblem priors;
+  priors.AddPrior({PositionBlock(0), LandmarkBlock(0)},
+                  Eigen::Vector4d(1.0, 0.0, 1.0, 1.0).asDiagonal().toDenseMatrix());
+  EXPECT_THROW(MapCovariance::Of(priors.problem()), Error);
+}
+
+}  // namespace
+}  // namespace plumbline
