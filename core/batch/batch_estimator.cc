@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -88,6 +89,10 @@ BatchEstimator::BatchEstimator(bool planar,
 
 void BatchEstimator::EstimateRobustly() {
   EstimateWithNoise(options_.association.huber_width, kRoundOptions);
+}
+
+void BatchEstimator::ForgetLinearisations() {
+  groups_.ForgetBefore(std::numeric_limits<int>::max());
 }
 
 void BatchEstimator::StepRobustly() {

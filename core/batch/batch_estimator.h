@@ -37,6 +37,8 @@ class BatchEstimator {
 
   // Estimates with a robust loss, for associations that may still be wrong.
   void EstimateRobustly();
+  // Gives back the memory of what is kept from one estimation to the next.
+  void ForgetLinearisations();
   // Takes one Gauss-Newton step with the robust loss, whichever solver the options name.
   // Between rounds little changes: what one step leaves is less than the next associations
   // will move.

@@ -19,28 +19,29 @@ class VisitGrid {
   // Cells by which BoundAt() lets a point move; CoarseBoundAt() by their square.
   static constexpr int kCoarse = 4;
 
-  // Returns the fit of a point: 1 on a surface, less near one, below 0 where beams passed, 0
-  // where nothing is known.
-  double At(const Eigen::Vector2d& p) const { return ValueOf(values_, p); }
-  // Returns an upper bound of the fit of the point, and of all that lie up to kCoarse cells
+  // The cell of a point, on the grid or not.
+  Eigen::Vector2i CellOf(const Eigen::Vector2d& p) const {
+    return ((p - origin_) / kCell).array().floor().cast<int>();
+  }
+  // Returns the fit of a point in a cell, in hundredths: 100 on a surface, less near one,
+  // below 0 where beams passed, 0 where nothing is known.
+  int At(const Eigen::Vector2i& cell) const { return ValueOf(values_, cell); }
+  // Returns an upper bound of the fit in the cell, and in all that lie up to kCoarse cells
   // from it towards larger x and y.
-  double BoundAt(const Eigen::Vector2d& p) const { return ValueOf(bounds_, p); }
-  double CoarseBoundAt(const Eigen::Vector2d& p) const {
+  int BoundAt(const Eigen::Vector2i& cell) const { return ValueOf(bounds_, cell); }
+  int CoarseBoundAt(const Eigen::Vector2i& cell) const {
     // What lies before the grid may move into it.
     return ValueOf(coarse_bounds_,
-                   p.cwiseMax(origin_.cwiseMin(
-                       p + Eigen::Vector2d::Constant(kCell * kCoarse * kCoarse))));
+                   cell.cwiseMax((cell.array() + kCoarse * kCoarse).matrix().cwiseMin(0)));
   }
 
  private:
   size_t IndexOf(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
-  double ValueOf(const std::vector<int8_t>& values, const Eigen::Vector2d& p) const {
-    const int x = static_cast<int>(std::floor((p.x() - origin_.x()) / kCell));
-    const int y = static_cast<int>(std::floor((p.y() - origin_.y()) / kCell));
-    if (x < 0 || y < 0 || x >= width_ || y >= height_) return 0.0;
-    return 0.01 * values[IndexOf(x, y)];
+  int ValueOf(const std::vector<int8_t>& values, const Eigen::Vector2i& cell) const {
+    if (cell.x() < 0 || cell.y() < 0 || cell.x() >= width_ || cell.y() >= height_) return 0;
+    return values[IndexOf(cell.x(), cell.y())];
   }
   void AddPassing(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void AddSurface(const Eigen::Vector2d& point);

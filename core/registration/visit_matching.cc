@@ -23,7 +23,7 @@ constexpr double kElsewhereTurn = 0.2;  // rad
 constexpr double kMinKnownShare = 0.35;
 constexpr double kMinHitShare = 0.7;
 constexpr double kMaxSecondShare = 0.92;
-constexpr double kMinFit = 0.1;  // of a point on a surface
+constexpr int kMinFit = 10;  // hundredths, of a point on a surface
 
 // The refinement: its steps, each with a width beyond which points do not count.
 constexpr double kWidths[] = {
@@ -35,9 +35,9 @@ constexpr double kGuessStddev = 1.0;         // m
 constexpr double kGuessHeadingStddev = 0.1;  // rad
 
 struct Candidate {
-  double score = 0.0;  // mean fit, or a bound of it
-  size_t turn = 0;     // of the window's
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double score = 0.0;                               // mean fit, or a bound of it
+  size_t turn = 0;                                  // of the window's
+  Eigen::Vector2i shift = Eigen::Vector2i::Zero();  // from the guess, in cells
 };
 
 Points SomeOf(const Points& points) {
@@ -47,14 +47,8 @@ Points SomeOf(const Points& points) {
   return some;
 }
 
-Points Turned(const Points& points, double heading) {
-  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(heading).toRotationMatrix();
-  Points turned;
-  for (const Eigen::Vector2d& p : points) turned.push_back(rotation * p);
-  return turned;
-}
-
-// A search over the poses of a window.
+// A search over the poses of a window, which are whole cells apart: a point's cell moves by as
+// many.
 class WindowSearch {
  public:
   WindowSearch(const VisitGrid& grid,
@@ -62,11 +56,12 @@ class WindowSearch {
                const PlanarPose& guess,
                const MatchWindow& window)
       : grid_(grid),
-        guess_(guess),
         min_score_(window.min_score),
         num_steps_(static_cast<int>(std::ceil(window.position_m / kStep))) {
     for (const double turn : window.turns) {
-      turned_.push_back(Turned(points, guess.heading + turn));
+      const PlanarPose pose{guess.heading + turn, guess.position};
+      Cells& cells = turned_.emplace_back();
+      for (const Eigen::Vector2d& p : points) cells.push_back(grid.CellOf(pose * p));
     }
   }
 
@@ -83,13 +78,15 @@ class WindowSearch {
   }
 
  private:
+  using Cells = std::vector<Eigen::Vector2i>;
   static constexpr double kStep = VisitGrid::kCell * VisitGrid::kCoarse;  // m
 
+  // fit: of a cell, in hundredths.
   template <typename Fit>
-  double MeanFit(size_t turn, const Eigen::Vector2d& at, const Fit& fit) const {
-    double sum = 0.0;
-    for (const Eigen::Vector2d& p : turned_[turn]) sum += fit(p + at);
-    return sum / static_cast<double>(turned_[turn].size());
+  double MeanFit(size_t turn, const Eigen::Vector2i& shift, const Fit& fit) const {
+    int sum = 0;
+    for (const Eigen::Vector2i& cell : turned_[turn]) sum += fit(cell + shift);
+    return 0.01 * sum / static_cast<double>(turned_[turn].size());
   }
 
   // Those whose bounds allow for a fit, best first.
@@ -98,16 +95,17 @@ class WindowSearch {
     for (size_t turn = 0; turn < turned_.size(); ++turn) {
       for (int y = -num_steps_; y <= num_steps_; y += VisitGrid::kCoarse) {
         for (int x = -num_steps_; x <= num_steps_; x += VisitGrid::kCoarse) {
-          const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
           const double bound = MeanFit(
-              turn, at, [&](const Eigen::Vector2d& p) { return grid_.CoarseBoundAt(p); });
+              turn, VisitGrid::kCoarse * Eigen::Vector2i(x, y), [&](const Eigen::Vector2i& c) {
+                return grid_.CoarseBoundAt(c);
+              });
           if (bound >= min_score_) AddPlaces(turn, x, y, &places);
         }
       }
     }
     std::sort(places.begin(), places.end(), [](const Candidate& a, const Candidate& b) {
       const auto order = [](const Candidate& c) {
-        return std::make_tuple(-c.score, c.turn, c.position.y(), c.position.x());
+        return std::make_tuple(-c.score, c.turn, c.shift.y(), c.shift.x());
       };
       return order(a) < order(b);
     });
@@ -118,32 +116,31 @@ class WindowSearch {
   void AddPlaces(size_t turn, int from_x, int from_y, std::vector<Candidate>* places) const {
     for (int y = from_y; y < std::min(from_y + VisitGrid::kCoarse, num_steps_ + 1); ++y) {
       for (int x = from_x; x < std::min(from_x + VisitGrid::kCoarse, num_steps_ + 1); ++x) {
-        const Eigen::Vector2d at = guess_.position + kStep * Eigen::Vector2d(x, y);
+        const Eigen::Vector2i shift = VisitGrid::kCoarse * Eigen::Vector2i(x, y);
         const double bound =
-            MeanFit(turn, at, [&](const Eigen::Vector2d& p) { return grid_.BoundAt(p); });
-        places->push_back({bound, turn, at});
+            MeanFit(turn, shift, [&](const Eigen::Vector2i& c) { return grid_.BoundAt(c); });
+        places->push_back({bound, turn, shift});
       }
     }
   }
 
   Candidate BestNear(const Candidate& place) const {
-    Candidate best{0.0, place.turn, place.position};
+    Candidate best{0.0, place.turn, place.shift};
     for (int y = 0; y < VisitGrid::kCoarse; ++y) {
       for (int x = 0; x < VisitGrid::kCoarse; ++x) {
-        const Eigen::Vector2d at = place.position + VisitGrid::kCell * Eigen::Vector2d(x, y);
+        const Eigen::Vector2i shift = place.shift + Eigen::Vector2i(x, y);
         const double score =
-            MeanFit(place.turn, at, [&](const Eigen::Vector2d& p) { return grid_.At(p); });
-        if (score > best.score) best = {score, place.turn, at};
+            MeanFit(place.turn, shift, [&](const Eigen::Vector2i& c) { return grid_.At(c); });
+        if (score > best.score) best = {score, place.turn, shift};
       }
     }
     return best;
   }
 
   const VisitGrid& grid_;
-  PlanarPose guess_;
   double min_score_;
-  int num_steps_;               // in each direction
-  std::vector<Points> turned_;  // by turn
+  int num_steps_;              // in each direction
+  std::vector<Cells> turned_;  // of the points at the guess, by turn
 };
 
 // One Gauss-Newton step of a pose; returns the Hessian without what the guess adds.
@@ -184,8 +181,8 @@ bool Fits(const VisitGrid& grid, const Points& points, const PlanarPose& pose) {
   int num_known = 0;
   int num_hits = 0;
   for (const Eigen::Vector2d& p : points) {
-    const double fit = grid.At(pose * p);
-    num_known += fit != 0.0 ? 1 : 0;
+    const int fit = grid.At(grid.CellOf(pose * p));
+    num_known += fit != 0 ? 1 : 0;
     num_hits += fit > kMinFit ? 1 : 0;
   }
   return num_known >= kMinKnownShare * static_cast<double>(points.size()) &&
@@ -257,24 +254,24 @@ std::optional<VisitMatch> MatchVisits(const VisitGrid& earlier_grid,
       found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
         return a.score < b.score;
       });
-  const auto heading_of = [&](const Candidate& candidate) {
-    return guess.heading + window.turns[candidate.turn];
+  const auto pose_of = [&](const Candidate& candidate) {
+    return PlanarPose{guess.heading + window.turns[candidate.turn],
+                      guess.position + VisitGrid::kCell * candidate.shift.cast<double>()};
   };
-  const PlanarPose start{heading_of(best), best.position};
+  const PlanarPose start = pose_of(best);
   VisitMatch match{start, {}};
   for (const double width_m : kWidths) {
     match.information =
         Step(earlier_surface, points, width_m, start, &match.earlier_from_later);
   }
   const PlanarPose& pose = match.earlier_from_later;
-  const auto is_elsewhere = [&](const Eigen::Vector2d& position, double heading) {
-    return (position - pose.position).norm() > kElsewhere ||
-           std::abs(std::remainder(heading - pose.heading, 2.0 * M_PI)) > kElsewhereTurn;
+  const auto is_elsewhere = [&](const PlanarPose& other) {
+    return (other.position - pose.position).norm() > kElsewhere ||
+           std::abs(std::remainder(other.heading - pose.heading, 2.0 * M_PI)) > kElsewhereTurn;
   };
-  if (is_elsewhere(start.position, start.heading)) return std::nullopt;
+  if (is_elsewhere(start)) return std::nullopt;
   for (const Candidate& other : found) {
-    if (other.score > kMaxSecondShare * best.score &&
-        is_elsewhere(other.position, heading_of(other))) {
+    if (other.score > kMaxSecondShare * best.score && is_elsewhere(pose_of(other))) {
       return std::nullopt;
     }
   }

@@ -19,15 +19,15 @@ Visit SeenWall() {
 
 TEST(VisitGrid, TellsSurfacesFromFreeSpaceAndTheUnknown) {
   const VisitGrid grid(SeenWall());
-  EXPECT_GT(grid.At({4.0, 0.5}), 0.8);
-  EXPECT_LT(grid.At({2.0, 0.5}), 0.0);
-  EXPECT_EQ(grid.At({4.7, 0.5}), 0.0);     // behind the wall
-  EXPECT_EQ(grid.At({40.0, -40.0}), 0.0);  // far outside
+  EXPECT_GT(grid.At(grid.CellOf({4.0, 0.5})), 80);
+  EXPECT_LT(grid.At(grid.CellOf({2.0, 0.5})), 0);
+  EXPECT_EQ(grid.At(grid.CellOf({4.7, 0.5})), 0);     // behind the wall
+  EXPECT_EQ(grid.At(grid.CellOf({40.0, -40.0})), 0);  // far outside
 }
 
 TEST(VisitGrid, FitsLessTheFartherASurfaceIs) {
   const VisitGrid grid(SeenWall());
-  EXPECT_GT(grid.At({4.0, 0.5}), grid.At({3.85, 0.5}));
+  EXPECT_GT(grid.At(grid.CellOf({4.0, 0.5})), grid.At(grid.CellOf({3.85, 0.5})));
 }
 
 // The search leaves out what the bounds rule out: no value within their reach may be larger.
@@ -40,11 +40,11 @@ TEST(VisitGrid, BoundsHoldForAllThatTheyReach) {
       const Eigen::Vector2d p(x, y);
       for (int i = 0; i <= coarse * coarse; ++i) {
         for (int j = 0; j <= coarse * coarse; ++j) {
-          const double value = grid.At(p + cell * Eigen::Vector2d(i, j));
+          const int value = grid.At(grid.CellOf(p + cell * Eigen::Vector2d(i, j)));
           if (i <= coarse && j <= coarse) {
-            ASSERT_GE(grid.BoundAt(p), value) << p.transpose();
+            ASSERT_GE(grid.BoundAt(grid.CellOf(p)), value) << p.transpose();
           }
-          ASSERT_GE(grid.CoarseBoundAt(p), value) << p.transpose();
+          ASSERT_GE(grid.CoarseBoundAt(grid.CellOf(p)), value) << p.transpose();
         }
       }
     }
@@ -52,7 +52,7 @@ TEST(VisitGrid, BoundsHoldForAllThatTheyReach) {
 }
 
 TEST(VisitGrid, KnowsNothingOfAVisitWithoutPoints) {
-  EXPECT_EQ(VisitGrid(Visit()).At({0.0, 0.0}), 0.0);
+  EXPECT_EQ(VisitGrid(Visit()).At({0, 0}), 0);
 }
 
 }  // namespace
