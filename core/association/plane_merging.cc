@@ -17,61 +17,6 @@ namespace {
 // The normals of planes that face the same side have at least this cosine.
 constexpr double kMinFacingCosine = 0.8;
 
-// Whether two planes agree at the middle of the smaller one, b, along one of its sides.
-bool AgreeAlong(bool along_u,
-                const Landmark& a,
-                const Landmark& b,
-                double range_noise_m,
-                const AssociationOptions& options) {
-  const PatchExtent& extent = b.extent;
-  const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
-  const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
-  const Eigen::Vector3d direction = along_u ? extent.axes().u : extent.axes().v;
-  const Eigen::Vector3d on_axes = extent.ToWorld(middle);
-  const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
-  const Eigen::Vector2d difference(a.SignedDistance(point),
-                                   a.Normal().dot(direction) - b.Normal().dot(direction));
-  const Eigen::Matrix<double, 2, 3> by_a = a.DeviationJacobian(point, direction);
-  const Eigen::Matrix<double, 2, 3> by_b = b.DeviationJacobian(point, direction);
-  const Eigen::Matrix2d covariance =
-      by_a * a.covariance * by_a.transpose() + by_b * b.covariance * by_b.transpose();
-  if (covariance(0, 0) > range_noise_m * range_noise_m) return false;
-  const Eigen::Matrix2d total =
-      covariance +
-      2.0 * FlatnessCovariance(along_u ? size.x() : size.y(), options.surface_flatness_m);
-  return difference.dot(total.inverse() * difference) <
-         TwoDegreesQuantile(options.significance);
-}
-
-// Whether two planes of one type that face the same side are one.
-bool AreOnePlane(const Landmark& a,
-                 const Landmark& b,
-                 double range_noise_m,
-                 const AssociationOptions& options) {
-  // Cheap first: the patches' cells are looked at last.
-  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
-  const Eigen::Vector2d size = b.extent.max_corner() - b.extent.min_corner();
-  const bool along_u = a.model == PlaneModel::kVertical || size.x() > size.y();
-  if (!AgreeAlong(along_u, a, b, range_noise_m, options)) return false;
-  // Two slopes may meet in a line along one side.
-  if (a.model == PlaneModel::kGeneral && !AgreeAlong(!along_u, a, b, range_noise_m, options)) {
-    return false;
-  }
-  return a.extent.IsNear(b.extent, options.max_gap_m);
-}
-
-// A landmark that is compared with others.
-struct Compared {
-  const Landmark* landmark;
-  Eigen::Vector3d normal;
-  bool is_recent;  // seen since the scan in question
-
-  bool FacesLike(const Compared& other) const {
-    return !landmark->IsCurved() && landmark->model == other.landmark->model &&
-           normal.dot(other.normal) >= kMinFacingCosine;
-  }
-};
-
 // The variance of the distance between two surfaces at a point, along a normal.
 double DistanceVariance(const Landmark& a,
                         const Landmark& b,
@@ -94,58 +39,76 @@ bool MeetAt(const Landmark& a,
          TwoDegreesQuantile(options.significance) * (variance + 2.0 * flatness2);
 }
 
-// Whether two cylinders agree at both ends and in the middle of the smaller one, b.
-bool AreOneCylinder(const Landmark& a,
-                    const Landmark& b,
-                    double range_noise_m,
-                    const AssociationOptions& options) {
-  if (!a.extent.MayBeNear(b.extent, options.max_gap_m)) return false;
-  const double middle = 0.5 * (b.extent.min_corner().y() + b.extent.max_corner().y());
-  const double low = b.extent.min_corner().x();
-  const double width_m = b.Width();
-  for (const double share : {0.0, 0.5, 1.0}) {
-    const Eigen::Vector3d p = b.extent.ToWorld({low + share * width_m, middle});
-    const Eigen::Vector3d normal = b.NormalNear(p);
-    if (a.NormalNear(p).dot(normal) < kMinFacingCosine) return false;
-    const double variance = DistanceVariance(a, b, p, normal);
-    if (variance > range_noise_m * range_noise_m) return false;
-    if (!MeetAt(a, b, p, variance, options)) return false;
+// Tells whether two surfaces of one kind are one: what each kind answers is an overload.
+struct SurfacePair {
+  const Landmark& a;
+  const Landmark& b;  // the smaller one
+  double range_noise_m;
+  const AssociationOptions& options;
+
+  bool AreOne() const {
+    // Cheap first: the patches' cells are looked at last.
+    return a.extent.MayBeNear(b.extent, options.max_gap_m) &&
+           VisitPlaneModel(a.model, a.chart, [&](const auto& kind) { return Agree(kind); }) &&
+           a.extent.IsNear(b.extent, options.max_gap_m);
   }
-  return a.extent.IsNear(b.extent, options.max_gap_m);
+
+ private:
+  // Whether they agree in position and direction where b was seen.
+  bool Agree(const HorizontalPlane&) const {
+    const Eigen::Vector2d size = b.extent.max_corner() - b.extent.min_corner();
+    return AgreeAlong(size.x() > size.y());
+  }
+  bool Agree(const VerticalPlane&) const { return AgreeAlong(true); }
+  // Two slopes may meet in a line along one side.
+  bool Agree(const GeneralPlane&) const { return AgreeAlong(true) && AgreeAlong(false); }
+  // What agrees at three points of an arc has one direction there.
+  bool Agree(const Cylinder&) const {
+    const std::vector<Eigen::Vector3d> points = ComparedPoints(b.extent);
+    return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
+      const Eigen::Vector3d normal = b.NormalNear(p);
+      if (a.NormalNear(p).dot(normal) < kMinFacingCosine) return false;
+      const double variance = DistanceVariance(a, b, p, normal);
+      return variance <= range_noise_m * range_noise_m && MeetAt(a, b, p, variance, options);
+    });
+  }
+  // Whether planes agree at the middle of b, along one of its sides.
+  bool AgreeAlong(bool along_u) const;
+};
+
+bool SurfacePair::AgreeAlong(bool along_u) const {
+  const PatchExtent& extent = b.extent;
+  const Eigen::Vector2d size = extent.max_corner() - extent.min_corner();
+  const Eigen::Vector2d middle = 0.5 * (extent.max_corner() + extent.min_corner());
+  const Eigen::Vector3d direction = along_u ? extent.axes().u : extent.axes().v;
+  const Eigen::Vector3d on_axes = extent.ToWorld(middle);
+  const Eigen::Vector3d point = on_axes - b.SignedDistance(on_axes) * b.Normal();
+  const Eigen::Vector2d difference(a.SignedDistance(point),
+                                   a.Normal().dot(direction) - b.Normal().dot(direction));
+  const Eigen::Matrix<double, 2, 3> by_a = a.DeviationJacobian(point, direction);
+  const Eigen::Matrix<double, 2, 3> by_b = b.DeviationJacobian(point, direction);
+  const Eigen::Matrix2d covariance =
+      by_a * a.covariance * by_a.transpose() + by_b * b.covariance * by_b.transpose();
+  if (covariance(0, 0) > range_noise_m * range_noise_m) return false;
+  const Eigen::Matrix2d total =
+      covariance +
+      2.0 * FlatnessCovariance(along_u ? size.x() : size.y(), options.surface_flatness_m);
+  return difference.dot(total.inverse() * difference) <
+         TwoDegreesQuantile(options.significance);
 }
 
-// Pairs of landmarks of which the newer one was seen since a scan: (older, newer), each newer
-// one with its first match. may_be_one(a, b): quick; are_one(larger, smaller).
-template <typename MayBeOne, typename AreOne>
-std::vector<std::pair<int, int>> FindPairs(const MapState& state,
-                                           const MapperOptions& options,
-                                           int since_scan,
-                                           const MayBeOne& may_be_one,
-                                           const AreOne& are_one) {
-  std::vector<std::pair<int, int>> pairs;
-  std::vector<Compared> all;
-  std::vector<Compared> recent;
-  for (const Landmark& landmark : state.landmarks) {
-    if (landmark.num_segments == 0) continue;
-    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
-    if (all.back().is_recent) recent.push_back(all.back());
+// A landmark that is compared with others.
+struct Compared {
+  const Landmark* landmark;
+  Eigen::Vector3d normal;
+  bool is_recent;  // seen since the scan in question
+
+  // Whether they are of one kind and may face the same side: cylinders face many.
+  bool MayBeOne(const Compared& other) const {
+    return landmark->model == other.landmark->model &&
+           (normal.dot(other.normal) >= kMinFacingCosine || landmark->IsCurved());
   }
-  for (const Compared& newer_at : all) {
-    const Landmark& newer = *newer_at.landmark;
-    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
-      const Landmark& older = *older_at.landmark;
-      if (older.id >= newer.id) break;
-      if (!may_be_one(older_at, newer_at)) continue;
-      if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
-      const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
-      if (are_one(newer_is_smaller ? older : newer, newer_is_smaller ? newer : older)) {
-        pairs.emplace_back(older.id, newer.id);
-        break;
-      }
-    }
-  }
-  return pairs;
-}
+};
 
 // Points of a patch on its surface, across it from side to side.
 std::array<Eigen::Vector3d, 5> PointsAcross(const Landmark& landmark) {
@@ -162,45 +125,50 @@ std::array<Eigen::Vector3d, 5> PointsAcross(const Landmark& landmark) {
 
 }  // namespace
 
-std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
-                                                     const MapState& state,
-                                                     const MapperOptions& options,
-                                                     int since_scan) {
+std::vector<std::pair<int, int>> FindMergeable(const Rig& rig,
+                                               const MapState& state,
+                                               const MapperOptions& options,
+                                               int since_scan) {
   const double range_noise_m = MaxRangeNoise(rig);
-  return FindPairs(
-      state,
-      options,
-      since_scan,
-      [](const Compared& a, const Compared& b) { return a.FacesLike(b); },
-      [&](const Landmark& larger, const Landmark& smaller) {
-        return AreOnePlane(larger, smaller, range_noise_m, options.association);
-      });
-}
-
-std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
-                                                        const MapState& state,
-                                                        const MapperOptions& options) {
-  const double range_noise_m = MaxRangeNoise(rig);
-  return FindPairs(
-      state,
-      options,
-      0,
-      [](const Compared& a, const Compared& b) {
-        return a.landmark->IsCurved() && a.landmark->model == b.landmark->model;
-      },
-      [&](const Landmark& larger, const Landmark& smaller) {
-        return AreOneCylinder(larger, smaller, range_noise_m, options.association);
-      });
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<Compared> all;
+  std::vector<Compared> recent;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    all.push_back({&landmark, landmark.Normal(), landmark.last_scan >= since_scan});
+    if (all.back().is_recent) recent.push_back(all.back());
+  }
+  for (const Compared& newer_at : all) {
+    const Landmark& newer = *newer_at.landmark;
+    for (const Compared& older_at : newer_at.is_recent ? all : recent) {
+      const Landmark& older = *older_at.landmark;
+      if (older.id >= newer.id) break;
+      if (!older_at.MayBeOne(newer_at)) continue;
+      if (!IsWithinGap(older, newer.first_scan, options.loop_closure)) continue;
+      const bool newer_is_smaller = newer.extent.area_m2() < older.extent.area_m2();
+      const SurfacePair pair{newer_is_smaller ? older : newer,
+                             newer_is_smaller ? newer : older,
+                             range_noise_m,
+                             options.association};
+      if (pair.AreOne()) {
+        pairs.emplace_back(older.id, newer.id);
+        break;
+      }
+    }
+  }
+  return pairs;
 }
 
 bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_noise_m) {
   constexpr double kMinOverlap = 0.5;  // of the weak one's cells
   // A strip of a roof that level traces show looks like a wall's: it repeats the roof, too.
   // So does a chord of an arc.
-  const bool may_be_strip =
-      (strong.model == PlaneModel::kGeneral && weak.model != strong.model) ||
-      strong.IsCurved();
-  if (!may_be_strip && weak.Normal().dot(strong.Normal()) < kMinFacingCosine) return false;
+  const bool may_be_piece = weak.model != strong.model && TraitsOf(strong).has_soft_edges;
+  const Eigen::Vector3d& anchor = weak.extent.axes().anchor;
+  if (!may_be_piece &&
+      weak.NormalNear(anchor).dot(strong.NormalNear(anchor)) < kMinFacingCosine) {
+    return false;
+  }
   const std::array<Eigen::Vector3d, 5> points = PointsAcross(weak);
   double sum_squares = 0.0;
   for (const Eigen::Vector3d& point : points) {

@@ -9,15 +9,15 @@
 
 namespace plumbline {
 
-// Finds pairs (older, newer) of landmarks that are one plane: of the same type and facing the
-// same side, seen next to each other, without a statistically significant difference in
+// Finds pairs (older, newer) of landmarks that are one surface: of the same kind and facing
+// the same side, seen next to each other, without a statistically significant difference in
 // position and direction where they meet, that difference being known to better than the
 // scanners' range noise. Only pairs with a landmark seen since scan `since_scan` are compared,
 // and, with loop closure off, only within the allowed gap.
-std::vector<std::pair<int, int>> FindMergeablePlanes(const Rig& rig,
-                                                     const MapState& state,
-                                                     const MapperOptions& options,
-                                                     int since_scan);
+std::vector<std::pair<int, int>> FindMergeable(const Rig& rig,
+                                               const MapState& state,
+                                               const MapperOptions& options,
+                                               int since_scan);
 
 // Whether `weak` is redundant, a plane that only repeats `strong`: it faces the same side,
 // lies for the most part where `strong` has been seen too, and differs from it by no more than
@@ -30,11 +30,6 @@ bool IsRedundant(const Landmark& weak, const Landmark& strong, double range_nois
 // what was seen of `weak`. Of two that meet nowhere neither repeats the other: a door leaf in
 // its frame, of which beams from far away were taken for the wall's.
 bool Meet(const Landmark& weak, const Landmark& strong, const AssociationOptions& options);
-
-// Finds pairs of cylinders that are one, as FindMergeablePlanes does for planes.
-std::vector<std::pair<int, int>> FindMergeableCylinders(const Rig& rig,
-                                                        const MapState& state,
-                                                        const MapperOptions& options);
 
 // Makes landmark `from` part of `into`: its observations, extent and times.
 void MergeInto(int into, int from, MapState* state);

@@ -18,14 +18,22 @@ namespace {
 constexpr double kSweepOfTwo = 0.1;  // m
 // Time after which an undecided plane begins anew.
 constexpr double kMaxUndecided = 20.0;  // s
-// Least extent of a general plane in both directions: smaller surfaces stay points.
-constexpr double kMinSide = 0.4;  // m
-// Least number of traces of a floor or ceiling.
-constexpr int kMinLines = 12;
-// Least number of traces of a general plane: a dozen traces on furniture or on
-// the treads of a stair lie on a slope by chance now and then, and it draws the rig off as a
-// true one holds it.
-constexpr int kMinLinesOfGeneral = 30;
+
+// What has to be seen of a plane before it is trusted.
+struct Needs {
+  int num_lines;      // traces
+  double motion_m;    // of the rig
+  double min_side_m;  // of what was seen: smaller surfaces stay points
+};
+// Two lines lie on a plane by chance, but hardly on one that is upright, too.
+template <typename Upright>
+Needs NeedsOf(const Upright&) {
+  return {0, 0.0, 0.0};
+}
+Needs NeedsOf(const HorizontalPlane&) { return {12, kSweepOfTwo, 0.0}; }
+// A dozen traces on furniture or on the treads of a stair lie on a slope by chance now and
+// then, and it draws the rig off as a true one holds it.
+Needs NeedsOf(const GeneralPlane&) { return {30, kRevealingMotion, 0.4}; }
 
 Eigen::Vector3d ToWorld(const Rigid3d& world_from_scanner, const Eigen::Vector2d& p) {
   return world_from_scanner * Eigen::Vector3d(p.x(), p.y(), 0.0);
@@ -117,15 +125,12 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (fit.chi2 > kMaxMeanChi2 * (2 * seen.lines.num_lines() - 3)) return false;
   std::optional<Landmark> landmark = DecideKind(fit, plane->traces.front().scanner_world);
   if (!landmark) return false;
-  const bool is_general = landmark->model == PlaneModel::kGeneral;
-  // Two lines lie on a plane by chance, but hardly on one that is upright, too.
-  if (!landmark->IsUpright()) {
-    const bool is_start = min_scans <= 1;
-    const int min_lines = is_general ? kMinLinesOfGeneral : kMinLines;
-    if (seen.lines.num_lines() < (is_start ? kMinWitnesses : min_lines)) return false;
-    if (!is_start && seen.Motion() < (is_general ? kRevealingMotion : kSweepOfTwo))
-      return false;
-  }
+  const Needs needs = VisitPlaneModel(
+      landmark->model, landmark->chart, [](const auto& kind) { return NeedsOf(kind); });
+  const bool is_start = min_scans <= 1;
+  const int min_lines = is_start ? std::min(kMinWitnesses, needs.num_lines) : needs.num_lines;
+  if (seen.lines.num_lines() < min_lines) return false;
+  if (!is_start && seen.Motion() < needs.motion_m) return false;
   seen.landmark = std::move(*landmark);
   for (const Trace& trace : plane->traces) {
     seen.landmark.extent.AddSegment(trace.start_world, trace.end_world);
@@ -133,7 +138,7 @@ bool UndecidedPlanes::Decide(int min_scans, bool needs_age, Plane* plane) const 
   if (needs_age && !seen.HasAge(options_.planes)) return false;
   const Eigen::Vector2d sides =
       seen.landmark.extent.max_corner() - seen.landmark.extent.min_corner();
-  return !is_general || sides.minCoeff() > kMinSide;
+  return sides.minCoeff() >= needs.min_side_m;
 }
 
 std::vector<TentativePlane> UndecidedPlanes::TakeReady(int min_scans, bool needs_age) {

@@ -115,9 +115,7 @@ std::vector<int> MergePlanes(const Rig& rig,
   // A landmark that was itself merged away passes its share on.
   std::vector<int> target(state->landmarks.size());
   std::iota(target.begin(), target.end(), 0);
-  std::vector<std::pair<int, int>> pairs = FindMergeablePlanes(rig, *state, options, 0);
-  for (const auto& pair : FindMergeableCylinders(rig, *state, options)) pairs.push_back(pair);
-  for (const auto& [into, from] : pairs) {
+  for (const auto& [into, from] : FindMergeable(rig, *state, options, 0)) {
     const int end = target[static_cast<size_t>(into)];
     if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
     target[static_cast<size_t>(from)] = end;

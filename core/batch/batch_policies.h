@@ -20,7 +20,7 @@ namespace plumbline {
 // it would hold the plane there for good.
 int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state);
 
-// Merges landmarks that turn out to be one plane (FindMergeablePlanes). Returns the ids of the
+// Merges landmarks that turn out to be one surface (FindMergeable). Returns the ids of the
 // landmarks that others were merged into, one entry for each of the others. Pairs (older,
 // newer) that were found to be two surfaces are left apart.
 std::vector<int> MergePlanes(const Rig& rig,

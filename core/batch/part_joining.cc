@@ -83,19 +83,14 @@ std::optional<double> HeightOf(const Rig& rig,
   return height_m;
 }
 
-// How far a surface lies from another one of its kind, in m: of a cylinder the largest
-// distance of its ends and its middle.
+// How far a surface lies from another one of its kind, m: the largest distance of the points
+// at which they are compared.
 double DistanceBetween(const Landmark& surface, const Landmark& other) {
-  const PatchExtent& extent = surface.extent;
-  const double low = extent.min_corner().x();
   double distance_m = 0.0;
-  for (const double share : {0.5, 0.0, 1.0}) {
-    const double height = 0.5 * (extent.min_corner().y() + extent.max_corner().y());
-    const Eigen::Vector3d on_axes = extent.ToWorld({low + share * surface.Width(), height});
+  for (const Eigen::Vector3d& on_axes : ComparedPoints(surface.extent)) {
     const Eigen::Vector3d on_surface =
         on_axes - surface.SignedDistance(on_axes) * surface.NormalNear(on_axes);
     distance_m = std::max(distance_m, std::abs(other.SignedDistance(on_surface)));
-    if (!surface.IsCurved()) break;
   }
   return distance_m;
 }

@@ -226,7 +226,7 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   const bool has_reference =
       state_->observations[static_cast<size_t>(reference)].landmark_id == 0;
   // Other traces may show that what looked like the reference wall is a slope.
-  if (!has_reference || state_->landmarks.front().model != PlaneModel::kVertical) return false;
+  if (!has_reference || !TraitsOf(state_->landmarks.front()).holds_heading) return false;
   if (must_hold && !HoldsPosition()) return false;
   Landmark& first_wall = state_->landmarks.front();
   first_wall.heading_fixed = true;
@@ -299,10 +299,10 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   // Poses that have left the window will not change before the batch.
   Calibrate(*state_, num_calibrated_, window_->start(), &state_->odometry_calibration);
   num_calibrated_ = window_->start();
-  for (const auto& [into, from] :
-       FindMergeablePlanes(rig_, *state_, options_, last_solved_scan_)) {
+  for (const auto& [into, from] : FindMergeable(rig_, *state_, options_, last_solved_scan_)) {
     const Landmark& older = state_->landmarks[static_cast<size_t>(into)];
-    if (older.num_segments == 0) continue;
+    // Cylinders wait for the batch: the marginal prior can not take them to another anchor.
+    if (older.num_segments == 0 || older.IsCurved()) continue;
     if (!MayBeTakenUp(older, last_solved_scan_, options_.loop_closure)) continue;
     window_->MergeLandmarks(into, from);
     MergeInto(into, from, state_.get());

@@ -2,7 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace plumbline {
 
@@ -17,16 +19,18 @@ const PlaneTypeFields& FieldsOf(PlaneType type) {
 }
 
 Eigen::Vector3d PlanePatch::NormalAt(const Eigen::Vector3d& p_world) const {
-  if (!IsCurved()) return normal;
-  Eigen::Vector3d from_axis = p_world - AxisPoint();
-  from_axis.z() = 0.0;
-  return std::copysign(1.0, curvature) * from_axis.normalized();
+  // The vector from the axis over the radius, turned towards the side that was seen.
+  Eigen::Vector3d outwards = normal;
+  outwards.head<2>() += curvature * (p_world - centre).head<2>();
+  return outwards.normalized();
 }
 
 double PlanePatch::SignedDistance(const Eigen::Vector3d& p_world) const {
-  if (!IsCurved()) return normal.dot(p_world) - distance;
-  const double from_axis = (p_world - AxisPoint()).head<2>().norm();
-  return std::copysign(from_axis - Radius(), (from_axis - Radius()) * curvature);
+  // (sqrt(1 + k t) - 1) / k with the curvature k, of which the root is the distance from the
+  // axis over the radius; in this form it is exact for planes, too.
+  const double t = 2.0 * (normal.dot(p_world) - distance) +
+                   curvature * (p_world - centre).head<2>().squaredNorm();
+  return t / (1.0 + std::sqrt(std::max(0.0, 1.0 + curvature * t)));
 }
 
 std::string VerdictName(Verdict verdict) {

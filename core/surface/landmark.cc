@@ -46,6 +46,11 @@ Parameters ParametersOf(const Cylinder&, const Eigen::Vector3d&, double) {
   LOG(FATAL) << "a cylinder is no plane";
 }
 
+SurfaceTraits TraitsOf(const HorizontalPlane&) { return {false, true, false}; }
+SurfaceTraits TraitsOf(const VerticalPlane&) { return {true, false, false}; }
+SurfaceTraits TraitsOf(const GeneralPlane&) { return {false, false, true}; }
+SurfaceTraits TraitsOf(const Cylinder&) { return {false, false, true}; }
+
 }  // namespace
 
 bool Landmark::IsJudged() const {
@@ -141,6 +146,11 @@ Eigen::Matrix<double, 4, 3> Landmark::PlaneByParameters(const Eigen::Vector3d& p
     }
   });
   return by_parameters;
+}
+
+SurfaceTraits TraitsOf(const Landmark& landmark) {
+  return VisitPlaneModel(
+      landmark.model, landmark.chart, [](const auto& kind) { return TraitsOf(kind); });
 }
 
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world) {

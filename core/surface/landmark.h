@@ -66,7 +66,10 @@ struct Landmark {
     return VisitPlaneModel(model, chart, [](const auto& kind) { return kind.kIsUpright; });
   }
   // Curvature of a cylinder, 1/m, negative if the axis lies on the side that was seen; else 0.
-  double Curvature() const { return IsCurved() ? parameters[Cylinder::kCurvatureAt] : 0.0; }
+  double Curvature() const {
+    return VisitPlaneModel(
+        model, chart, [&](const auto& kind) { return CurvatureOf(kind, parameters.data()); });
+  }
   // The unit normal and the distance d of n.x = d; of a cylinder, of the plane that stands for
   // it near a point (factors/manifold/plane_model.h).
   Eigen::Vector4d PlaneNear(const Eigen::Vector3d& p_world) const;
@@ -111,6 +114,18 @@ struct Landmark {
  private:
   Eigen::Vector3d AlongDistance() const;
 };
+
+// What a surface is to those that look at it, by its kind.
+struct SurfaceTraits {
+  // The gauge may hold its first parameter: it is the heading of a plane.
+  bool holds_heading;
+  // Walls stand on it or end at it, and hide what lies behind them.
+  bool goes_on_behind_walls;
+  // Other surfaces go over into it without a clear edge, a floor into a ramp, a wall into an
+  // arc, and pieces of it pass for them: strips of a slope for walls, chords for planes.
+  bool has_soft_edges;
+};
+SurfaceTraits TraitsOf(const Landmark& landmark);
 
 // A horizontal landmark through a point; sign +1 seen from above.
 Landmark MakeHorizontalLandmark(double sign, const Eigen::Vector3d& p_world);

@@ -8,18 +8,14 @@ LandmarkView::LandmarkView(const Landmark& of)
       distance(of.Distance()),
       centre_world(of.extent.Centre()),
       radius_m(of.extent.radius_m()),
-      half_u(0.5 * (of.extent.max_corner() - of.extent.min_corner()).x() * of.extent.axes().u),
-      half_v(0.5 * (of.extent.max_corner() - of.extent.min_corner()).y() * of.extent.axes().v),
+      half_u(of.extent.HalfSides().col(0)),
+      half_v(of.extent.HalfSides().col(1)),
       is_vertical(of.model == PlaneModel::kVertical),
       is_curved(of.IsCurved()),
       curvature(of.Curvature()),
       heading_fixed(of.heading_fixed),
       plane_by_parameters(of.PlaneByParameters()),
       covariance(of.covariance) {
-  if (is_curved) {
-    half_u = radius_m * Eigen::Vector3d::UnitX();
-    half_v = radius_m * Eigen::Vector3d::UnitY();
-  }
   if (heading_fixed) plane_by_parameters.col(0).setZero();
 }
 

@@ -82,6 +82,13 @@ std::pair<Eigen::Vector2d, Eigen::Vector2d> PatchExtent::ProjectPiece(
   return {a, b};
 }
 
+Eigen::Matrix<double, 3, 2> PatchExtent::HalfSides() const {
+  if (axes_.curvature != 0.0) return radius_m() * Eigen::Matrix<double, 3, 2>::Identity();
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << 0.5 * (max_ - min_).x() * axes_.u, 0.5 * (max_ - min_).y() * axes_.v;
+  return sides;
+}
+
 void PatchExtent::AddCorner(const Eigen::Vector2d& p) {
   min_ = min_.cwiseMin(p);
   max_ = max_.cwiseMax(p);
@@ -206,6 +213,16 @@ std::vector<Eigen::Vector2d> PatchExtent::Outline() const {
   if (empty()) return {};
   if (!is_upright()) return HullOf(hull_points_);
   return {min_, {max_.x(), min_.y()}, max_, {min_.x(), max_.y()}};
+}
+
+std::vector<Eigen::Vector3d> ComparedPoints(const PatchExtent& extent) {
+  const Eigen::Vector2d low = extent.min_corner();
+  const Eigen::Vector2d high = extent.max_corner();
+  const auto at = [&](double share) {
+    return extent.ToWorld({low.x() + share * (high - low).x(), 0.5 * (low.y() + high.y())});
+  };
+  if (extent.axes().curvature == 0.0) return {at(0.5)};
+  return {at(0.0), at(0.5), at(1.0)};
 }
 
 }  // namespace plumbline

@@ -97,6 +97,9 @@ class PatchExtent {
   Eigen::Vector2d max_corner() const { return max_; }
   Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
   double radius_m() const { return 0.5 * (max_ - min_).norm(); }
+  // Halves of the rectangle's sides, as vectors in the world; round an arc those of a square
+  // around it, seen from above.
+  Eigen::Matrix<double, 3, 2> HalfSides() const;
   // A polygon in (u, v) around all that has been seen, counter-clockwise: of an upright patch
   // the bounding rectangle, of others the convex hull of the end points.
   std::vector<Eigen::Vector2d> Outline() const;
@@ -134,5 +137,9 @@ class PatchExtent {
   Eigen::Vector2d min_ = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d max_ = Eigen::Vector2d::Constant(-1e300);
 };
+
+// Points at which another surface of the same kind is compared with what was seen: the middle,
+// and of an arc both ends, too.
+std::vector<Eigen::Vector3d> ComparedPoints(const PatchExtent& extent);
 
 }  // namespace plumbline

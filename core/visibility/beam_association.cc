@@ -124,11 +124,12 @@ bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
   const double off_m = kSignificantStddevs * scanner_.RangeStddev(range);
   const Eigen::Vector3d normal =
       surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
+  const bool is_soft = TraitsOf(*surface.landmark).has_soft_edges;
   bool goes_over = false;
   ranges_.ForEachBetween(
       direction, range - off_m, range + off_m, [&](const LandmarkView& other, double at) {
         if (other.landmark == surface.landmark) return;
-        if (!HasSoftEdges(surface) && !HasSoftEdges(other)) return;
+        if (!is_soft && !TraitsOf(*other.landmark).has_soft_edges) return;
         const Eigen::Vector2d p = at * direction;
         const double cosine =
             normal.dot(other.landmark->NormalNear(placement_ * p.homogeneous()));

@@ -150,7 +150,7 @@ bool Occlusion::IsNearOpening(const PlaneView& view,
 Occlusion::WallCrossings Occlusion::FindCrossings(
     const std::vector<LandmarkView>& others) const {
   WallCrossings crossings;
-  if (plane.landmark->model != PlaneModel::kHorizontal) return crossings;
+  if (!TraitsOf(*plane.landmark).goes_on_behind_walls) return crossings;
   const PlaneView view = MakePlaneView();
   const std::optional<Eigen::Vector3d> start =
       IntersectionPoint(view, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);

@@ -46,7 +46,8 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);
   // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
-  const bool are_walls = own.plane.is_vertical && other.is_vertical;
+  const bool at_wall = other.is_vertical;
+  const bool are_walls = at_wall && own.plane.is_vertical;
   if (are_walls) outwards.z() = 0.0;
   outwards.normalize();
   const PatchExtent& own_extent = own.plane.landmark->extent;
@@ -64,7 +65,7 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   const bool is_turned_away = other.SignedDistance(own.placement.col(2)) < 0.0;
   return PlaneIntersection{static_cast<int>(std::floor(beyond)),
                            other_trace,
-                           &other,
+                           at_wall,
                            goes_on,
                            at_upright_edge && is_turned_away && !goes_on};
 }

@@ -34,7 +34,7 @@ struct PlaneOnScanLine {
 struct PlaneIntersection {
   int last;  // beam before it, counted outwards from the segment's end; inside: negative
   Trace other;
-  const LandmarkView* plane;
+  bool at_wall;  // the other plane is one
   // Whether the segment's plane has been seen beyond, by more than segments that went on past
   // an edge for a few beams.
   bool goes_on;

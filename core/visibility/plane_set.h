@@ -22,7 +22,8 @@ class PlaneSet {
 
   const std::vector<LandmarkView>& planes() const { return planes_; }
   const std::vector<LandmarkView>& cylinders() const { return cylinders_; }
-  // Whether there is a surface that others may go over into without a clear edge.
+  // Whether one of the surfaces has soft edges: the line where another one meets it does not
+  // tell which beams lie on which.
   bool HasSoftEdges() const { return has_soft_edges_; }
 
   // Calls visit(plane) for the planes whose signed distance from the point is at most
@@ -59,12 +60,6 @@ class PlaneSet {
   bool has_soft_edges_ = false;
   std::vector<NormalQuad> quads_;
 };
-
-// Whether other surfaces may go over into this one without a clear edge: a floor into a ramp,
-// a wall into an arc. The line where they meet does not tell then which beams lie on which.
-inline bool HasSoftEdges(const LandmarkView& surface) {
-  return surface.is_curved || surface.landmark->model == PlaneModel::kGeneral;
-}
 
 // The ranges at which the beams of a scan plane meet the surfaces of a set that have the
 // scanner in front of them, several planes at a time. Valid as long as the set is.

@@ -142,17 +142,17 @@ class RecordingResegmenter {
                        size_t first,
                        size_t last,
                        std::vector<Observation>* sub_minimum_segments);
-  // Takes the observation to a run of beams on its surface; returns whether it changed, which
-  // those on cylinders do not count.
-  bool TakeToRun(const ScanLine& scan_line,
-                 const BeamAssociation::PlaneBeams& run,
-                 Observation* observation);
   // The scan plane's placement at the instant of a beam.
   ScanPlacement PlacementAt(const ScanLine& scan_line, int beam);
-  bool ResegmentOne(const ScanLine& scan_line, const Ends& ends, Observation* observation);
-  // Takes the chord `at` of a scan line's observations [first, last) to its arc, and with it
-  // the beams between it and the chords of the same arc beside it.
-  void TakeToArc(const ScanLine& scan_line, size_t first, size_t last, size_t at);
+  // Takes an observation to its plane between the ends, or to its arc on the range. Returns
+  // whether it changed, which those on arcs do not count.
+  bool ResegmentOne(const ScanLine& scan_line,
+                    const Ends& ends,
+                    const BeamRange& on_arc,
+                    Observation* observation);
+  // The beams of the observation `at` of [first, last), and those between it and the ones on
+  // the same surface beside it.
+  BeamRange BetweenOthers(size_t first, size_t last, size_t at) const;
   void AddSubMinimumSegments(const ScanLine& scan_line,
                              const Observation& nearby,
                              int first_beam,
@@ -264,10 +264,15 @@ void RecordingResegmenter::AddSubMinimumSegment(
   if (segment.landmark_id >= 0) sub_minimum_segments->push_back(std::move(segment));
 }
 
-// Returns whether the observation changed.
 bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
                                         const Ends& ends,
+                                        const BeamRange& on_arc,
                                         Observation* observation) {
+  const Landmark& own = state_->landmarks[static_cast<size_t>(observation->landmark_id)];
+  if (own.IsCurved()) {
+    resegmenter_.TakeToArc(scan_line, own, on_arc, observation);
+    return false;
+  }
   BeamRange range;
   const bool is_another = resegmenter_.ExcludeOccluded(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.
@@ -278,25 +283,15 @@ bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
   return is_another;
 }
 
-void RecordingResegmenter::TakeToArc(const ScanLine& scan_line,
-                                     size_t first,
-                                     size_t last,
-                                     size_t at) {
-  Observation& observation = state_->observations[at];
-  const auto is_same_arc = [&](size_t other) {
-    return state_->observations[other].landmark_id == observation.landmark_id;
+BeamRange RecordingResegmenter::BetweenOthers(size_t first, size_t last, size_t at) const {
+  const auto& observations = state_->observations;
+  const auto is_on_same = [&](size_t other) {
+    return observations[other].landmark_id == observations[at].landmark_id;
   };
-  BeamRange range = {observation.first_beam, observation.last_beam};
-  if (at > first && is_same_arc(at - 1)) {
-    range.first = state_->observations[at - 1].last_beam + 1;
-  }
-  if (at + 1 < last && is_same_arc(at + 1)) {
-    range.last = state_->observations[at + 1].first_beam - 1;
-  }
-  resegmenter_.TakeToArc(scan_line,
-                         state_->landmarks[static_cast<size_t>(observation.landmark_id)],
-                         range,
-                         &observation);
+  BeamRange range = {observations[at].first_beam, observations[at].last_beam};
+  if (at > first && is_on_same(at - 1)) range.first = observations[at - 1].last_beam + 1;
+  if (at + 1 < last && is_on_same(at + 1)) range.last = observations[at + 1].first_beam - 1;
+  return range;
 }
 
 int RecordingResegmenter::ResegmentByBeams(const ScanLine& scan_line,
@@ -325,7 +320,11 @@ int RecordingResegmenter::ResegmentByBeams(const ScanLine& scan_line,
     }
     is_taken[at] = true;
     observation.excluded_beams = found.between;
-    if (TakeToRun(scan_line, found.runs[at], &observation)) ++num_changed;
+    const BeamAssociation::PlaneBeams& run = found.runs[at];
+    const Ends ends = {{run.first_beam, run.trace, run.is_first_met},
+                       {run.last_beam, run.trace, run.is_last_met}};
+    const BeamRange beams = {run.first_beam, run.last_beam};
+    if (ResegmentOne(scan_line, ends, beams, &observation)) ++num_changed;
   }
   for (size_t i = 0; i < found.runs.size(); ++i) {
     if (is_taken[i]) continue;
@@ -335,20 +334,6 @@ int RecordingResegmenter::ResegmentByBeams(const ScanLine& scan_line,
     AddSubMinimumSegment(scan_line, nearby, id, EndsOf(run), sub_minimum_segments);
   }
   return num_changed;
-}
-
-bool RecordingResegmenter::TakeToRun(const ScanLine& scan_line,
-                                     const BeamAssociation::PlaneBeams& run,
-                                     Observation* observation) {
-  if (run.plane->is_curved) {
-    resegmenter_.TakeToArc(
-        scan_line, *run.plane->landmark, {run.first_beam, run.last_beam}, observation);
-    return false;
-  }
-  return ResegmentOne(scan_line,
-                      {{run.first_beam, run.trace, run.is_first_met},
-                       {run.last_beam, run.trace, run.is_last_met}},
-                      observation);
 }
 
 int RecordingResegmenter::Resegment(const ScanLine& scan_line,
@@ -370,11 +355,8 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
   for (size_t i = 0; i < ends.size(); ++i) {
     Observation& observation = state_->observations[first + i];
     if (observation.landmark_id < 0) continue;
-    if (state_->landmarks[static_cast<size_t>(observation.landmark_id)].IsCurved()) {
-      TakeToArc(scan_line, first, last, first + i);
-    } else if (ResegmentOne(scan_line, ends[i], &observation)) {
-      ++num_changed;
-    }
+    const BeamRange between = BetweenOthers(first, last, first + i);
+    if (ResegmentOne(scan_line, ends[i], between, &observation)) ++num_changed;
     if (observation.landmark_id < 0) continue;
     AddSubMinimumSegments(scan_line,
                           observations[first],

@@ -73,7 +73,7 @@ ScanLineResegmenter::IntersectionsAtEnd ScanLineResegmenter::IntersectionsAt(
     if (std::abs(beam - last_beam) > 1) continue;
     at_end.any = true;
     at_end.goes_on = at_end.goes_on || intersection.goes_on;
-    at_end.at_corner = at_end.at_corner || intersection.plane->is_vertical;
+    at_end.at_corner = at_end.at_corner || intersection.at_wall;
   }
   return at_end;
 }
@@ -175,7 +175,7 @@ void ScanLineResegmenter::CountAtEnd(const TracedEnd& traced,
   // Walls hide the floor beyond them: for floors, beams beyond ends at walls show openings
   // too. So do beams beyond a wall's ends at the jambs of its doors.
   const bool shows_openings =
-      !at_end.any || at_end.goes_on || landmark.model == PlaneModel::kHorizontal;
+      !at_end.any || at_end.goes_on || TraitsOf(landmark).goes_on_behind_walls;
   if (shows_openings) CountPassages(counted_end, counted_);
   // At a ceiling, beams past a wall's free edge may be among a segment's last; at a corner it
   // is known where the wall ends.

@@ -20,7 +20,7 @@ template <typename Plane>
 struct SegmentFunctor {
   Eigen::MatrixXd root;    // rows x 9, whitened
   Eigen::VectorXd offset;  // of each row, whitened
-  Eigen::VectorXd bend;    // of each row and of the bow's rest, whitened
+  Eigen::VectorXd bend;    // of each row and of the bow's rest, whitened; none of planes
   double rest_offset;
   Eigen::Vector2d centroid;
   Eigen::Vector2d tangent;
@@ -65,11 +65,9 @@ struct SegmentFunctor {
       residuals[row] = T(offset[row]);
       for (int i = 0; i < 3 * num_nodes; ++i) residuals[row] += root(row, i) * g[i];
     }
-    if constexpr (Plane::kIsCurved) {
-      residuals[root.rows()] = T(rest_offset);
-      for (Eigen::Index row = 0; row < bend.size(); ++row) {
-        residuals[row] += level2 * bend[row] * surface[Plane::kCurvatureAt];
-      }
+    if (bend.size() > 0) residuals[root.rows()] = T(rest_offset);
+    for (Eigen::Index row = 0; row < bend.size(); ++row) {
+      residuals[row] += level2 * bend[row] * CurvatureOf(plane, surface);
     }
     return true;
   }
@@ -92,8 +90,10 @@ std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
       model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         using Plane = std::decay_t<decltype(plane)>;
         using Functor = SegmentFunctor<Plane>;
+        const Eigen::Index num_rows = measurement.rows.rows() + (Plane::kIsCurved ? 1 : 0);
         Eigen::VectorXd bend(measurement.rows.rows() + 1);
         bend << measurement.bend(), measurement.bend_rest;
+        if (num_rows < bend.size()) bend.resize(0);
         auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<Functor, 8>>(
             new Functor{weights.scale * measurement.root(),
                         weights.offset * measurement.offset(),
@@ -108,8 +108,7 @@ std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
         for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(4);
         for (int j = 0; j < num_control_points; ++j) cost->AddParameterBlock(3);
         for (const int size : {4, 3, Plane::kSize}) cost->AddParameterBlock(size);
-        cost->SetNumResiduals(static_cast<int>(measurement.rows.rows()) +
-                              (Plane::kIsCurved ? 1 : 0));
+        cost->SetNumResiduals(static_cast<int>(num_rows));
         return cost;
       });
 }

@@ -122,6 +122,16 @@ void EvaluateNear(
   cylinder.EvaluateAt(params, point, normal, distance);
 }
 
+// The curvature, 1/m: of a plane zero.
+template <typename Model, typename T>
+T CurvatureOf(const Model&, const T*) {
+  return T(0.0);
+}
+template <typename T>
+T CurvatureOf(const Cylinder&, const T* params) {
+  return params[Cylinder::kCurvatureAt];
+}
+
 // Calls visitor with the model's struct and returns what it returns.
 template <typename Visitor>
 auto VisitPlaneModel(PlaneModel model, const PlaneChart& chart, Visitor&& visitor) {

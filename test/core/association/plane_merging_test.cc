@@ -38,6 +38,26 @@ class PlaneMergingTest : public testing::Test {
     return Add(landmark);
   }
 
+  // A piece of a round wall about the z axis between two angles; facing 1: seen from outside,
+  // -1: from inside.
+  Landmark& AddArc(double first, double last, double radius_m, double facing = 1.0) {
+    const auto at = [&](double angle, double z) {
+      return Eigen::Vector3d(radius_m * std::cos(angle), radius_m * std::sin(angle), z);
+    };
+    const Eigen::Vector3d middle = at(0.5 * (first + last), 0.0);
+    Landmark landmark =
+        MakeCylinderLandmark(facing * middle.normalized(), facing / radius_m, middle);
+    constexpr int kNumChords = 10;
+    const double step = (last - first) / kNumChords;
+    for (int i = 0; i < kNumChords; ++i) {
+      landmark.extent.AddSegment(at(first + i * step, 0.2), at(first + (i + 1) * step, 1.7));
+    }
+    constexpr double kSigmaCurvature = 1e-4;  // 1/m
+    landmark.covariance.diagonal() << std::pow(kSigmaAngle, 2), std::pow(kSigmaCurvature, 2),
+        std::pow(kSigmaDistance, 2);
+    return Add(landmark);
+  }
+
   Landmark& Add(Landmark landmark) {
     landmark.id = static_cast<int>(state_.landmarks.size());
     landmark.num_segments = 10;
@@ -48,9 +68,7 @@ class PlaneMergingTest : public testing::Test {
     return state_.landmarks.back();
   }
 
-  Pairs Find(int since_scan = 0) {
-    return FindMergeablePlanes(rig_, state_, options_, since_scan);
-  }
+  Pairs Find(int since_scan = 0) { return FindMergeable(rig_, state_, options_, since_scan); }
 
   Rig rig_ = MakePaperRig();
   MapperOptions options_;
@@ -106,6 +124,33 @@ TEST_F(PlaneMergingTest, TypesDoNotMix) {
   floor.parameters[0] = -0.2;
   Add(floor);
   EXPECT_EQ(Find(), Pairs());
+}
+
+// They face different ways where each was founded.
+TEST_F(PlaneMergingTest, NeighbouringPiecesOfOneArcAreOne) {
+  AddArc(0.0, 1.0, 2.0);
+  AddArc(0.9, 2.0, 2.0);
+  EXPECT_EQ(Find(), (Pairs{{0, 1}}));
+  state_.landmarks.pop_back();
+  AddArc(0.9, 2.0, 2.1);
+  EXPECT_EQ(Find(), Pairs());
+  state_.landmarks.pop_back();
+  AddArc(0.9, 2.0, 2.0, -1.0);
+  EXPECT_EQ(Find(), Pairs());
+}
+
+TEST_F(PlaneMergingTest, ArcsAreRepeatedByTheirPieces) {
+  constexpr double kNoise = 0.03;  // m
+  const Landmark arc = AddArc(0.0, 2.0, 2.0);
+  EXPECT_TRUE(IsRedundant(AddArc(1.2, 1.9, 2.0), arc, kNoise));
+  EXPECT_FALSE(IsRedundant(AddArc(1.2, 1.9, 2.5), arc, kNoise));
+  EXPECT_FALSE(IsRedundant(AddArc(1.2, 1.9, 1.95, -1.0), arc, kNoise)) << "a thin round wall";
+  // A chord looks like a wall's piece that faces elsewhere.
+  Landmark chord = MakeVerticalLandmark({std::cos(1.7), std::sin(1.7), 0.0},
+                                        {2.0 * std::cos(1.7), 2.0 * std::sin(1.7), 0.0});
+  chord.extent.AddSegment({2.0 * std::cos(1.6), 2.0 * std::sin(1.6), 0.2},
+                          {2.0 * std::cos(1.8), 2.0 * std::sin(1.8), 1.7});
+  EXPECT_TRUE(IsRedundant(chord, arc, kNoise));
 }
 
 TEST_F(PlaneMergingTest, DoubtfulPlanesWait) {

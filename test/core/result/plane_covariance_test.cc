@@ -173,6 +173,7 @@ PlanePatch Bent(const PlanePatch& cylinder, const Eigen::Vector3d& error) {
   bent.normal = (cylinder.normal + error[0] * u).normalized();
   bent.curvature = std::copysign(1.0 / (cylinder.Radius() + error[1]), cylinder.curvature);
   bent.centre += error[2] * cylinder.normal;
+  bent.distance = bent.normal.dot(bent.centre);
   return bent;
 }
 

@@ -166,6 +166,7 @@ TEST_F(ResultReaderTest, ReadsTheCylindersThatWereWritten) {
     PlanePatch written = MakePlane();
     written.type = PlaneType::kCylinder;
     written.normal = {0.6, 0.8, 0.0};
+    written.distance = written.normal.dot(written.centre);
     written.curvature = curvature;
     written.sigma_radius_m = 0.003;
     written.radius_turn_correlation = -0.4;

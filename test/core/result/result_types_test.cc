@@ -49,6 +49,20 @@ TEST(PlanePatch, FacesTheSideThatWasSeenAllRound) {
   }
 }
 
+// A wall that hardly bends is as far as the plane that it bends from.
+TEST(PlanePatch, BendsWithoutAStep) {
+  PlanePatch wall;
+  wall.normal = {0.0, 1.0, 0.0};
+  wall.distance = 3.0;
+  wall.centre = {7.0, 3.0, 1.0};
+  const Eigen::Vector3d p(9.0, 3.5, 4.0);
+  for (const double curvature : {1e-12, -1e-12}) {
+    wall.curvature = curvature;
+    EXPECT_NEAR(wall.SignedDistance(p), 0.5, 1e-11);
+    EXPECT_LT((wall.NormalAt(p) - wall.normal).norm(), 1e-11);
+  }
+}
+
 TEST(FieldsOf, TurnsAreAmongTheParameters) {
   for (const PlaneType type : {PlaneType::kHorizontal,
                                PlaneType::kVertical,

@@ -123,6 +123,24 @@ TEST(LandmarkTest, UprightSurfacesHaveLevelNormals) {
   }
 }
 
+// A wall alone has a heading to hold, a floor goes on behind walls, and planes in between have
+// no clear edge.
+TEST(LandmarkTest, EachKindHasItsTraits) {
+  const Eigen::Vector3d p(1.0, -2.0, 0.7);
+  const Eigen::Vector3d across = Eigen::Vector3d::UnitX();
+  const SurfaceTraits floor = TraitsOf(MakeHorizontalLandmark(1.0, p));
+  const SurfaceTraits wall = TraitsOf(MakeVerticalLandmark(across, p));
+  const SurfaceTraits slope = TraitsOf(MakeGeneralLandmark({0.6, 0.0, 0.8}, p));
+  const SurfaceTraits arc = TraitsOf(MakeCylinderLandmark(across, 0.2, p));
+  EXPECT_TRUE(floor.goes_on_behind_walls);
+  EXPECT_TRUE(wall.holds_heading);
+  EXPECT_FALSE(floor.holds_heading || slope.holds_heading || arc.holds_heading);
+  EXPECT_FALSE(wall.goes_on_behind_walls || slope.goes_on_behind_walls ||
+               arc.goes_on_behind_walls);
+  EXPECT_TRUE(slope.has_soft_edges && arc.has_soft_edges);
+  EXPECT_FALSE(floor.has_soft_edges || wall.has_soft_edges);
+}
+
 TEST(LandmarkTest, TangentsLieOnTheSurface) {
   for (const Landmark& landmark : OneOfEach()) {
     const Eigen::Vector3d normal = landmark.Normal().normalized();

@@ -55,6 +55,31 @@ TEST(PatchExtentTest, FollowsAnArc) {
 }
 
 // To the size of the grid's cells, which the tests stay away from.
+TEST(PatchExtentTest, HalfSidesReachFromTheMiddleToTheRim) {
+  const PatchExtent wall = ExtentOf({-1.0, 0.0, 1.0}, {3.0, 0.0, 2.0});
+  EXPECT_EQ(wall.HalfSides().col(0), Eigen::Vector3d(2.0, 0.0, 0.0));
+  EXPECT_EQ(wall.HalfSides().col(1), Eigen::Vector3d(0.0, 0.0, 0.5));
+  PatchExtent arc({2.0, 0.0, 0.0}, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 0.5);
+  arc.AddSegment({2.0, 0.0, 0.0}, {0.0, 2.0, 1.0});
+  EXPECT_EQ(arc.HalfSides().col(0), Eigen::Vector3d(arc.radius_m(), 0.0, 0.0));
+  EXPECT_EQ(arc.HalfSides().col(1), Eigen::Vector3d(0.0, arc.radius_m(), 0.0));
+}
+
+// One point does not show how an arc bends.
+TEST(PatchExtentTest, ComparesArcsAtTheirEndsToo) {
+  const std::vector<Eigen::Vector3d> on_wall =
+      ComparedPoints(ExtentOf({-1.0, 0.0, 1.0}, {3.0, 0.0, 2.0}));
+  ASSERT_EQ(on_wall.size(), 1u);
+  EXPECT_LT((on_wall[0] - Eigen::Vector3d(1.0, 0.0, 1.5)).norm(), 1e-12);
+  PatchExtent arc({2.0, 0.0, 0.0}, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 0.5);
+  arc.AddSegment({2.0, 0.0, 0.0}, {0.0, 2.0, 1.0});
+  const std::vector<Eigen::Vector3d> on_arc = ComparedPoints(arc);
+  ASSERT_EQ(on_arc.size(), 3u);
+  EXPECT_LT((on_arc[0] - Eigen::Vector3d(2.0, 0.0, 0.5)).norm(), 1e-12);
+  EXPECT_LT((on_arc[1] - Eigen::Vector3d(std::sqrt(2.0), std::sqrt(2.0), 0.5)).norm(), 1e-12);
+  EXPECT_LT((on_arc[2] - Eigen::Vector3d(0.0, 2.0, 0.5)).norm(), 1e-12);
+}
+
 TEST(PatchExtentTest, NearIsWithinTheGap) {
   const PatchExtent extent = ExtentOf({0.0, 0.0, 1.0}, {4.0, 0.0, 1.0});
   EXPECT_TRUE(extent.IsNear({4.9, 0.0, 1.0}, {6.0, 0.0, 1.0}, 1.0));

@@ -57,7 +57,7 @@ TEST_F(PlaneIntersectionsTest, WallInFrontOfTheOtherMeetsIt) {
   const auto intersections = Find(Ahead(3.0), across);
   ASSERT_EQ(intersections.size(), 1u);
   EXPECT_EQ(intersections[0].last, 1) << "beam 64";
-  EXPECT_EQ(intersections[0].plane->landmark, &across);
+  EXPECT_TRUE(intersections[0].at_wall);
 }
 
 TEST_F(PlaneIntersectionsTest, WallOnTheOtherSideOfAThinOneDoesNot) {
