@@ -97,8 +97,9 @@ class EvidenceCollector {
   static size_t HighLevel(const StoreyHeights& storey, double z) {
     const double share =
         (z - storey.band_high_m()) / std::max(1e-3, storey.top_m - storey.band_high_m());
-    constexpr auto kNum = static_cast<double>(WallColumn::kNumHigh);
-    return static_cast<size_t>(std::clamp(std::floor(share * kNum), 0.0, kNum - 1.0));
+    const auto num_levels = static_cast<double>(WallColumn::kNumHigh);
+    return static_cast<size_t>(
+        std::clamp(std::floor(share * num_levels), 0.0, num_levels - 1.0));
   }
 
   void AddHit(const Eigen::Vector3d& origin,

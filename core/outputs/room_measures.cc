@@ -8,6 +8,7 @@
 
 #include "core/outputs/plan_scales.h"
 #include "core/outputs/room_outlines.h"
+#include "core/outputs/wall_faces.h"
 
 namespace plumbline {
 namespace {
@@ -173,12 +174,11 @@ struct OppositeSides {
 std::optional<Dimension> DimensionAt(const OppositeSides& sides,
                                      double place,
                                      const Room& room) {
-  constexpr double kStepM = 0.04;
   const Side& a = sides.a;
   const Eigen::Vector2d from = a.from + place * a.along;
   const double length = DistanceTo(a, sides.b, from);
   if (length <= 0.0) return std::nullopt;
-  const int count = static_cast<int>(length / kStepM) + 1;
+  const int count = static_cast<int>(length / WallFace::kColumnM) + 1;
   for (int i = 0; i < count; ++i) {
     if (!IsInside(room.loops, from + (i + 0.5) / count * length * a.inward)) {
       return std::nullopt;

@@ -9,8 +9,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kProbeM = 0.05;  // beside a face
-
 // The number of the room that a point lies in; 0: none.
 int RoomAt(const std::vector<Room>& rooms, const Eigen::Vector2d& p) {
   for (const Room& room : rooms) {
@@ -215,10 +213,10 @@ std::vector<PlanDoor> PairedGaps(const StoreyRegions& regions,
       door.width_stddev_m /= std::sqrt(2.0);
       break;
     }
-    door.rooms[0] = RoomAt(rooms, gap.Middle() + kProbeM * gap.normal);
-    for (double behind = door.depth_m + kProbeM;
-         door.rooms[1] == 0 && behind < kMaxThicknessM + kProbeM;
-         behind += kProbeM) {
+    door.rooms[0] = RoomAt(rooms, gap.Middle() + WallFace::kColumnM * gap.normal);
+    for (double behind = door.depth_m + WallFace::kColumnM;
+         door.rooms[1] == 0 && behind < kMaxThicknessM + WallFace::kColumnM;
+         behind += WallFace::kColumnM) {
       door.rooms[1] = RoomAt(rooms, gap.Middle() - behind * gap.normal);
     }
   }
@@ -332,7 +330,7 @@ std::vector<PlanWindow> FindWindows(const StoreyRegions& regions,
     for (const FaceWindow& window : WithoutPosts(panes)) {
       if (window.to_m - window.from_m < kMinWindowM) continue;
       const Eigen::Vector2d middle = face.curve.At(0.5 * (window.from_m + window.to_m));
-      const Eigen::Vector2d before = kProbeM * face.curve.NormalAt(middle);
+      const Eigen::Vector2d before = WallFace::kColumnM * face.curve.NormalAt(middle);
       if (RoomAt(rooms, middle + before) != 0 && RoomAt(rooms, middle - before) == 0) {
         windows.push_back({face.curve.At(window.from_m),
                            face.curve.At(window.to_m),

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/outputs/plan_scales.h"
@@ -240,7 +241,6 @@ WallEvidence EvidenceOfWalls(const StoreyRegions& regions) {
 void LabelCells(const FreeGrid& free, const SquareMap& squares, StoreyRegions* regions) {
   constexpr double kFreePerM2 = 4.0;
   constexpr double kUnseenPerM2 = 0.1;
-  constexpr double kNever = 1e6;
   const PlanSubdivision& plan = regions->plan;
   WallEvidence evidence = EvidenceOfWalls(*regions);
   std::vector<CellCost>& cells = evidence.cells;
@@ -248,7 +248,9 @@ void LabelCells(const FreeGrid& free, const SquareMap& squares, StoreyRegions* r
   for (const CellCost& cell : cells) inside_m.push_back(cell.solid);
   const std::vector<bool> outdoors = OutdoorCells(plan, regions->rig_in_cell, inside_m);
   for (size_t i = 0; i < cells.size(); ++i) {
-    if (plan.cells[i].is_unbounded || outdoors[i]) cells[i].free = kNever;
+    if (plan.cells[i].is_unbounded || outdoors[i]) {
+      cells[i].free = std::numeric_limits<double>::infinity();
+    }
   }
   const double square_m2 = FreeGrid::kCellM * FreeGrid::kCellM;
   squares.ForEachRun([&](size_t cell, int row, int from, int to) {
