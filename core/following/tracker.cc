@@ -241,7 +241,7 @@ std::optional<ScanMatch> Tracker::EstimateByPoints(const ScanMatcher& scan_match
 bool Tracker::WheelsDeny(const Rigid3d& predicted,
                          const Matrix6d& covariance,
                          int64_t scan_end_ns) const {
-  if (!planar_ || state_->odometry == nullptr || scan_s_ == 0.0 ||
+  if (scan_s_ == 0.0 ||
       !state_->odometry->Covers(scan_end_ns - NanosecondsFromSeconds(scan_s_), scan_end_ns)) {
     return false;
   }
@@ -407,13 +407,19 @@ Tracker::ScanEstimate Tracker::EstimateScan(int first_observation,
     // The planes would have the rig elsewhere: most of the scan says that they are others.
     LeaveToPoints(first_observation, last_observation, *by_points, &estimate);
   }
-  if (scan_matcher != nullptr && scan_matcher->num_points() > 0 &&
-      WheelsDeny(wheels.first, wheels.second, last_scan_ns_)) {
-    if (const auto match = SearchElsewhere(*scan_matcher, wheels.first, last_scan_ns_)) {
-      Loosen();
-      prior_ = PosePrior(gaussian_, planar_);
-      LeaveToPoints(first_observation, last_observation, *match, &estimate);
-    }
+  if (scan_matcher == nullptr || scan_matcher->num_points() == 0 || !planar_ ||
+      state_->odometry == nullptr) {
+    return estimate;
+  }
+  // Wheels that slip in a turn are followed where the scan fits no plane any more.
+  const bool denied = WheelsDeny(wheels.first, wheels.second, last_scan_ns_);
+  if (!denied && !estimate.unsteady) return estimate;
+  const auto match = SearchElsewhere(*scan_matcher, wheels.first, last_scan_ns_);
+  // Against the wheels' word, most of the scan has to say so.
+  if (match && (denied || match->num_near > kMinNearShare * match->num_points)) {
+    Loosen();
+    prior_ = PosePrior(gaussian_, planar_);
+    LeaveToPoints(first_observation, last_observation, *match, &estimate);
   }
   return estimate;
 }

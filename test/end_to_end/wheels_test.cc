@@ -135,5 +135,15 @@ TEST_F(WheelsTest, ARigWithWheelsIsNotLost) {
   EXPECT_GT(summary_.duration_s, 50.0);
 }
 
+// Wheels that slip in a turn of 20 degrees a scan have the scan lie where no plane fits it any
+// more: it is searched for.
+TEST_F(MappingTest, ScansAreFoundWhereWheelsSlipInATurn) {
+  for (const uint64_t seed : {8u, 9u}) {
+    const Evaluation evaluation = RunCase("wheels_sharp_turns", seed);
+    EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.1) << seed;
+    EXPECT_NE(summary_.consistency.verdict, Verdict::kContradictory) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
