@@ -119,7 +119,7 @@ TEST_F(VisitMatchingTest, BoundsAreBounds) {
       for (int i = 0; i < VisitGrid::kCoarse; ++i) {
         for (int j = 0; j < VisitGrid::kCoarse; ++j) {
           const Eigen::Vector2d moved(x + VisitGrid::kCell * i, y + VisitGrid::kCell * j);
-          EXPECT_GE(grid.BoundAt({x, y}), grid.At(moved));
+          EXPECT_GE(grid.BoundAt(grid.CellOf({x, y})), grid.At(grid.CellOf(moved)));
         }
       }
     }
