@@ -77,7 +77,8 @@ class Batch {
  private:
   void RecogniseRevisits() {
     if (!planar_ || !options_.loop_closure.enabled) return;
-    // Of an hour in the plane, a third of its memory; where drift is corrected, all is anew.
+    // The search for places needs memory, too, and where drift is corrected, all is linearised
+    // anew.
     estimator_.ForgetLinearisations();
     drift_m_ = CorrectDrift(rig_, recording_, state_);
     if (!drift_m_) return;

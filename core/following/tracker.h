@@ -113,7 +113,8 @@ class Tracker {
   // little of them or they lie elsewhere.
   std::optional<ScanMatch> EstimateByPoints(const ScanMatcher& scan_matcher);
   // Whether the wheels deny that the rig is where it is now estimated: it is not where the
-  // motion before and they predict it, by far more than both may be off.
+  // motion before and they predict it, by far more than both may be off. Of a rig in the plane
+  // that has wheels.
   bool WheelsDeny(const Rigid3d& predicted,
                   const Matrix6d& covariance,
                   int64_t scan_end_ns) const;

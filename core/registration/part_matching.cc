@@ -67,7 +67,8 @@ void ForWallsOn(const SpotGrid& grid,
 }
 
 WallSpot Moved(const PlanarPose& pose, const WallSpot& spot) {
-  return {pose * spot.position, pose.Rotation() * spot.normal};
+  const Eigen::Matrix2d rotation = pose.Rotation();
+  return {rotation * spot.position + pose.position, rotation * spot.normal};
 }
 
 std::vector<double> HeadingHistogram(const std::vector<WallSpot>& spots) {
@@ -177,8 +178,10 @@ std::pair<int, int> CountRefuted(const SpotGrid& grid,
   constexpr size_t kStride = 5;  // a fifth of the beams tells as well
   int refuted = 0;
   int all = 0;
+  const Eigen::Matrix2d rotation = pose.Rotation();
   for (size_t i = 0; i < beams.size(); i += kStride) {
-    const FreeBeam moved = {pose * beams[i].from, pose * beams[i].to};
+    const FreeBeam moved = {rotation * beams[i].from + pose.position,
+                            rotation * beams[i].to + pose.position};
     bool through = false;
     ForWallsOn(grid, moved, spacing_m, [&through](const WallSpot&) { through = true; });
     if (through) ++refuted;

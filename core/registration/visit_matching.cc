@@ -1,5 +1,6 @@
 #include "core/registration/visit_matching.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -59,9 +60,12 @@ class WindowSearch {
         min_score_(window.min_score),
         num_steps_(static_cast<int>(std::ceil(window.position_m / kStep))) {
     for (const double turn : window.turns) {
-      const PlanarPose pose{guess.heading + turn, guess.position};
+      const Eigen::Matrix2d rotation =
+          Eigen::Rotation2Dd(guess.heading + turn).toRotationMatrix();
       Cells& cells = turned_.emplace_back();
-      for (const Eigen::Vector2d& p : points) cells.push_back(grid.CellOf(pose * p));
+      for (const Eigen::Vector2d& p : points) {
+        cells.push_back(grid.CellOf(rotation * p + guess.position));
+      }
     }
   }
 
