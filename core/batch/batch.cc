@@ -159,7 +159,7 @@ class Batch {
     OccupancyGrids counted;
     const int num_resegmented = ResegmentRecording(
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
-    openings_ = counted.OpeningsOf(state_->landmarks);
+    openings_ = counted.OpeningsOf(state_->landmarks, options_.association.surface_flatness_m);
     const int num_oblique = options_.rules.oblique_planes ? DropObliqueFalsePlanes(state_) : 0;
     const int num_dropped = num_oblique + DropWeakPlanes(options_.planes, state_) +
                             DecideGeneralPlanes(rig_, options_.association, state_);

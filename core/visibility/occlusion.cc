@@ -224,18 +224,21 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
 void Occlusion::CountHits(OccupancyGrids* grids) const {
   const PlaneView view = MakePlaneView();
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
-  for (int beam = first_beam + kNumBeams; beam <= last_beam - kNumBeams; beam += stride) {
+  for (int beam = first_beam; beam <= last_beam; beam += stride) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const int64_t time_ns = BeamInstantNs(beam);
     const Eigen::Vector3d line = view.trace.At(time_ns);
     const double cosine = line.head<2>().dot(direction);
     if (std::abs(cosine) < kMinCosine) continue;
     const double on_plane_m = line.z() / cosine;
-    const double range = scan_line.ranges[static_cast<size_t>(beam)];
-    const double margin_m = kOutlierSigmas * scanner.RangeStddev(on_plane_m);
-    if (!(std::abs(range - on_plane_m) < margin_m)) continue;
-    grids->CountHit(
-        *plane.landmark, view.motion.ToWorld(on_plane_m * direction, time_ns), stride);
+    const double beyond_m = scan_line.ranges[static_cast<size_t>(beam)] - on_plane_m;
+    const double stddev_m = scanner.RangeStddev(on_plane_m);
+    if (!(std::abs(beyond_m) < kOutlierSigmas * stddev_m)) continue;
+    const Eigen::Vector3d at_world = view.motion.ToWorld(on_plane_m * direction, time_ns);
+    grids->CountDeviation(
+        *plane.landmark, at_world, cosine * beyond_m, std::abs(cosine) * stddev_m);
+    const bool is_at_end = beam < first_beam + kNumBeams || beam > last_beam - kNumBeams;
+    if (!is_at_end) grids->CountHit(*plane.landmark, at_world, stride);
   }
 }
 

@@ -66,7 +66,22 @@ void OccupancyGrids::CountPassage(const Landmark& landmark,
   Count(landmark, p_world, num_beams, &Counts::passages);
 }
 
+void OccupancyGrids::CountDeviation(const Landmark& landmark,
+                                    const Eigen::Vector3d& p_world,
+                                    double deviation_m,
+                                    double stddev_m) {
+  const auto id = static_cast<size_t>(landmark.id);
+  if (id >= deviations_.size()) deviations_.resize(id + 1);
+  deviations_[id].Add(landmark.extent.Project(p_world), deviation_m, stddev_m);
+}
+
 void OccupancyGrids::Add(OccupancyGrids other) {
+  if (deviations_.size() < other.deviations_.size()) {
+    deviations_.resize(other.deviations_.size());
+  }
+  for (size_t id = 0; id < other.deviations_.size(); ++id) {
+    deviations_[id].Add(other.deviations_[id]);
+  }
   if (counts_.empty()) {
     counts_ = std::move(other.counts_);
     return;
@@ -168,9 +183,9 @@ void OccupancyGrids::MarkSolid(const Counts& counts,
 PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
   PlaneOpenings openings;
   const auto id = static_cast<size_t>(landmark.id);
-  if (id >= counts_.size()) return openings;
   openings.has_height_ = HasHeight(landmark.extent);
   openings.axes_ = landmark.extent.axes();
+  if (id >= counts_.size()) return openings;
   for (const auto mark : {&MarkOpen, &MarkSolid}) {
     for (const bool narrow_along_u : {true, false}) {
       if (!HasCells(openings.has_height_, narrow_along_u)) continue;
@@ -180,11 +195,28 @@ PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
   return openings;
 }
 
-std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(
-    const std::deque<Landmark>& landmarks) const {
+void OccupancyGrids::MarkOff(const std::vector<CellGrid::Cell>& cells,
+                             PlaneOpenings* openings) {
+  for (const auto& [u, v] : cells) {
+    const auto narrow = [](int wide) {
+      return CellIndex(wide * (PatchExtent::kCellSize / kOpeningCell) + 0.5);
+    };
+    for (int i = narrow(u); i < narrow(u + 1); ++i) {
+      openings->Mark({i, v}, true, PlaneOpenings::kOpen);
+    }
+  }
+}
+
+std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(const std::deque<Landmark>& landmarks,
+                                                      double flatness_m) const {
   std::vector<PlaneOpenings> of_all;
   of_all.reserve(landmarks.size());
-  for (const Landmark& landmark : landmarks) of_all.push_back(OpeningsOf(landmark));
+  for (const Landmark& landmark : landmarks) {
+    of_all.push_back(OpeningsOf(landmark));
+    const auto id = static_cast<size_t>(landmark.id);
+    if (id >= deviations_.size()) continue;
+    MarkOff(deviations_[id].CellsOff(landmark, flatness_m), &of_all.back());
+  }
   return of_all;
 }
 

@@ -9,6 +9,7 @@
 #include "core/geometry/scan_plane_motion.h"
 #include "core/surface/cell_grid.h"
 #include "core/surface/landmark.h"
+#include "core/visibility/place_deviations.h"
 
 namespace plumbline {
 
@@ -72,6 +73,12 @@ class OccupancyGrids {
   void CountPassage(const Landmark& landmark,
                     const Eigen::Vector3d& p_world,
                     int num_beams = 1);
+  // Counts what a beam that lies on the plane deviates by from it along the normal, and the
+  // standard deviation of its noise there.
+  void CountDeviation(const Landmark& landmark,
+                      const Eigen::Vector3d& p_world,
+                      double deviation_m,
+                      double stddev_m);
   // Adds the counts of another's grids of the same landmarks.
   void Add(OccupancyGrids other);
   // Returns the openings of a plane. A cell, and the next ones along its narrow side, is mixed
@@ -82,8 +89,11 @@ class OccupancyGrids {
   // seem to lie in an opening lie on its jambs. An opening goes on along upright edges by one
   // cell where hardly any beam hits.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
-  // The openings of all landmarks, by id: they take a fraction of the counts' memory.
-  std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks) const;
+  // The openings of all landmarks, by id: they take a fraction of the counts' memory. Places
+  // whose beams do not lie on the plane that the others show (FindPlacesOff, with the planes'
+  // unevenness) are openings, too: something stands close before or behind the plane there.
+  std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks,
+                                        double flatness_m) const;
 
  private:
   struct Counts {
@@ -100,7 +110,10 @@ class OccupancyGrids {
   static void MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
   static void MarkSolid(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
 
-  std::vector<CountsOfPlane> counts_;  // by landmark id
+  static void MarkOff(const std::vector<CellGrid::Cell>& cells, PlaneOpenings* openings);
+
+  std::vector<CountsOfPlane> counts_;        // by landmark id
+  std::vector<PlaceDeviations> deviations_;  // by landmark id
 };
 
 }  // namespace plumbline

@@ -24,6 +24,7 @@ PROGRAMS = ("plumbline_simulate", "plumbline_map", "plumbline_evaluate")
 REQUIRED = ("result/evaluation.json", "result/summary.json", "result/planes.json",
             "result/trajectory.tum", "truth/truth_planes.json", "truth/truth_trajectory.tum",
             "exit_codes.json")
+OPTIONAL = ("result/trajectory_covariance.csv", "result/plane_covariance.csv")
 MAX_POSITION_M = 0.05       # of the largest error of a map that is right
 MAX_ROTATION_DEG = 0.5
 MAX_MISSING_S = 1.0         # of the recording, at its begin or its end
@@ -88,6 +89,7 @@ def make_jobs(arguments, cases):
             commands=job_runner.simulated_run(experiment, arguments.config or experiment, seed,
                                               arguments.binaries),
             required=REQUIRED,
+            optional=OPTIONAL,
             failure_file=f"failed_{run_name(case, seed)}.json",
             done_codes=(0, job_runner.NOT_TRUSTED),
             info={"case": case, "seed": seed})

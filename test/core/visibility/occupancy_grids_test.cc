@@ -166,5 +166,22 @@ TEST_F(OccupancyGridsTest, WhatPassesNoneIsToldSoQuickly) {
   }
 }
 
+TEST_F(OccupancyGridsTest, APlaceWhereBeamsDoNotLieOnThePlaneIsOne) {
+  wall_.id = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double x = -2.99 + 0.006 * i;
+    const bool is_before = x > 1.0 && x < 1.25;
+    openings_.CountDeviation(wall_, At(x), is_before ? 0.04 : 0.0, 0.01);
+  }
+  const auto is_at = [&](double x, double flatness_m) {
+    return openings_.OpeningsOf({wall_}, flatness_m)[0].IsAt(At(x));
+  };
+  EXPECT_TRUE(is_at(1.1, 0.004));
+  EXPECT_FALSE(is_at(0.9, 0.004));
+  EXPECT_FALSE(is_at(1.35, 0.004));
+  EXPECT_FALSE(is_at(1.1, 0.04)) << "walls as uneven as that";
+  EXPECT_FALSE(IsOpening(At(1.1))) << "beams pass nowhere";
+}
+
 }  // namespace
 }  // namespace plumbline
