@@ -40,8 +40,8 @@ double MaxVariance(const Matrix6d& pose_covariance, double distance2) {
          pose_covariance.topLeftCorner<3, 3>().trace() * distance2;
 }
 
-double MinCuttingSine(const Landmark& landmark) {
-  return landmark.IsUpright() ? kMinCuttingSine : kMinCuttingSineOfSlopes;
+double MinCuttingSine(const LandmarkView& view) {
+  return view.traits.passes_for_wall ? kMinCuttingSineOfSlopes : kMinCuttingSine;
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ bool Grazes(const Observation& observation,
   const Eigen::Vector3d end =
       poses.motion.ToWorld(observation.end(), observation.end_time_ns());
   return std::any_of(landmarks.begin(), landmarks.end(), [&](const Landmark& landmark) {
-    if (landmark.IsUpright() || landmark.num_segments == 0) return false;
+    if (landmark.num_segments == 0 || !TraitsOf(landmark).passes_for_wall) return false;
     return scan_normal.cross(landmark.Normal()).squaredNorm() <
                kMinCuttingSineOfSlopes * kMinCuttingSineOfSlopes &&
            std::abs(landmark.SignedDistance(start)) < max_distance_m &&
@@ -204,7 +204,7 @@ void VisitHypotheses(const Observation& observation,
     if (view.SignedDistance(scanner_world) <= 0.0) continue;
     std::optional<LandmarkView> near;
     const LandmarkView& plane = view.Near(centroid_world, &near);
-    const double min_sine = MinCuttingSine(*view.landmark);
+    const double min_sine = MinCuttingSine(view);
     if (scan_normal.cross(plane.normal).squaredNorm() < min_sine * min_sine) continue;
     // Cheap first: a distance that no covariance can explain.
     const double offset = view.SignedDistance(centroid_world);

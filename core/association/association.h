@@ -68,13 +68,10 @@ class ScanSlab {
   // farthest_m: the longest beam. The slab is wider by the margin on both sides.
   ScanSlab(const ScanMotion& motion, double farthest_m, double margin_m);
 
-  // Whether the rectangle around what was seen of a plane comes into the slab.
+  // Whether the solid around what was seen of a surface comes into the slab.
   bool Touches(const LandmarkView& view) const {
     const double across = normal_.dot(view.centre_world - origin_);
-    const double half = view.is_curved ? view.radius_m
-                                       : std::abs(normal_.dot(view.half_u)) +
-                                             std::abs(normal_.dot(view.half_v));
-    return std::abs(across) <= half + half_width_m_;
+    return std::abs(across) <= view.ReachAlong(normal_) + half_width_m_;
   }
 
  private:

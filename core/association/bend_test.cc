@@ -62,7 +62,7 @@ std::optional<CylinderEquations::Solution> CylinderEquations::Solve() const {
 
 bool MayBend(const Landmark& landmark) {
   constexpr double kMaxTurn = 0.5;  // rad
-  return landmark.IsUpright() && !landmark.heading_fixed &&
+  return TraitsOf(landmark).may_bend && !landmark.heading_fixed &&
          std::abs(landmark.Curvature()) * landmark.Width() < kMaxTurn;
 }
 

@@ -143,8 +143,11 @@ void TentativePlanes::Offer(const Observation& observation,
   if (!planar_) undecided_.Offer(observation, observation_index, poses, line);
   bool taken = false;
   for (TentativePlane& plane : planes_) {
-    const bool horizontal = plane.landmark.model == PlaneModel::kHorizontal;
-    if (!(horizontal ? evidence.can_be_horizontal : evidence.can_be_vertical)) continue;
+    const bool is_allowed =
+        VisitPlaneModel(plane.landmark.model, plane.landmark.chart, [&](const auto& kind) {
+          return evidence.Allows(kind);
+        });
+    if (!is_allowed) continue;
     const LineDeviation deviation =
         DeviationFromPlane(observation, poses, LandmarkView(plane.landmark));
     if (!Matches(plane, observation, deviation, poses, pose_covariance)) continue;

@@ -22,6 +22,13 @@ struct TypeEvidence {
   // The trace of a scan plane that is nearly level, which mostly meets walls, or one steeper
   // than any ramp. Other sloping traces may as well lie on a ramp or a roof.
   bool is_wall = false;
+
+  // Whether the segment may lie on a tentative plane of this kind.
+  bool Allows(const HorizontalPlane&) const { return can_be_horizontal; }
+  template <typename Upright>
+  bool Allows(const Upright&) const {
+    return can_be_vertical;
+  }
 };
 
 // Judges the type of a segment's plane by the segment's direction in the world, which is known

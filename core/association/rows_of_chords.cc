@@ -127,7 +127,7 @@ class RowFinder {
   RowFinder(const Rig& rig, const AssociationOptions& options, const MapState& state)
       : options_(options), state_(state) {
     for (const Landmark& landmark : state.landmarks) {
-      if (landmark.model == PlaneModel::kVertical && !landmark.heading_fixed &&
+      if (TraitsOf(landmark).has_heading && !landmark.heading_fixed &&
           landmark.num_segments > 0 && landmark.Width() < kMaxWidth) {
         chords_[landmark.id];
       }

@@ -4,6 +4,18 @@
 #include "core/util/time.h"
 
 namespace plumbline {
+namespace {
+
+// The length of a plane's sides that tells it from somebody who walks, m: he is as high as a
+// wall piece, but not as wide.
+template <typename Surface>
+double LengthOf(const Surface&, const Eigen::Vector2d& sides) {
+  return sides.norm();
+}
+double LengthOf(const VerticalPlane&, const Eigen::Vector2d& sides) { return sides.x(); }
+double LengthOf(const Cylinder&, const Eigen::Vector2d& sides) { return sides.x(); }
+
+}  // namespace
 
 void TentativePlane::Count(const Observation& observation,
                            int observation_index,
@@ -22,10 +34,11 @@ void TentativePlane::Count(const Observation& observation,
 }
 
 bool TentativePlane::HasAge(const PlaneOptions& options) const {
-  // Somebody who walks is as high as a wall piece, but not as wide.
   const PatchExtent& extent = landmark.extent;
   const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
-  if ((landmark.IsUpright() ? sides.x() : sides.norm()) > options.small_m) return true;
+  const double length_m = VisitPlaneModel(
+      landmark.model, landmark.chart, [&](const auto& kind) { return LengthOf(kind, sides); });
+  if (length_m > options.small_m) return true;
   return SecondsBetween(first_time_ns, last_time_ns) > options.min_age_of_small_s;
 }
 

@@ -169,7 +169,7 @@ bool UndecidedPlanes::AreOnNoWall(const std::vector<int>& observations, int min_
     if (2 * num_shared < asked.size()) return false;
     if (static_cast<int>(other_scans.size()) < min_scans) return false;
     const std::optional<Landmark> landmark = ShownByTwo(plane);
-    return landmark && landmark->model != PlaneModel::kVertical;
+    return landmark && TraitsOf(*landmark).passes_for_wall;
   });
 }
 
@@ -182,7 +182,7 @@ std::set<int> UndecidedPlanes::OnSlopes() const {
   std::set<int> observations;
   for (const Plane& plane : planes_) {
     const std::optional<Landmark> landmark = ShownByTwo(plane);
-    if (!landmark || landmark->model != PlaneModel::kGeneral) continue;
+    if (!landmark || !TraitsOf(*landmark).has_soft_edges) continue;
     observations.insert(plane.seen.observations.begin(), plane.seen.observations.end());
   }
   return observations;

@@ -58,16 +58,16 @@ std::optional<double> HeightOf(const Rig& rig,
   for (const Observation& observation : part.observations) {
     if (observation.landmark_id < 0) continue;
     const Landmark& floor = part.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (floor.model != PlaneModel::kHorizontal) continue;
+    const Eigen::Vector3d normal = floor.Normal();
+    if (std::abs(normal.z()) < 1.0) continue;  // it is not level
     const Eigen::Vector3d p =
         to_from * (poses.Of(observation).motion.At(observation.middle_time_ns()) *
                    observation.centroid().homogeneous());
     for (const Landmark& landmark : other.landmarks) {
-      if (landmark.model != floor.model || landmark.chart.sign != floor.chart.sign) continue;
-      if (landmark.num_segments == 0) continue;
-      const double height_m = landmark.chart.sign * landmark.Distance();
+      if (landmark.num_segments == 0 || landmark.Normal() != normal) continue;
+      const double height_m = normal.z() * landmark.Distance();
       if (!landmark.extent.IsSeenAt({p.x(), p.y(), height_m}, 0.0)) continue;
-      differences.push_back(height_m - floor.chart.sign * floor.Distance());
+      differences.push_back(height_m - normal.z() * floor.Distance());
     }
   }
   if (differences.size() < kMinSegmentsOnFloors) return std::nullopt;

@@ -57,23 +57,28 @@ std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> InSlice(
 
 // The spot that a point on a wall, seen from above, belongs to, and the spot's number along
 // the wall.
-std::pair<int, WallSpot> SpotOn(const Landmark& wall,
+template <typename Plane>
+std::pair<int, WallSpot> SpotOn(const Plane&,
+                                const Landmark& wall,
                                 const Eigen::Vector2d& p,
                                 double spacing_m) {
-  if (wall.IsCurved()) {
-    const Eigen::Vector3d p_world(p.x(), p.y(), wall.extent.axes().anchor.z());
-    const double u = wall.extent.Project(p_world).x();
-    const Eigen::Vector4d plane = wall.PlaneNear(p_world);
-    const Eigen::Vector2d normal = plane.head<2>().normalized();
-    const double distance = wall.SignedDistance(p_world) / plane.head<2>().norm();
-    return {static_cast<int>(std::floor(u / spacing_m)),
-            WallSpot{p - distance * normal, normal}};
-  }
   const Eigen::Vector2d normal = wall.Normal().head<2>();
   const Eigen::Vector2d along(-normal.y(), normal.x());
   const int place = static_cast<int>(std::floor(along.dot(p) / spacing_m));
   return {place,
           WallSpot{(place + 0.5) * spacing_m * along + wall.Distance() * normal, normal}};
+}
+std::pair<int, WallSpot> SpotOn(const Cylinder&,
+                                const Landmark& wall,
+                                const Eigen::Vector2d& p,
+                                double spacing_m) {
+  const Eigen::Vector3d p_world(p.x(), p.y(), wall.extent.axes().anchor.z());
+  const double u = wall.extent.Project(p_world).x();
+  const Eigen::Vector4d plane = wall.PlaneNear(p_world);
+  const Eigen::Vector2d normal = plane.head<2>().normalized();
+  const double distance = wall.SignedDistance(p_world) / plane.head<2>().norm();
+  return {static_cast<int>(std::floor(u / spacing_m)),
+          WallSpot{p - distance * normal, normal}};
 }
 
 }  // namespace
@@ -86,7 +91,7 @@ PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) 
   for (const Observation& observation : state.observations) {
     if (observation.landmark_id < 0 || observation.num_points == 0) continue;
     const Landmark& wall = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (!wall.IsUpright()) continue;
+    if (!TraitsOf(wall).bounds_floors) continue;
     if (LargestStep(observation) > spacing_m) continue;
     const ObservationPoses& poses = shared.Of(observation);
     const Eigen::Vector3d& scanner = poses.world_from_scanner.translation;
@@ -99,7 +104,10 @@ PartView ViewFromAbove(const Rig& rig, const MapState& state, double spacing_m) 
     const int num_steps = static_cast<int>((end - start).norm() / spacing_m) + 1;
     for (int step = 0; step <= num_steps; ++step) {
       const Eigen::Vector2d p = start + (end - start) * step / num_steps;
-      const auto [place, spot] = SpotOn(wall, p, spacing_m);
+      const auto [place, spot] =
+          VisitPlaneModel(wall.model, wall.chart, [&](const auto& kind) {
+            return SpotOn(kind, wall, p, spacing_m);
+          });
       if (seen.insert({wall.id, place}).second) view.spots.push_back(spot);
     }
     if (num_on_walls++ % kBeamStride == 0) {

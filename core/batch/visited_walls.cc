@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-bool IsWall(const Landmark& landmark) { return landmark.model == PlaneModel::kVertical; }
+bool IsWall(const Landmark& landmark) { return TraitsOf(landmark).has_heading; }
 
 // When each landmark was seen, in steps of kVisitTime.
 std::vector<std::set<int64_t>> TimesSeen(const MapState& state) {

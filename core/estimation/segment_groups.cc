@@ -13,6 +13,23 @@
 namespace plumbline {
 namespace {
 
+// The landmarks that the observations lie on, ascending.
+std::vector<int> LandmarksOf(const std::vector<const Observation*>& observations) {
+  std::vector<int> ids;
+  for (const Observation* observation : observations) ids.push_back(observation->landmark_id);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  ids.shrink_to_fit();  // few planes, many observations
+  return ids;
+}
+
+SegmentGroup::MountAtNodes MotionAtNodes(const Scanner& scanner,
+                                         const std::array<int64_t, 3>& times_ns) {
+  return {MotionOf(*scanner.mount, times_ns[0], scanner.delay_s),
+          MotionOf(*scanner.mount, times_ns[1], scanner.delay_s),
+          MotionOf(*scanner.mount, times_ns[2], scanner.delay_s)};
+}
+
 SegmentGroupCache::Entry MakeEntry(const Rig& rig,
                                    const std::vector<SegmentGroup::Scanner>& scanners,
                                    const Trajectory& trajectory,
@@ -20,11 +37,7 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
                                    int first,
                                    const std::vector<const Observation*>& members,
                                    const SegmentGroupCache::Loss& loss) {
-  std::vector<int> ids;
-  for (const Observation* observation : members) ids.push_back(observation->landmark_id);
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  ids.shrink_to_fit();  // few planes, many observations
+  std::vector<int> ids = LandmarksOf(members);
   std::vector<SegmentGroup::Plane> planes;
   std::vector<LandmarkView> views;  // of planes
   for (const int id : ids) {
@@ -57,9 +70,7 @@ SegmentGroupCache::Entry MakeEntry(const Rig& rig,
     if (scanner.mount) {
       if (observation->scanner_index != last_mounted) {
         last_mounted = observation->scanner_index;
-        mount_motions.push_back({MotionOf(*scanner.mount, times_ns[0], scanner.delay_s),
-                                 MotionOf(*scanner.mount, times_ns[1], scanner.delay_s),
-                                 MotionOf(*scanner.mount, times_ns[2], scanner.delay_s)});
+        mount_motions.push_back(MotionAtNodes(scanner, times_ns));
       }
       segment.mount_motion = static_cast<int>(mount_motions.size()) - 1;
     }

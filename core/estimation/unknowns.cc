@@ -74,8 +74,8 @@ LinearPrior::Kind Unknowns::KindOf(const BlockId& block) const {
   }
   if (block.kind == BlockId::Kind::kLandmark) {
     const Landmark& landmark = (*landmarks_)[static_cast<size_t>(block.index)];
-    return landmark.model == PlaneModel::kVertical ? LinearPrior::Kind::kVerticalPlane
-                                                   : LinearPrior::Kind::kEuclidean;
+    return TraitsOf(landmark).has_heading ? LinearPrior::Kind::kVerticalPlane
+                                          : LinearPrior::Kind::kEuclidean;
   }
   return planar_ ? LinearPrior::Kind::kYawRotation : LinearPrior::Kind::kRotation;
 }

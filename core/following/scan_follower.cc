@@ -226,7 +226,7 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   const bool has_reference =
       state_->observations[static_cast<size_t>(reference)].landmark_id == 0;
   // Other traces may show that what looked like the reference wall is a slope.
-  if (!has_reference || !TraitsOf(state_->landmarks.front()).holds_heading) return false;
+  if (!has_reference || !TraitsOf(state_->landmarks.front()).has_heading) return false;
   if (must_hold && !HoldsPosition()) return false;
   Landmark& first_wall = state_->landmarks.front();
   first_wall.heading_fixed = true;

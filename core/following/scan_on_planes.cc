@@ -16,6 +16,20 @@ double InformationOf(const Observation& observation, double flatness_m) {
          (observation.sigma_offset_m * observation.sigma_offset_m + flatness_m * flatness_m);
 }
 
+// Calls visit(index, observation, landmark) for the observations first .. last that have a
+// landmark.
+template <typename Visit>
+void ForEachOnPlane(const MapState& state,
+                    int first_observation,
+                    int last_observation,
+                    Visit visit) {
+  for (int index = first_observation; index <= last_observation; ++index) {
+    const Observation& observation = state.observations[static_cast<size_t>(index)];
+    if (observation.landmark_id < 0) continue;
+    visit(index, observation, state.landmarks[static_cast<size_t>(observation.landmark_id)]);
+  }
+}
+
 }  // namespace
 
 double ShareOnNoPlane(const MapState& state,
@@ -23,10 +37,12 @@ double ShareOnNoPlane(const MapState& state,
                       int last_observation,
                       int num_points) {
   int num_on_planes = 0;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id >= 0) num_on_planes += observation.num_points;
-  }
+  ForEachOnPlane(state,
+                 first_observation,
+                 last_observation,
+                 [&](int, const Observation& observation, const Landmark&) {
+                   num_on_planes += observation.num_points;
+                 });
   return 1.0 - static_cast<double>(num_on_planes) / std::max(1, num_points);
 }
 
@@ -35,12 +51,14 @@ BeamMask BeamsOnNoPlane(const MapState& state,
                         int last_observation,
                         const ScanMatcher& scan_matcher) {
   BeamMask mask = scan_matcher.AllBeams();
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    scan_matcher.Exclude(
-        observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
-  }
+  ForEachOnPlane(
+      state,
+      first_observation,
+      last_observation,
+      [&](int, const Observation& observation, const Landmark&) {
+        scan_matcher.Exclude(
+            observation.scan_line_index, observation.first_beam, observation.last_beam, &mask);
+      });
   return mask;
 }
 
@@ -50,15 +68,13 @@ bool WallsLeaveOpen(const MapState& state,
                     double min_width_m,
                     double flatness_m) {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (landmark.Width() < min_width_m) continue;
+  const auto add = [&](int, const Observation& observation, const Landmark& landmark) {
+    if (landmark.Width() < min_width_m) return;
     // An arc's normals point into many directions: the one in its middle is as good as any.
     const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
     information += normal * normal.transpose() * InformationOf(observation, flatness_m);
-  }
+  };
+  ForEachOnPlane(state, first_observation, last_observation, add);
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
   solver.computeDirect(information, Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
@@ -69,13 +85,11 @@ bool HeightIsOpen(const MapState& state,
                   int last_observation,
                   double flatness_m) {
   double information = 0.0;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
+  const auto add = [&](int, const Observation& observation, const Landmark& landmark) {
     const double up = landmark.Normal().z();  // zero on walls
     information += up * up * InformationOf(observation, flatness_m);
-  }
+  };
+  ForEachOnPlane(state, first_observation, last_observation, add);
   return information * kOpenHeightStddev * kOpenHeightStddev < 1.0;
 }
 
@@ -88,12 +102,12 @@ std::vector<int> OnNarrowPlanes(const MapState& state,
                                 int last_observation,
                                 double min_width_m) {
   std::vector<int> on_narrow;
-  for (int index = first_observation; index <= last_observation; ++index) {
-    const Observation& observation = state.observations[static_cast<size_t>(index)];
-    if (observation.landmark_id < 0) continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (IsNarrowWall(landmark, min_width_m)) on_narrow.push_back(index);
-  }
+  ForEachOnPlane(state,
+                 first_observation,
+                 last_observation,
+                 [&](int index, const Observation&, const Landmark& landmark) {
+                   if (IsNarrowWall(landmark, min_width_m)) on_narrow.push_back(index);
+                 });
   return on_narrow;
 }
 

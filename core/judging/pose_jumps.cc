@@ -95,10 +95,7 @@ bool IsJudged(const MapState& state, int64_t knot_ns) {
          state.IsMapped(knot_ns + kNumEndKnots * step_ns);
 }
 
-bool IsWide(const Landmark& landmark) {
-  const Eigen::Vector2d size = landmark.extent.max_corner() - landmark.extent.min_corner();
-  return (landmark.model == PlaneModel::kHorizontal ? size.minCoeff() : size.x()) > kMaxNarrow;
-}
+bool IsWide(const Landmark& landmark) { return landmark.Width() > kMaxNarrow; }
 
 // How the trajectory accelerates at a knot, and how well wide surfaces alone, turns being
 // known, show in the scans of the interval before it where the rig is: information, 1/m^2.

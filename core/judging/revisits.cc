@@ -175,16 +175,7 @@ std::vector<RevisitOffset> CompareVisits(const Rig& rig,
   for (const Landmark& landmark : state.landmarks) {
     if (landmark.num_segments == 0 || landmark.extent.empty()) continue;
     planes.emplace_back(landmark);
-    const LandmarkView& plane = planes.back();
-    Eigen::AlignedBox2d box;
-    for (const double u : {-1.0, 1.0}) {
-      for (const double v : {-1.0, 1.0}) {
-        box.extend(Eigen::Vector2d(
-            (plane.centre_world + u * plane.half_u + v * plane.half_v).head<2>()));
-      }
-    }
-    const Eigen::Vector2d rim = Eigen::Vector2d::Constant(kReach);
-    boxes.emplace_back(box.min() - rim, box.max() + rim);
+    boxes.push_back(planes.back().PlanBox(kReach));
   }
   const PlanGrid grid(boxes);
   tbb::enumerable_thread_specific<PlanGrid> grids(grid);

@@ -42,19 +42,6 @@ bool IsInside(const PatchExtent& extent, const CellGrid::Cell& cell) {
   return height_m < PatchExtent::kCellSize || (is_seen(0, -1) && is_seen(0, 1));
 }
 
-// A box on the floor plan around all that has been seen of a plane.
-Eigen::AlignedBox2d PlanBox(const LandmarkView& plane) {
-  Eigen::AlignedBox2d box;
-  for (const double u : {-1.0, 1.0}) {
-    for (const double v : {-1.0, 1.0}) {
-      box.extend(Eigen::Vector2d(
-          (plane.centre_world + u * plane.half_u + v * plane.half_v).head<2>()));
-    }
-  }
-  const Eigen::Vector2d rim = Eigen::Vector2d::Constant(PatchExtent::kCellSize);
-  return {box.min() - rim, box.max() + rim};
-}
-
 // Casts the beams of one second.
 class SecondCaster {
  public:
@@ -220,7 +207,7 @@ Sightings CollectSightings(const Rig& rig, const MapState& state, int64_t start_
   for (const Landmark& landmark : state.landmarks) {
     if (landmark.num_segments == 0 || landmark.extent.empty()) continue;
     planes.emplace_back(landmark);
-    boxes.push_back(PlanBox(planes.back()));
+    boxes.push_back(planes.back().PlanBox(PatchExtent::kCellSize));
   }
   const PlanGrid grid(boxes);
   tbb::enumerable_thread_specific<PlanGrid> grids(grid);

@@ -123,7 +123,7 @@ void KeepHeadingHeld(MapState* state) {
   Landmark* most = nullptr;
   for (Landmark& landmark : state->landmarks) {
     const int own = num_segments[static_cast<size_t>(landmark.id)];
-    if (!TraitsOf(landmark).holds_heading || own == 0) continue;
+    if (!TraitsOf(landmark).has_heading || own == 0) continue;
     if (landmark.heading_fixed) return;
     if (most == nullptr || own > num_segments[static_cast<size_t>(most->id)]) most = &landmark;
   }

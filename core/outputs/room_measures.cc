@@ -88,11 +88,7 @@ void MeasureArea(const PlaneCovariance& planes, const StoreyLevel& level, Room* 
       const Eigen::Vector2d inward(-(b - a).y(), (b - a).x());
       const double side = normal.head<2>().dot(inward) > 0.0 ? 1.0 : -1.0;
       terms.push_back({plane.id, middle, side * length / normal.head<2>().norm()});
-      if (!plane.IsCurved()) continue;
-      // Between chord and arc.
-      const double turn = 2.0 * std::asin(std::min(1.0, 0.5 * length / plane.Radius()));
-      const double sliver = 0.5 * plane.Radius() * plane.Radius() * (turn - std::sin(turn));
-      room->area_m2 += plane.curvature < 0.0 ? sliver : -sliver;
+      room->area_m2 += plane.AreaBehindChord(length);
     }
   }
   room->area_stddev_m2 = std::hypot(planes.SumStddev(terms), std::sqrt(unseen_variance));
@@ -136,7 +132,7 @@ const PlanePatch* LevelSurface(const std::vector<PlanePatch>& planes,
                                double high_m) {
   const PlanePatch* found = nullptr;
   for (const PlanePatch& plane : planes) {
-    if (plane.type != PlaneType::kHorizontal || plane.normal.z() * direction < 0.0) continue;
+    if (plane.normal.z() * direction < 1.0) continue;  // it faces another way, or is not level
     if (plane.centre.z() < low_m || plane.centre.z() > high_m) continue;
     if (found != nullptr && found->num_points >= plane.num_points) continue;
     if (CoversInPlan(plane.outline, label, kOutlineMarginM)) found = &plane;

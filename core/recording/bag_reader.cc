@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/recording/message_limits.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -14,8 +15,6 @@ namespace {
 
 // Index data and the next chunk's header.
 constexpr size_t kWindowBytes = size_t{32} << 10;
-// A scan line of 16 million beams. Other topics' messages, which may be larger, are not read.
-constexpr uint32_t kMaxMessageBytes = uint32_t{64} << 20;
 constexpr size_t kMaxQuotedBytes = 100;
 
 const char kMagic[] = "#ROSBAG V";
@@ -34,11 +33,6 @@ const char kPartOfChunk[] = "damaged bag: what is no message was passed over in 
 const char kNoConnection[] = "damaged bag: a topic's description can not be read";
 const char kTwoConnections[] = "damaged bag: a topic is described in two ways";
 const char kUnknownTopic[] = "damaged bag: a message belongs to no topic and is lost";
-const char kTooLarge[] = "a message of more than 64 MB is no scan line and was passed over";
-
-std::string CountText(uint64_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
 
 bool AreSame(const BagConnection& a, const BagConnection& b) {
   return a.topic == b.topic && a.type == b.type && a.md5sum == b.md5sum;

@@ -4,6 +4,10 @@
 
 namespace plumbline {
 
+std::string CountText(uint64_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 void DamageLog::Add(const std::string& kind, uint64_t position, uint64_t num_bytes) {
   auto entry = std::find_if(entries_.begin(), entries_.end(), [&kind](const Entry& known) {
     return known.kind == kind;

@@ -6,6 +6,9 @@
 
 namespace plumbline {
 
+// "1 message", "3 messages".
+std::string CountText(uint64_t count, const std::string& noun);
+
 // Counts what is wrong with a file, kind by kind, so that a thousand damages of one kind are
 // one sentence.
 class DamageLog {

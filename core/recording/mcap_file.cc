@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/recording/decode.h"
+#include "core/recording/message_limits.h"
 #include "core/util/error.h"
 #include "core/util/one_line.h"
 
@@ -13,8 +14,6 @@ namespace plumbline {
 namespace {
 
 constexpr size_t kWindowBytes = size_t{64} << 10;
-// A scan line of 16 million beams. Other topics' messages, which may be larger, are not read.
-constexpr uint64_t kMaxMessageBytes = uint64_t{64} << 20;
 constexpr uint64_t kMaxChunkBytes = UINT32_MAX;
 constexpr size_t kMaxQuotedBytes = 100;
 constexpr uint64_t kFooterBytes = McapRecord::kHeadBytes + 8 + 8 + 4;
@@ -28,11 +27,6 @@ const char kPartOfChunk[] = "damaged MCAP file: what is no record was passed ove
 const char kUnknownTopic[] = "damaged MCAP file: a message belongs to no topic and is lost";
 const char kTwoChannels[] = "damaged MCAP file: a topic is described in two ways";
 const char kChecksum[] = "damaged MCAP file: the checksum of a chunk does not fit its bytes";
-const char kTooLarge[] = "a message of more than 64 MB is no scan line and was passed over";
-
-std::string CountText(uint64_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
 
 MessageEncoding EncodingOf(const std::string& name) {
   if (name == "cdr") return MessageEncoding::kCdr;

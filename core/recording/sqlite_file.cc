@@ -5,14 +5,13 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/recording/damage_log.h"
 #include "core/recording/decode.h"
+#include "core/recording/message_limits.h"
 #include "core/util/error.h"
 
 namespace plumbline {
 namespace {
-
-// No row is longer; a scan line of 16 million beams.
-constexpr int kMaxRowBytes = 64 << 20;
 
 // A name of the file by which SQLite takes it as never to change.
 std::string ImmutableUri(const std::string& path) {
@@ -38,10 +37,6 @@ ByteView BytesAt(sqlite3_stmt* statement, int column) {
   // The bytes have to be asked for before their number.
   const auto* bytes = static_cast<const uint8_t*>(sqlite3_column_blob(statement, column));
   return {bytes, static_cast<size_t>(sqlite3_column_bytes(statement, column))};
-}
-
-std::string CountText(uint64_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -81,7 +76,7 @@ SqliteFile::SqliteFile(const std::string& path, const std::string& file_path)
       SQLITE_CORRUPT) {
     sqlite3_db_config(database, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
   }
-  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kMaxRowBytes);
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxMessageBytes));
   // A database that was made to do harm must not run anything of its own.
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(database, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/recording/message_limits.h"
+
 namespace plumbline {
 namespace {
 
@@ -10,7 +12,6 @@ constexpr uint64_t kHeaderBytes = 100;  // of the file
 constexpr uint64_t kLeafHeaderBytes = 8;
 constexpr uint8_t kTableLeaf = 13;
 constexpr uint64_t kMaxVarintBytes = 9;
-constexpr uint64_t kMaxRowBytes = 64 << 20;
 
 uint64_t BigEndian(const uint8_t* bytes, size_t size) {
   uint64_t number = 0;
@@ -126,8 +127,9 @@ bool SqlitePages::ReadRow(uint64_t place, Row* row) {
   Cursor cell(head.data(), num_bytes);
   uint64_t size = 0;
   uint64_t id = 0;
-  if (!cell.TakeVarint(&size) || !cell.TakeVarint(&id) || size == 0 || size > kMaxRowBytes ||
-      size > file_.size() || !ReadPayload(place + cell.position(), size)) {
+  if (!cell.TakeVarint(&size) || !cell.TakeVarint(&id) || size == 0 ||
+      size > kMaxMessageBytes || size > file_.size() ||
+      !ReadPayload(place + cell.position(), size)) {
     return false;
   }
   // The header: its size, and the type of each column. That of an id is NULL.

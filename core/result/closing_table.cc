@@ -105,7 +105,7 @@ std::string ClosingTable(const Summary& summary,
   for (const PlanePatch& plane : planes) {
     distances_mm.push_back(1e3 * plane.sigma_distance_m);
     angles_deg.push_back(plane.sigma_angle_rad * kDegreesPerRadian);
-    if (plane.IsCurved()) radii_mm.push_back(1e3 * plane.sigma_radius_m);
+    if (FieldsOf(plane.type).has_radius) radii_mm.push_back(1e3 * plane.sigma_radius_m);
   }
   if (summary.consistency.verdict == Verdict::kConsistent) {
     AppendRow(&text, "  along their normals", "", "", Deviations(distances_mm, "mm"));

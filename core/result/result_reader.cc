@@ -75,7 +75,7 @@ class PlaneReader {
     plane.sigma_angle_rad = Sigma("sigma_angle_deg") * kRadiansPerDegree;
     plane.sigma_distance_m = Sigma("sigma_distance_m");
     plane.centre = Vector("centre", Field("centre"));
-    if (plane.type == PlaneType::kCylinder) ReadCylinder(&plane);
+    if (FieldsOf(plane.type).has_radius) ReadRadius(&plane);
     const Json& outline = Field("outline");
     if (!outline.is_array()) Fail("outline", "an array of points");
     for (const Json& corner : outline) plane.outline.push_back(Vector("outline", corner));
@@ -92,7 +92,7 @@ class PlaneReader {
     throw Error(location_ + ": '" + key + "' must be " + expected);
   }
 
-  void ReadCylinder(PlanePatch* plane) const {
+  void ReadRadius(PlanePatch* plane) const {
     const double radius = Number("radius", Field("radius"));
     if (!(radius > 0.0)) Fail("radius", "positive");
     const Eigen::Vector3d axis = Vector("axis_point", Field("axis_point"));

@@ -64,7 +64,7 @@ std::string PlaneText(const PlanePatch& plane) {
   add("distance", NumberText(plane.distance));
   add("sigma_angle_deg", NumberText(plane.sigma_angle_rad * kDegreesPerRadian));
   add("sigma_distance_m", NumberText(plane.sigma_distance_m));
-  if (plane.IsCurved()) {
+  if (FieldsOf(plane.type).has_radius) {
     add("radius", NumberText(plane.Radius()));
     add("sigma_radius_m", NumberText(plane.sigma_radius_m));
     add("axis_point", VectorText(plane.AxisPoint()));

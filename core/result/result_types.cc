@@ -10,12 +10,19 @@ namespace plumbline {
 
 const PlaneTypeFields& FieldsOf(PlaneType type) {
   static const std::array<PlaneTypeFields, 4> kFields = {{
-      {"horizontal", {"d"}, 0},
-      {"vertical", {"angle", "d"}, 1},
-      {"general", {"turn_u", "turn_v", "d_centre"}, 2},
-      {"cylinder", {"turn_u", "radius", "d_centre"}, 1},
+      {"horizontal", {"d"}, 0, false},
+      {"vertical", {"angle", "d"}, 1, false},
+      {"general", {"turn_u", "turn_v", "d_centre"}, 2, false},
+      {"cylinder", {"turn_u", "radius", "d_centre"}, 1, true},
   }};
   return kFields.at(static_cast<size_t>(type));
+}
+
+double PlanePatch::AreaBehindChord(double chord_m) const {
+  if (curvature == 0.0) return 0.0;
+  const double turn = 2.0 * std::asin(std::min(1.0, 0.5 * chord_m / Radius()));
+  const double area_m2 = 0.5 * Radius() * Radius() * (turn - std::sin(turn));
+  return curvature < 0.0 ? area_m2 : -area_m2;
 }
 
 Eigen::Vector3d PlanePatch::NormalAt(const Eigen::Vector3d& p_world) const {

@@ -34,6 +34,7 @@ struct PlaneTypeFields {
   std::string name;
   std::vector<std::string> parameters;  // see PlaneCovariance
   int num_turns;                        // of the normal, the first ones of the parameters
+  bool has_radius;                      // stated with its axis and standard deviation
 };
 const PlaneTypeFields& FieldsOf(PlaneType type);
 
@@ -66,6 +67,9 @@ struct PlanePatch {
   // Radius of a cylinder, and the point of its axis at the height of the centre.
   double Radius() const { return 1.0 / std::abs(curvature); }
   Eigen::Vector3d AxisPoint() const { return centre - normal / curvature; }
+  // Area between the surface and its level chord of this length, m2: negative where the arc
+  // stands out to the side that was seen, 0 of a plane.
+  double AreaBehindChord(double chord_m) const;
   // The unit normal at a point on it.
   Eigen::Vector3d NormalAt(const Eigen::Vector3d& p_world) const;
   double SignedDistance(const Eigen::Vector3d& p_world) const;

@@ -115,6 +115,9 @@ struct RecordingReader::Impl {
   void CheckTopics(const Rig& rig);
   std::map<std::string, int> IndicesByTopic(const Rig& rig) const;
   void IndexMessages(const Rig& rig, const RecordingObserver& observer);
+  void IndexScanLine(int scanner_index, const MessageRef& ref, ScanLineMessage scan);
+  void CountLost(const Rig& rig, const MessageRef& ref);
+  void OrderMessages(const Rig& rig);
   void TakeOdometry(const Rig& rig);
   void TakeImu(const Rig& rig);
   void SortByReceipt();
@@ -222,37 +225,16 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
     if (observer.scan_line != nullptr) {
       observer.scan_line(source->topics()[ref.topic_index], ref, as_sent);
     }
-    ScanLineMessage scan = as_sent;
-    CorrectHeader(&rig.scanners[static_cast<size_t>(scanner_of(ref))], &scan);
-    if (!scan.is_planar) {
-      off_plane[static_cast<size_t>(scanner_of(ref))].Add(ref);
-      return;
-    }
-    if (scan.angles.empty() && scan.num_beams > 1 && scan.time_increment == 0.0f) {
-      ++num_without_times[static_cast<size_t>(scanner_of(ref))];
-    }
-    std::string& why = unusable_reasons[static_cast<size_t>(scanner_of(ref))];
-    if (why.empty() && !scan.IsUsable()) why = WhyUnusable(scan);
-    messages.push_back(ref);
-    stamps.push_back({scan.stamp_ns,
-                      scanner_of(ref),
-                      scan.IsUsable(),
-                      static_cast<int64_t>(ref.receipt_ns)});
+    IndexScanLine(scanner_of(ref), ref, as_sent);
   };
   visitor.undecodable = [&](const MessageRef& ref) {
-    if (IsImu(rig, source->topics()[ref.topic_index])) {
-      imu_lost.Add(ref);
-    } else if (mounts.Wants(source->topics()[ref.topic_index])) {
-      mounts.AddLost(source->topics()[ref.topic_index], ref);
-    } else if (cameras.Wants(source->topics()[ref.topic_index])) {
-      cameras.AddLost(source->topics()[ref.topic_index], ref);
-    } else if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
-      ++num_odometry_lost;
-    } else {
-      undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
-      if (observer.undecodable != nullptr) {
-        observer.undecodable(source->topics()[ref.topic_index]);
-      }
+    if (scanner_indices.count(source->topics()[ref.topic_index].name) == 0) {
+      CountLost(rig, ref);
+      return;
+    }
+    undecodable[static_cast<size_t>(scanner_of(ref))].Add(ref);
+    if (observer.undecodable != nullptr) {
+      observer.undecodable(source->topics()[ref.topic_index]);
     }
   };
   source->Visit(visitor);
@@ -261,6 +243,45 @@ void RecordingReader::Impl::IndexMessages(const Rig& rig, const RecordingObserve
   TakeImu(rig);
   mounts.Finish(path(), source->topics(), DamageText());
   cameras.Finish(path(), source->topics(), DamageText());
+  OrderMessages(rig);
+}
+
+void RecordingReader::Impl::IndexScanLine(int scanner_index,
+                                          const MessageRef& ref,
+                                          ScanLineMessage scan) {
+  const auto at = static_cast<size_t>(scanner_index);
+  CorrectHeader(&scanners[at], &scan);
+  if (!scan.is_planar) {
+    off_plane[at].Add(ref);
+    return;
+  }
+  if (scan.angles.empty() && scan.num_beams > 1 && scan.time_increment == 0.0f) {
+    ++num_without_times[at];
+  }
+  if (unusable_reasons[at].empty() && !scan.IsUsable()) {
+    unusable_reasons[at] = WhyUnusable(scan);
+  }
+  messages.push_back(ref);
+  stamps.push_back(
+      {scan.stamp_ns, scanner_index, scan.IsUsable(), static_cast<int64_t>(ref.receipt_ns)});
+}
+
+// Counts a message that can not be decoded and is no scanner's.
+void RecordingReader::Impl::CountLost(const Rig& rig, const MessageRef& ref) {
+  const RecordingTopic& topic = source->topics()[ref.topic_index];
+  if (IsImu(rig, topic)) {
+    imu_lost.Add(ref);
+  } else if (mounts.Wants(topic)) {
+    mounts.AddLost(topic, ref);
+  } else if (cameras.Wants(topic)) {
+    cameras.AddLost(topic, ref);
+  } else {
+    ++num_odometry_lost;
+  }
+}
+
+// Brings the scan lines into the order in which they are read.
+void RecordingReader::Impl::OrderMessages(const Rig& rig) {
   SortByReceipt();
   order = OrderScanLines(rig, stamps, unusable_reasons);
   order.positions.erase(std::remove_if(order.positions.begin(),

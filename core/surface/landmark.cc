@@ -46,10 +46,52 @@ Parameters ParametersOf(const Cylinder&, const Eigen::Vector3d&, double) {
   LOG(FATAL) << "a cylinder is no plane";
 }
 
-SurfaceTraits TraitsOf(const HorizontalPlane&) { return {false, true, false}; }
-SurfaceTraits TraitsOf(const VerticalPlane&) { return {true, false, false}; }
-SurfaceTraits TraitsOf(const GeneralPlane&) { return {false, false, true}; }
-SurfaceTraits TraitsOf(const Cylinder&) { return {false, false, true}; }
+// Turns the heading of surfaces that have one to that of their normal at the chart's anchor.
+template <typename Surface>
+void TurnTo(const Surface&, const Eigen::Vector3d&, Parameters*) {}
+void TurnTo(const VerticalPlane&, const Eigen::Vector3d& normal, Parameters* parameters) {
+  parameters->front() = std::atan2(normal.y(), normal.x());
+}
+void TurnTo(const Cylinder&, const Eigen::Vector3d& normal, Parameters* parameters) {
+  parameters->front() = std::atan2(normal.y(), normal.x());
+}
+
+// Of the sides of what has been seen, along the extent's axes.
+template <typename Surface>
+double WidthOf(const Surface&, const Eigen::Vector2d& sides) {
+  return sides.x();
+}
+double WidthOf(const HorizontalPlane&, const Eigen::Vector2d& sides) {
+  return sides.minCoeff();
+}
+
+SurfaceTraits TraitsOf(const HorizontalPlane&) {
+  SurfaceTraits traits;
+  traits.goes_on_behind_walls = true;
+  traits.passes_for_wall = true;
+  return traits;
+}
+SurfaceTraits TraitsOf(const VerticalPlane&) {
+  SurfaceTraits traits;
+  traits.has_heading = true;
+  traits.bounds_floors = true;
+  traits.has_doorways = true;
+  traits.may_bend = true;
+  return traits;
+}
+SurfaceTraits TraitsOf(const GeneralPlane&) {
+  SurfaceTraits traits;
+  traits.has_soft_edges = true;
+  traits.passes_for_wall = true;
+  return traits;
+}
+SurfaceTraits TraitsOf(const Cylinder&) {
+  SurfaceTraits traits;
+  traits.bounds_floors = true;
+  traits.has_soft_edges = true;
+  traits.may_bend = true;
+  return traits;
+}
 
 }  // namespace
 
@@ -81,8 +123,8 @@ void Landmark::Move(const Rigid3d& to_from) {
   const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(normal);
   chart.axes = to_from.rotation * chart.axes;
   chart.anchor = to_from * chart.anchor;
+  VisitPlaneModel(model, chart, [&](const auto& kind) { TurnTo(kind, normal, &parameters); });
   Eigen::Map<Eigen::Vector3d> of_surface(parameters.data());
-  if (IsUpright()) of_surface[0] = std::atan2(normal.y(), normal.x());
   of_surface += normal.dot(to_from.translation) * AlongDistance();
   // The distance from the new origin changes with the angle.
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
@@ -111,6 +153,11 @@ Eigen::Vector4d Landmark::PlaneNear(const Eigen::Vector3d& p_world) const {
         parametrised, parameters.data(), p_world.data(), plane.data(), plane.data() + 3);
   });
   return plane;
+}
+
+double Landmark::Width() const {
+  const Eigen::Vector2d sides = extent.max_corner() - extent.min_corner();
+  return VisitPlaneModel(model, chart, [&](const auto& kind) { return WidthOf(kind, sides); });
 }
 
 PatchExtent Landmark::EmptyExtent() const {

@@ -57,14 +57,11 @@ struct Landmark {
   bool AgreesWithin(double mean_deviation) const;
   // An empty extent with its axes on the surface as it is estimated now.
   PatchExtent EmptyExtent() const;
-  // How much of it has been seen, m: of a vertical plane its width.
-  double Width() const { return extent.max_corner().x() - extent.min_corner().x(); }
+  // How wide what has been seen of it is, m: along the floor, of what is level across its
+  // shorter side.
+  double Width() const;
   int num_parameters() const { return PlaneModelSize(model); }
   bool IsCurved() const { return model == PlaneModel::kCylinder; }
-  // Whether its normal is level everywhere.
-  bool IsUpright() const {
-    return VisitPlaneModel(model, chart, [](const auto& kind) { return kind.kIsUpright; });
-  }
   // Curvature of a cylinder, 1/m, negative if the axis lies on the side that was seen; else 0.
   double Curvature() const {
     return VisitPlaneModel(
@@ -117,13 +114,24 @@ struct Landmark {
 
 // What a surface is to those that look at it, by its kind.
 struct SurfaceTraits {
-  // The gauge may hold its first parameter: it is the heading of a plane.
-  bool holds_heading;
+  // It is one straight line on the floor plan, whose heading is its first parameter: the gauge
+  // may hold it, whole turns do not change it, and a row of such lines may be chords of an
+  // arc.
+  bool has_heading = false;
   // Walls stand on it or end at it, and hide what lies behind them.
-  bool goes_on_behind_walls;
+  bool goes_on_behind_walls = false;
+  // Floors and ceilings end at it, or go on behind it unseen.
+  bool bounds_floors = false;
+  // Its gaps are doors and windows, through which beams are seen to pass. A floor's are where
+  // something stands on it, those of slopes and arcs are not told apart.
+  bool has_doorways = false;
   // Other surfaces go over into it without a clear edge, a floor into a ramp, a wall into an
   // arc, and pieces of it pass for them: strips of a slope for walls, chords for planes.
-  bool has_soft_edges;
+  bool has_soft_edges = false;
+  // A trace along it, where a scan plane hardly cuts it, looks like a trace of a wall.
+  bool passes_for_wall = false;
+  // Its segments may show that it is an arc, or how much of one.
+  bool may_bend = false;
 };
 SurfaceTraits TraitsOf(const Landmark& landmark);
 

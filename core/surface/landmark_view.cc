@@ -8,15 +8,26 @@ LandmarkView::LandmarkView(const Landmark& of)
       distance(of.Distance()),
       centre_world(of.extent.Centre()),
       radius_m(of.extent.radius_m()),
-      half_u(of.extent.HalfSides().col(0)),
-      half_v(of.extent.HalfSides().col(1)),
-      is_vertical(of.model == PlaneModel::kVertical),
+      bounds(of.extent.BoundsAboutCentre()),
+      traits(TraitsOf(of)),
       is_curved(of.IsCurved()),
       curvature(of.Curvature()),
       heading_fixed(of.heading_fixed),
       plane_by_parameters(of.PlaneByParameters()),
       covariance(of.covariance) {
   if (heading_fixed) plane_by_parameters.col(0).setZero();
+}
+
+Eigen::AlignedBox2d LandmarkView::PlanBox(double rim_m) const {
+  Eigen::AlignedBox2d box;
+  for (const double u : {-1.0, 1.0}) {
+    for (const double v : {-1.0, 1.0}) {
+      box.extend(
+          Eigen::Vector2d((centre_world + u * bounds.half_u + v * bounds.half_v).head<2>()));
+    }
+  }
+  const Eigen::Vector2d rim = Eigen::Vector2d::Constant(bounds.ball_m + rim_m);
+  return {box.min() - rim, box.max() + rim};
 }
 
 LandmarkView LandmarkView::AtTangentPlane(const Eigen::Vector3d& p_world) const {

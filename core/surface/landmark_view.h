@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
 #include <optional>
 
 #include "core/surface/landmark.h"
+#include "core/surface/patch_extent.h"
 
 namespace plumbline {
 
@@ -18,11 +21,8 @@ struct LandmarkView {
   // planes, and the sphere rules out most others without a look at the landmark itself.
   Eigen::Vector3d centre_world;
   double radius_m;
-  // Halves of the sides of the bounding rectangle, as vectors in the world; of a cylinder
-  // those of a square around it, seen from above.
-  Eigen::Vector3d half_u;
-  Eigen::Vector3d half_v;
-  bool is_vertical;  // a plane that is
+  PatchExtent::Bounds bounds;
+  SurfaceTraits traits;
   bool is_curved;    // a cylinder is, though it may hardly bend
   double curvature;  // Landmark::Curvature
   bool heading_fixed;
@@ -46,6 +46,13 @@ struct LandmarkView {
     if (is_curved) return landmark->SignedDistance(p_world);
     return normal.dot(p_world) - distance;
   }
+  // How far from its centre what has been seen reaches along a unit vector, at most, m.
+  double ReachAlong(const Eigen::Vector3d& direction_world) const {
+    return std::abs(direction_world.dot(bounds.half_u)) +
+           std::abs(direction_world.dot(bounds.half_v)) + bounds.ball_m;
+  }
+  // A box on the floor plan around all that has been seen, with a rim around it.
+  Eigen::AlignedBox2d PlanBox(double rim_m) const;
   // Variance of the signed distance of a point (m^2), the point taken as given.
   double DistanceVariance(const Eigen::Vector3d& p_world) const {
     const Eigen::RowVector3d by_parameters =

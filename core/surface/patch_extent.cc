@@ -82,11 +82,13 @@ std::pair<Eigen::Vector2d, Eigen::Vector2d> PatchExtent::ProjectPiece(
   return {a, b};
 }
 
-Eigen::Matrix<double, 3, 2> PatchExtent::HalfSides() const {
-  if (axes_.curvature != 0.0) return radius_m() * Eigen::Matrix<double, 3, 2>::Identity();
-  Eigen::Matrix<double, 3, 2> sides;
-  sides << 0.5 * (max_ - min_).x() * axes_.u, 0.5 * (max_ - min_).y() * axes_.v;
-  return sides;
+PatchExtent::Bounds PatchExtent::BoundsAboutCentre() const {
+  if (axes_.curvature != 0.0) {
+    Bounds ball;
+    ball.ball_m = radius_m();
+    return ball;
+  }
+  return {0.5 * (max_ - min_).x() * axes_.u, 0.5 * (max_ - min_).y() * axes_.v, 0.0};
 }
 
 void PatchExtent::AddCorner(const Eigen::Vector2d& p) {

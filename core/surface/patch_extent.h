@@ -97,9 +97,15 @@ class PatchExtent {
   Eigen::Vector2d max_corner() const { return max_; }
   Eigen::Vector3d Centre() const { return ToWorld(0.5 * (min_ + max_)); }
   double radius_m() const { return 0.5 * (max_ - min_).norm(); }
-  // Halves of the rectangle's sides, as vectors in the world; round an arc those of a square
-  // around it, seen from above.
-  Eigen::Matrix<double, 3, 2> HalfSides() const;
+  // A solid about the centre that holds all that has been seen: a rectangle with these halves
+  // of its sides, as vectors in the world, and a ball about each of its points. Of an arc it
+  // is the ball alone.
+  struct Bounds {
+    Eigen::Vector3d half_u = Eigen::Vector3d::Zero();
+    Eigen::Vector3d half_v = Eigen::Vector3d::Zero();
+    double ball_m = 0.0;
+  };
+  Bounds BoundsAboutCentre() const;
   // A polygon in (u, v) around all that has been seen, counter-clockwise: of an upright patch
   // the bounding rectangle, of others the convex hull of the end points.
   std::vector<Eigen::Vector2d> Outline() const;

@@ -41,6 +41,15 @@ PlaneType TypeOf(const VerticalPlane&) { return PlaneType::kVertical; }
 PlaneType TypeOf(const GeneralPlane&) { return PlaneType::kGeneral; }
 PlaneType TypeOf(const Cylinder&) { return PlaneType::kCylinder; }
 
+// The distance of the plane that is stated: of a cylinder of its tangent plane at the centre.
+template <typename Plane>
+double DistanceOf(const Plane&, const Eigen::Vector4d& plane, const PlanePatch&) {
+  return plane[3];
+}
+double DistanceOf(const Cylinder&, const Eigen::Vector4d&, const PlanePatch& patch) {
+  return patch.normal.dot(patch.centre);
+}
+
 // The corners of what was seen, in the extent's axes.
 template <typename Plane>
 std::vector<Eigen::Vector2d> OutlineOf(const Plane&, const PatchExtent& extent) {
@@ -122,10 +131,10 @@ PlanePatch PatchOf(const Landmark& landmark) {
   patch.centre = on_surface(0.5 * (extent.min_corner() + extent.max_corner()));
   const Eigen::Vector4d plane = landmark.PlaneNear(patch.centre);
   patch.normal = plane.head<3>() / plane.head<3>().norm();
-  patch.distance = landmark.IsCurved() ? patch.normal.dot(patch.centre) : plane[3];
   patch.curvature = landmark.Curvature() / RadiusFactor(landmark);
   VisitPlaneModel(landmark.model, landmark.chart, [&](const auto& kind) {
     patch.type = TypeOf(kind);
+    patch.distance = DistanceOf(kind, plane, patch);
     for (const Eigen::Vector2d& corner : OutlineOf(kind, extent)) {
       patch.outline.push_back(on_surface(corner));
     }

@@ -48,9 +48,8 @@ bool BeamAssociation::IsSolidAt(const LandmarkView& plane,
                                 double margin_m) const {
   const Landmark& landmark = *plane.landmark;
   if (!landmark.extent.IsSeenAt(p_world, margin_m)) return false;
-  // A floor's openings are where something stands on it: it hides what lies below all the
-  // same.
-  return !plane.is_vertical || !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
+  return !plane.traits.has_doorways ||
+         !openings_[static_cast<size_t>(landmark.id)].IsAt(p_world);
 }
 
 bool BeamAssociation::EndsBefore(const LandmarkView& plane,
@@ -124,12 +123,12 @@ bool BeamAssociation::GoesOverInto(const LandmarkView& surface,
   const double off_m = kSignificantStddevs * scanner_.RangeStddev(range);
   const Eigen::Vector3d normal =
       surface.landmark->NormalNear(placement_ * (range * direction).homogeneous());
-  const bool is_soft = TraitsOf(*surface.landmark).has_soft_edges;
+  const bool is_soft = surface.traits.has_soft_edges;
   bool goes_over = false;
   ranges_.ForEachBetween(
       direction, range - off_m, range + off_m, [&](const LandmarkView& other, double at) {
         if (other.landmark == surface.landmark) return;
-        if (!is_soft && !TraitsOf(*other.landmark).has_soft_edges) return;
+        if (!is_soft && !other.traits.has_soft_edges) return;
         const Eigen::Vector2d p = at * direction;
         const double cosine =
             normal.dot(other.landmark->NormalNear(placement_ * p.homogeneous()));

@@ -150,7 +150,7 @@ bool Occlusion::IsNearOpening(const PlaneView& view,
 Occlusion::WallCrossings Occlusion::FindCrossings(
     const std::vector<LandmarkView>& others) const {
   WallCrossings crossings;
-  if (!TraitsOf(*plane.landmark).goes_on_behind_walls) return crossings;
+  if (!plane.traits.goes_on_behind_walls) return crossings;
   const PlaneView view = MakePlaneView();
   const std::optional<Eigen::Vector3d> start =
       IntersectionPoint(view, first_beam, scan_line.BeamDirection(first_beam), kMinCosine);
@@ -160,7 +160,7 @@ Occlusion::WallCrossings Occlusion::FindCrossings(
   crossings.start = *start;
   crossings.end = *end;
   for (const LandmarkView& other : others) {
-    if (!other.is_vertical) continue;
+    if (!other.traits.bounds_floors) continue;
     const double from = other.SignedDistance(*start);
     const double to = other.SignedDistance(*end);
     if (from * to >= 0.0) continue;

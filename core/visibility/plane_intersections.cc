@@ -46,8 +46,8 @@ std::optional<PlaneIntersection> Meet(const PlaneOnScanLine& own,
   if (!is_free && other.landmark->id != end.neighbour_landmark) return std::nullopt;
   Eigen::Vector3d outwards = at_world - to_world(own.trace.RangeAlong(middle) * middle);
   // Walls cross in an upright line: a sloping trace would leave the patch by its lower edge.
-  const bool at_wall = other.is_vertical;
-  const bool are_walls = at_wall && own.plane.is_vertical;
+  const bool at_wall = other.traits.bounds_floors;
+  const bool are_walls = at_wall && own.plane.traits.bounds_floors;
   if (are_walls) outwards.z() = 0.0;
   outwards.normalize();
   const PatchExtent& own_extent = own.plane.landmark->extent;

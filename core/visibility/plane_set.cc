@@ -10,7 +10,7 @@ namespace plumbline {
 
 PlaneSet::PlaneSet(std::vector<LandmarkView> surfaces) : planes_(std::move(surfaces)) {
   has_soft_edges_ = std::any_of(planes_.begin(), planes_.end(), [](const LandmarkView& s) {
-    return TraitsOf(*s.landmark).has_soft_edges;
+    return s.traits.has_soft_edges;
   });
   const auto cylinders =
       std::stable_partition(planes_.begin(), planes_.end(), [](const LandmarkView& surface) {

@@ -253,10 +253,8 @@ void RecordingResegmenter::AddSubMinimumSegment(
   segment.measurement = PackedSegment(nodes, {});
   segment.points = nearby.points;  // so that Replace keeps them too
   const Landmark& landmark = state_->landmarks[static_cast<size_t>(landmark_id)];
-  if (landmark.IsCurved()) {
-    resegmenter_.TakeToArc(
-        scan_line, landmark, {segment.first_beam, segment.last_beam}, &segment);
-  } else {
+  if (!resegmenter_.TakeToArc(
+          scan_line, landmark, {segment.first_beam, segment.last_beam}, &segment)) {
     BeamRange beams;
     resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
     resegmenter_.Replace(scan_line, beams, Matrix6d::Zero(), &segment);
@@ -269,10 +267,7 @@ bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
                                         const BeamRange& on_arc,
                                         Observation* observation) {
   const Landmark& own = state_->landmarks[static_cast<size_t>(observation->landmark_id)];
-  if (own.IsCurved()) {
-    resegmenter_.TakeToArc(scan_line, own, on_arc, observation);
-    return false;
-  }
+  if (resegmenter_.TakeToArc(scan_line, own, on_arc, observation)) return false;
   BeamRange range;
   const bool is_another = resegmenter_.ExcludeOccluded(scan_line, ends, &range, observation);
   // While openings are still counted, a segment that keeps its beams keeps its line too.

@@ -367,19 +367,18 @@ void ScanLineResegmenter::Replace(const ScanLine& scan_line,
   *observation = std::move(resegmented);
 }
 
-void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
-                                    const Landmark& cylinder,
+bool ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
+                                    const Landmark& surface,
                                     const BeamRange& range,
                                     Observation* observation) {
+  if (!surface.IsCurved()) return false;
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(scan_line.scanner_index)];
   const ScanMotion& motion = poses_.Of(*observation).motion;
   std::vector<int> off_arc;
   for (int beam = range.first; beam <= range.last; ++beam) {
     const double measured = scan_line.ranges[static_cast<size_t>(beam)];
-    const std::optional<double> met =
-        RangeOnCylinder(cylinder,
-                        motion.At(BeamInstant(scan_line, beam, rig_)),
-                        scan_line.BeamDirection(beam));
+    const std::optional<double> met = RangeOnCylinder(
+        surface, motion.At(BeamInstant(scan_line, beam, rig_)), scan_line.BeamDirection(beam));
     if (!met || !scanner.IsValidRange(measured) ||
         !(std::abs(measured - *met) < kOutlierSigmas * scanner.RangeStddev(*met))) {
       off_arc.push_back(beam);
@@ -389,12 +388,13 @@ void ScanLineResegmenter::TakeToArc(const ScanLine& scan_line,
   const Segment segment = SegmentOf(*observation, range);
   if (segment.num_points < options_.segmentation.min_points) {
     observation->landmark_id = -1;
-    return;
+    return true;
   }
   Observation on_arc = MakeObservationOnArc(
-      cylinder, motion, scan_line, scanner, segment, !observation->points.empty());
+      surface, motion, scan_line, scanner, segment, !observation->points.empty());
   TakeOver(*observation, &on_arc);
   *observation = std::move(on_arc);
+  return true;
 }
 
 }  // namespace plumbline

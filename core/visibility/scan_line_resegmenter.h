@@ -82,11 +82,12 @@ class ScanLineResegmenter {
                const Matrix6d& pose_covariance,
                Observation* observation);
 
-  // Makes the observation of a cylinder anew from the beams in the range, each where it meets
-  // the arc; those off it are left out. Lines through chords chose their beams by another
-  // measure: they took beams towards the chord from the bow's middle and its ends.
-  void TakeToArc(const ScanLine& scan_line,
-                 const Landmark& cylinder,
+  // Where the surface is an arc, makes its observation anew from the beams in the range, each
+  // where it meets the arc; those off it are left out. Lines through chords chose their beams
+  // by another measure: they took beams towards the chord from the bow's middle and its ends.
+  // Returns whether it is an arc.
+  bool TakeToArc(const ScanLine& scan_line,
+                 const Landmark& surface,
                  const BeamRange& range,
                  Observation* observation);
 

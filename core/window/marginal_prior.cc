@@ -112,7 +112,7 @@ Reanchoring MergePlanes(const Landmark& into, const Landmark& from, MarginalPrio
     SetFromAnchored(prior->at[into_at], &as_into);
     as_from.SetPlane(as_into.Normal(), as_into.Distance());
     change.shift = AnchoredParameters(as_from) - prior->at[from_at];
-    if (into.model == PlaneModel::kVertical) {
+    if (TraitsOf(into).has_heading) {
       change.shift[0] = std::remainder(change.shift[0], 2.0 * M_PI);
     }
     past.gradient += past.hessian.middleCols(row, size) * change.shift;

@@ -3,6 +3,7 @@
 #include <ceres/dynamic_autodiff_cost_function.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "factors/manifold/manifolds.h"
@@ -16,11 +17,23 @@ double ValueOf(const Jet& x) {
   return x.a;
 }
 
+// How each row of a segment, and the bow's rest, changes with the surface's curvature,
+// whitened; the rest is a row of its own. A plane has no curvature.
+template <typename Plane>
+Eigen::VectorXd BendOf(const Plane&, const SegmentMeasurement&, double) {
+  return {};
+}
+Eigen::VectorXd BendOf(const Cylinder&, const SegmentMeasurement& measurement, double scale) {
+  Eigen::VectorXd bend(measurement.rows.rows() + 1);
+  bend << measurement.bend(), measurement.bend_rest;
+  return scale * bend;
+}
+
 template <typename Plane>
 struct SegmentFunctor {
   Eigen::MatrixXd root;    // rows x 9, whitened
   Eigen::VectorXd offset;  // of each row, whitened
-  Eigen::VectorXd bend;    // of each row and of the bow's rest, whitened; none of planes
+  Eigen::VectorXd bend;    // see BendOf
   double rest_offset;
   Eigen::Vector2d centroid;
   Eigen::Vector2d tangent;
@@ -90,14 +103,12 @@ std::unique_ptr<ceres::CostFunction> CreateSegmentFactor(
       model, chart, [&](const auto& plane) -> std::unique_ptr<ceres::CostFunction> {
         using Plane = std::decay_t<decltype(plane)>;
         using Functor = SegmentFunctor<Plane>;
-        const Eigen::Index num_rows = measurement.rows.rows() + (Plane::kIsCurved ? 1 : 0);
-        Eigen::VectorXd bend(measurement.rows.rows() + 1);
-        bend << measurement.bend(), measurement.bend_rest;
-        if (num_rows < bend.size()) bend.resize(0);
+        const Eigen::VectorXd bend = BendOf(plane, measurement, weights.scale);
+        const Eigen::Index num_rows = std::max(measurement.rows.rows(), bend.size());
         auto cost = std::make_unique<ceres::DynamicAutoDiffCostFunction<Functor, 8>>(
             new Functor{weights.scale * measurement.root(),
                         weights.offset * measurement.offset(),
-                        weights.scale * bend,
+                        bend,
                         weights.offset * measurement.bend_offset,
                         measurement.centroid,
                         measurement.tangent,

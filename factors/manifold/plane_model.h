@@ -35,7 +35,6 @@ struct PlaneChart {
 
 struct HorizontalPlane {
   static constexpr int kSize = 1;
-  static constexpr bool kIsCurved = false, kIsUpright = false;
   double sign = 1.0;
 
   template <typename T>
@@ -49,7 +48,6 @@ struct HorizontalPlane {
 
 struct VerticalPlane {
   static constexpr int kSize = 2;
-  static constexpr bool kIsCurved = false, kIsUpright = true;
 
   template <typename T>
   void Evaluate(const T* params, T normal[3], T* distance) const {
@@ -64,7 +62,6 @@ struct VerticalPlane {
 
 struct GeneralPlane {
   static constexpr int kSize = 3;
-  static constexpr bool kIsCurved = false, kIsUpright = false;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
 
@@ -82,7 +79,6 @@ struct GeneralPlane {
 
 struct Cylinder {
   static constexpr int kSize = 3;
-  static constexpr bool kIsCurved = true, kIsUpright = true;
   static constexpr int kCurvatureAt = 1;  // of the parameters
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
 

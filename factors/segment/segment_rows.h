@@ -233,36 +233,46 @@ void DifferentiateNear(const PlaneAt& plane_at,
   rows->residuals += by.offset * stored.col(9).template cast<double>();
 }
 
-// model, parameters: of the surface; plane: its derivatives, where it is one. range_errors: of
-// the scanner, bias (m) and scale; nullptr: they are not estimated.
+// Fills the rows of a segment on a plane, whose derivatives are given. range_errors: of the
+// scanner, bias (m) and scale; nullptr: they are not estimated.
 template <typename Model, int kPlaneSize>
-void Differentiate(const Model& model,
+void Differentiate(const Model&,
+                   const PackedSegment& measurement,
+                   const SegmentWeights& by,
+                   const ScannerAtNodes& scanner,
+                   const NodePoses& poses,
+                   const double* /*parameters*/,
+                   const PlaneDerivatives& plane,
+                   const double* range_errors,
+                   SegmentRows<kPlaneSize>* rows) {
+  const auto plane_at = [&](const Eigen::Vector3d&,
+                            const Eigen::Matrix3d&) -> const PlaneDerivatives& {
+    return plane;
+  };
+  DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
+  AddRangeBias<true>(measurement, by, range_errors, rows);
+}
+// Fills the rows of a segment on a cylinder with these parameters: another plane stands for it
+// at each node.
+template <int kPlaneSize>
+void Differentiate(const Cylinder& cylinder,
                    const PackedSegment& measurement,
                    const SegmentWeights& by,
                    const ScannerAtNodes& scanner,
                    const NodePoses& poses,
                    const double* parameters,
-                   const PlaneDerivatives& plane,
+                   const PlaneDerivatives& /*plane*/,
                    const double* range_errors,
                    SegmentRows<kPlaneSize>* rows) {
-  if constexpr (!Model::kIsCurved) {
-    const auto plane_at = [&](const Eigen::Vector3d&,
-                              const Eigen::Matrix3d&) -> const PlaneDerivatives& {
-      return plane;
-    };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
-    AddRangeBias<true>(measurement, by, range_errors, rows);
-  } else {
-    PlaneDerivatives near;
-    const auto plane_at = [&](const Eigen::Vector3d& position,
-                              const Eigen::Matrix3d& segment) -> const PlaneDerivatives& {
-      near = DerivativesNear(model, parameters, position + segment.col(2));
-      return near;
-    };
-    DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
-    AddBend(measurement, by, scanner, parameters[Model::kCurvatureAt], rows);
-    AddRangeBias<false>(measurement, by, range_errors, rows);
-  }
+  PlaneDerivatives near;
+  const auto plane_at = [&](const Eigen::Vector3d& position,
+                            const Eigen::Matrix3d& segment) -> const PlaneDerivatives& {
+    near = DerivativesNear(cylinder, parameters, position + segment.col(2));
+    return near;
+  };
+  DifferentiateNear(plane_at, measurement, by, scanner, poses, range_errors, rows);
+  AddBend(measurement, by, scanner, parameters[Cylinder::kCurvatureAt], rows);
+  AddRangeBias<false>(measurement, by, range_errors, rows);
 }
 
 }  // namespace plumbline

@@ -72,6 +72,8 @@ TEST(JudgeTypeTest, LevelScannerSeesWallsOnly) {
       const TypeEvidence evidence = Judge(WallNormal(heading_deg), pitch_deg, 0.0);
       EXPECT_FALSE(evidence.can_be_horizontal);
       EXPECT_TRUE(evidence.can_be_vertical);
+      EXPECT_FALSE(evidence.Allows(HorizontalPlane{}));
+      EXPECT_TRUE(evidence.Allows(VerticalPlane{}));
     }
   }
 }

@@ -66,19 +66,6 @@ TEST(ArrowheadCholeskyTest, SingularMatrixIsAnError) {
   EXPECT_THROW(ArrowheadCholesky(seen, BorderElimination::kNested), Error);
 }
 
-TEST(ArrowheadCholeskyTest, ClearsVariablesThatStandAlone) {
-  ArrowheadMatrix matrix(3, 2, 2);
-  for (int i = 0; i < 5; ++i) matrix.AddBlock({i}, 0.5 * Eigen::MatrixXd::Identity(1, 1));
-  ArrowheadInverse inverse = ArrowheadCholesky(matrix, BorderElimination::kLast).TakeInverse();
-  inverse.Clear(2);
-  inverse.Clear(3);
-  const Eigen::Vector3d band(2.0, 2.0, 0.0);
-  const Eigen::Vector2d border(0.0, 2.0);
-  EXPECT_LT((inverse.BandBlock(0, 3) - Eigen::MatrixXd(band.asDiagonal())).norm(), 1e-12);
-  EXPECT_LT((inverse.border() - Eigen::MatrixXd(border.asDiagonal())).norm(), 1e-12);
-  EXPECT_EQ(inverse.BandBlock(2, 1)(0, 0), 0.0);
-}
-
 TEST(ArrowheadMatrixDeathTest, RefusesEntriesOutsideTheBand) {
   ArrowheadMatrix arrowhead(10, 2, 1);
   EXPECT_DEATH(arrowhead.AddBlock({1, 4}, Eigen::MatrixXd::Ones(2, 2)), "outside the band");

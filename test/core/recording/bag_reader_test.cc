@@ -11,6 +11,7 @@
 
 #include "test/core/recording/bag_text.h"
 #include "test/core/recording/packing.h"
+#include "test/core/recording/scanned_messages.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -38,24 +39,15 @@ class BagReaderTest : public TemporaryDirectoryTest {
     const std::string path = (directory_ / "file").string();
     WriteBytes(path, bytes);
     BagReader reader(path, "name");
-    std::vector<BagMessage> places;
-    std::vector<std::string> messages;
+    const auto wants = [&](const BagConnection& connection) {
+      return topic.empty() || connection.topic == topic;
+    };
     const auto text = [&](const BagMessage& message, ByteView data) {
       return reader.connections()[message.connection_index].topic + " " +
              std::to_string(message.receipt_ns / 1'000'000'000) + " " + TextOf(data);
     };
-    reader.Scan(
-        [&](const BagConnection& connection) {
-          return topic.empty() || connection.topic == topic;
-        },
-        [&](const BagMessage& message, ByteView data) {
-          places.push_back(message);
-          messages.push_back(text(message, data));
-          return true;
-        });
-    for (size_t i = places.size(); i-- > 0;) {
-      EXPECT_EQ(text(places[i], reader.Read(places[i])), messages[i]);
-    }
+    const std::vector<std::string> messages =
+        ScannedMessages<BagMessage>(wants, text, &reader);
     counts_.clear();
     for (size_t i = 0; i < reader.connections().size(); ++i) {
       counts_.push_back(reader.num_messages(i));

@@ -9,6 +9,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+TEST(CountTextTest, CountsInWords) {
+  EXPECT_EQ(CountText(0, "message"), "0 messages");
+  EXPECT_EQ(CountText(1, "message"), "1 message");
+  EXPECT_EQ(CountText(20, "chunk"), "20 chunks");
+}
+
 TEST(DamageLogTest, WithoutDamagesIsEmpty) { EXPECT_THAT(DamageLog().Sentences(), IsEmpty()); }
 
 TEST(DamageLogTest, OneDamageIsSaidWithItsPlace) {

@@ -11,6 +11,7 @@
 
 #include "test/core/recording/mcap_text.h"
 #include "test/core/recording/packing.h"
+#include "test/core/recording/scanned_messages.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -49,21 +50,8 @@ class McapFileTest : public TemporaryDirectoryTest {
     const std::string path = (directory_ / "file").string();
     WriteBytes(path, bytes);
     McapFile file(std::make_unique<InputFile>(path, "name"));
-    std::vector<MessageRef> places;
-    std::vector<std::string> messages;
-    const auto text = [&](const MessageRef& message, ByteView data) {
-      return file.topics()[message.topic_index].name + " " +
-             std::to_string(message.receipt_ns) + " " + TextOf(data);
-    };
-    file.Scan([](const RecordingTopic&) { return true; },
-              [&](const MessageRef& message, ByteView data) {
-                places.push_back(message);
-                messages.push_back(text(message, data));
-                return true;
-              });
-    for (size_t i = places.size(); i-- > 0;) {
-      EXPECT_EQ(text(places[i], file.Read(places[i])), messages[i]);
-    }
+    const std::vector<std::string> messages =
+        ScannedMessages([](const RecordingTopic&) { return true; }, &file);
     topics_ = file.topics();
     warnings_ = file.warnings();
     return messages;

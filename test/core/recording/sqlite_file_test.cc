@@ -8,6 +8,7 @@
 
 #include "test/core/recording/byte_text.h"
 #include "test/core/recording/database.h"
+#include "test/core/recording/scanned_messages.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -24,20 +25,7 @@ class SqliteFileTest : public TemporaryDirectoryTest {
   // Visits the messages of wanted topics as "topic time data", and reads them again.
   std::vector<std::string> Scan(const MessageFile::Wants& wants) {
     SqliteFile file("name", path());
-    std::vector<std::string> messages;
-    std::vector<MessageRef> places;
-    const auto text = [&](const MessageRef& message, ByteView data) {
-      return file.topics()[message.topic_index].name + " " +
-             std::to_string(message.receipt_ns) + " " + TextOf(data);
-    };
-    file.Scan(wants, [&](const MessageRef& message, ByteView data) {
-      messages.push_back(text(message, data));
-      places.push_back(message);
-      return true;
-    });
-    for (size_t i = places.size(); i-- > 0;) {
-      EXPECT_EQ(text(places[i], file.Read(places[i])), messages[i]);
-    }
+    const std::vector<std::string> messages = ScannedMessages(wants, &file);
     topics_ = file.topics();
     warnings_ = file.warnings();
     return messages;

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "core/result/surface_colour.h"
 #include "test/testing/e57_text.h"
 #include "test/testing/known_points.h"
+#include "test/testing/number_at.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
@@ -18,13 +18,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-template <typename Number>
-Number NumberAt(const std::string& bytes, size_t offset) {
-  Number number{};
-  std::memcpy(&number, bytes.data() + offset, sizeof(number));
-  return number;
-}
 
 // An offset that counts the checksums, without them.
 size_t Logical(uint64_t physical) {

@@ -4,24 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <string>
 
 #include "core/result/surface_colour.h"
 #include "test/testing/known_points.h"
+#include "test/testing/number_at.h"
 #include "test/testing/temporary_directory.h"
 
 namespace plumbline {
 namespace {
 
 using ::testing::HasSubstr;
-
-template <typename Number>
-Number NumberAt(const std::string& bytes, size_t offset) {
-  Number number{};
-  std::memcpy(&number, bytes.data() + offset, sizeof(number));
-  return number;
-}
 
 class LasWriterTest : public TemporaryDirectoryTest {
  protected:

@@ -35,6 +35,15 @@ TEST(PlanePatch, KnowsTheAxisOfACylinder) {
   }
 }
 
+// Of a half circle's chord half the disc; a bay adds to the room before it, a column takes
+// away.
+TEST(PlanePatch, KnowsTheAreaBehindAChord) {
+  EXPECT_NEAR(Round(-1.0).AreaBehindChord(4.0), 2.0 * M_PI, 1e-9);
+  EXPECT_NEAR(Round(1.0).AreaBehindChord(4.0), -2.0 * M_PI, 1e-9);
+  EXPECT_NEAR(Round(-1.0).AreaBehindChord(2.0 * std::sqrt(2.0)), M_PI - 2.0, 1e-12);
+  EXPECT_EQ(PlanePatch().AreaBehindChord(4.0), 0.0);
+}
+
 // Distances are positive on the side that was seen, and normals point there.
 TEST(PlanePatch, FacesTheSideThatWasSeenAllRound) {
   for (const double facing : {1.0, -1.0}) {
@@ -72,6 +81,7 @@ TEST(FieldsOf, TurnsAreAmongTheParameters) {
     EXPECT_LT(fields.num_turns, static_cast<int>(fields.parameters.size())) << fields.name;
   }
   EXPECT_EQ(FieldsOf(PlaneType::kCylinder).name, "cylinder");
+  EXPECT_TRUE(FieldsOf(PlaneType::kCylinder).has_radius);
 }
 
 }  // namespace

@@ -115,16 +115,31 @@ std::vector<Landmark> OneOfEach() {
   return landmarks;
 }
 
+// Traits that need an upright surface: a floor ends at one, and what bends is one. A trace on
+// any other may look like its own.
 TEST(LandmarkTest, UprightSurfacesHaveLevelNormals) {
   const Eigen::Vector3d p(2.0, 1.0, -3.0);
   for (const Landmark& landmark : OneOfEach()) {
-    EXPECT_EQ(landmark.IsUpright(), landmark.NormalNear(p).z() == 0.0);
+    const bool is_upright = landmark.NormalNear(p).z() == 0.0;
+    EXPECT_EQ(TraitsOf(landmark).bounds_floors, is_upright);
+    EXPECT_EQ(TraitsOf(landmark).may_bend, is_upright);
+    EXPECT_EQ(TraitsOf(landmark).passes_for_wall, !is_upright);
     EXPECT_EQ(landmark.IsCurved(), landmark.Curvature() != 0.0);
   }
 }
 
-// A wall alone has a heading to hold, a floor goes on behind walls, and planes in between have
-// no clear edge.
+// Height does not count: one sees of a wall what the scanners reach.
+TEST(LandmarkTest, IsAsWideAsItReachesAlongTheFloor) {
+  for (Landmark& landmark : OneOfEach()) {
+    const PatchExtent& extent = landmark.extent;
+    landmark.extent.AddSegment(extent.ToWorld({0.0, 0.0}), extent.ToWorld({3.0, 0.5}));
+    const bool is_level = landmark.NormalNear(extent.axes().anchor).head<2>().isZero();
+    EXPECT_NEAR(landmark.Width(), is_level ? 0.5 : 3.0, 0.02);
+  }
+}
+
+// A wall alone has a heading to hold and doors, a floor goes on behind walls, and planes in
+// between have no clear edge.
 TEST(LandmarkTest, EachKindHasItsTraits) {
   const Eigen::Vector3d p(1.0, -2.0, 0.7);
   const Eigen::Vector3d across = Eigen::Vector3d::UnitX();
@@ -133,8 +148,9 @@ TEST(LandmarkTest, EachKindHasItsTraits) {
   const SurfaceTraits slope = TraitsOf(MakeGeneralLandmark({0.6, 0.0, 0.8}, p));
   const SurfaceTraits arc = TraitsOf(MakeCylinderLandmark(across, 0.2, p));
   EXPECT_TRUE(floor.goes_on_behind_walls);
-  EXPECT_TRUE(wall.holds_heading);
-  EXPECT_FALSE(floor.holds_heading || slope.holds_heading || arc.holds_heading);
+  EXPECT_TRUE(wall.has_heading && wall.has_doorways);
+  EXPECT_FALSE(floor.has_heading || slope.has_heading || arc.has_heading);
+  EXPECT_FALSE(floor.has_doorways || slope.has_doorways || arc.has_doorways);
   EXPECT_FALSE(wall.goes_on_behind_walls || slope.goes_on_behind_walls ||
                arc.goes_on_behind_walls);
   EXPECT_TRUE(slope.has_soft_edges && arc.has_soft_edges);

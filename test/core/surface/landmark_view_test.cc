@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 namespace plumbline {
@@ -16,6 +17,30 @@ TEST(LandmarkViewTest, APlaneIsTheSameEverywhere) {
   EXPECT_FALSE(storage.has_value());
   EXPECT_EQ(view.UnitNormalNear(p), roof.Normal());
   EXPECT_EQ(view.SignedDistance(p), roof.SignedDistance(p));
+}
+
+// Within a cell of the grid, for a wall along x from 1 to 5 m at y = 2, an arc round the
+// origin.
+TEST(LandmarkViewTest, ReachesAsFarAsWhatWasSeen) {
+  Landmark wall = MakeVerticalLandmark(Eigen::Vector3d::UnitY(), {1.0, 2.0, 0.0});
+  wall.extent.AddSegment({1.0, 2.0, 0.0}, {5.0, 2.0, 3.0});
+  const LandmarkView flat(wall);
+  EXPECT_NEAR(flat.ReachAlong(Eigen::Vector3d::UnitX()), 2.0, 1e-9);
+  EXPECT_NEAR(flat.ReachAlong(Eigen::Vector3d::UnitY()), 0.0, 1e-9);
+  EXPECT_NEAR(flat.ReachAlong({0.8, 0.0, 0.6}), 0.8 * 2.0 + 0.6 * 1.5, 1e-9);
+  EXPECT_TRUE(flat.PlanBox(0.5).min().isApprox(Eigen::Vector2d(0.5, 1.5)));
+  EXPECT_TRUE(flat.PlanBox(0.5).max().isApprox(Eigen::Vector2d(5.5, 2.5)));
+
+  Landmark arc = MakeCylinderLandmark(Eigen::Vector3d::UnitX(), 0.5, {2.0, 0.0, 0.0});
+  arc.extent.AddSegment({2.0, 0.0, 0.0}, {0.0, 2.0, 1.0});
+  const LandmarkView round(arc);
+  for (const double angle : {0.0, 0.4, M_PI / 2.0}) {
+    const Eigen::Vector3d p(2.0 * std::cos(angle), 2.0 * std::sin(angle), 0.5);
+    EXPECT_TRUE(round.PlanBox(0.0).contains(Eigen::Vector2d(p.head<2>())));
+    for (const Eigen::Vector3d& along : {Eigen::Vector3d(0.6, 0.8, 0.0), {0.0, -0.6, 0.8}}) {
+      EXPECT_LE(std::abs(along.dot(p - round.centre_world)), round.ReachAlong(along));
+    }
+  }
 }
 
 TEST(LandmarkViewTest, ACylinderIsItsTangentPlaneNearAPoint) {

@@ -55,14 +55,17 @@ TEST(PatchExtentTest, FollowsAnArc) {
 }
 
 // To the size of the grid's cells, which the tests stay away from.
-TEST(PatchExtentTest, HalfSidesReachFromTheMiddleToTheRim) {
-  const PatchExtent wall = ExtentOf({-1.0, 0.0, 1.0}, {3.0, 0.0, 2.0});
-  EXPECT_EQ(wall.HalfSides().col(0), Eigen::Vector3d(2.0, 0.0, 0.0));
-  EXPECT_EQ(wall.HalfSides().col(1), Eigen::Vector3d(0.0, 0.0, 0.5));
+TEST(PatchExtentTest, BoundsReachFromTheMiddleToTheRim) {
+  const PatchExtent::Bounds wall =
+      ExtentOf({-1.0, 0.0, 1.0}, {3.0, 0.0, 2.0}).BoundsAboutCentre();
+  EXPECT_EQ(wall.half_u, Eigen::Vector3d(2.0, 0.0, 0.0));
+  EXPECT_EQ(wall.half_v, Eigen::Vector3d(0.0, 0.0, 0.5));
+  EXPECT_EQ(wall.ball_m, 0.0);
   PatchExtent arc({2.0, 0.0, 0.0}, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 0.5);
   arc.AddSegment({2.0, 0.0, 0.0}, {0.0, 2.0, 1.0});
-  EXPECT_EQ(arc.HalfSides().col(0), Eigen::Vector3d(arc.radius_m(), 0.0, 0.0));
-  EXPECT_EQ(arc.HalfSides().col(1), Eigen::Vector3d(0.0, arc.radius_m(), 0.0));
+  EXPECT_EQ(arc.BoundsAboutCentre().half_u, Eigen::Vector3d::Zero());
+  EXPECT_EQ(arc.BoundsAboutCentre().half_v, Eigen::Vector3d::Zero());
+  EXPECT_EQ(arc.BoundsAboutCentre().ball_m, arc.radius_m());
 }
 
 // One point does not show how an arc bends.
