@@ -90,8 +90,13 @@ TypeEvidence JudgeType(const Observation& observation,
 
 TentativePlanes::TentativePlanes(bool planar,
                                  const MapperOptions& options,
-                                 double range_noise_m)
-    : planar_(planar), options_(options), range_noise_m_(range_noise_m), undecided_(options) {}
+                                 double range_noise_m,
+                                 bool knows_turns)
+    : planar_(planar),
+      options_(options),
+      range_noise_m_(range_noise_m),
+      knows_turns_(knows_turns),
+      undecided_(options) {}
 
 bool TentativePlanes::Matches(const TentativePlane& plane,
                               const Observation& observation,
@@ -220,7 +225,8 @@ bool TentativePlanes::IsReady(const TentativePlane& plane,
     return has_clear_type && variance < max_sigma * max_sigma;
   }
   // One scanner's level segments may lie on a wall.
-  if (plane.scanners.size() < 2 && !(plane.Motion() > kRevealingMotion)) return false;
+  const double way_m = knows_turns_ ? std::max(plane.Motion(), plane.swept_m) : plane.Motion();
+  if (plane.scanners.size() < 2 && !(way_m > kRevealingMotion)) return false;
   // Single traces of a gentle ramp look level; small surfaces may be level.
   const Eigen::Vector2d size =
       plane.landmark.extent.max_corner() - plane.landmark.extent.min_corner();

@@ -43,8 +43,12 @@ TypeEvidence JudgeType(const Observation& observation,
 // plane is a wall takes several scans, too. Planes of any direction come from UndecidedPlanes.
 class TentativePlanes {
  public:
-  // range_noise_m: of the scanners.
-  TentativePlanes(bool planar, const MapperOptions& options, double range_noise_m);
+  // range_noise_m: of the scanners. knows_turns: an IMU reads how the rig turns, so that what
+  // its turns sweep counts as what its way does.
+  TentativePlanes(bool planar,
+                  const MapperOptions& options,
+                  double range_noise_m,
+                  bool knows_turns = false);
 
   // Gives the observation to the tentative planes that it agrees with, or starts a new one.
   // founds_wall: it is known to lie on a wall.
@@ -86,6 +90,7 @@ class TentativePlanes {
   bool planar_;
   const MapperOptions& options_;
   double range_noise_m_;
+  bool knows_turns_;
   std::deque<TentativePlane> planes_;
   UndecidedPlanes undecided_;
 };

@@ -1,5 +1,8 @@
 #include "core/association/tentative_plane.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include "core/surface/patch_extent.h"
 #include "core/util/time.h"
 
@@ -24,6 +27,7 @@ void TentativePlane::Count(const Observation& observation,
   if (observations.empty()) {
     first_position = poses.world_from_body.translation;
     first_time_ns = observation.start_time_ns();
+    first_line = line;
   }
   last_position = poses.world_from_body.translation;
   last_time_ns = observation.end_time_ns();
@@ -31,6 +35,10 @@ void TentativePlane::Count(const Observation& observation,
   scans.insert(observation.scan_index);
   scanners.insert(observation.scanner_index);
   lines.Add(line);
+  swept_m = std::max(swept_m,
+                     (line.centroid_world - first_line.centroid_world)
+                         .cross(first_line.direction_world)
+                         .norm());
 }
 
 bool TentativePlane::HasAge(const PlaneOptions& options) const {

@@ -29,6 +29,8 @@ struct TentativePlane {
   int64_t first_time_ns = 0;
   int64_t last_time_ns = 0;
   PlaneThroughLines lines;  // its traces, on a plane of any direction
+  MeasuredLine first_line;  // the first of them
+  double swept_m = 0.0;     // farthest that another one lies beside it
   BendTest bend;            // of a wall
 
   // Takes in the extent, counts and times of an observation on any plane; its landmark and

@@ -15,6 +15,7 @@
 #include "core/batch/visit_levels.h"
 #include "core/geometry/planar_pose.h"
 #include "core/geometry/rigid3.h"
+#include "core/map/map_frame.h"
 #include "core/map/observation_poses.h"
 #include "core/registration/part_matching.h"
 #include "core/util/quantiles.h"
@@ -36,14 +37,6 @@ constexpr int kMinSegmentsOnFloors = 20;  // that both parts saw
 Rigid3d ToFrame(const PlanarPose& pose, double height_m) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(pose.heading, Eigen::Vector3d::UnitZ())),
           {pose.position.x(), pose.position.y(), height_m}};
-}
-
-void Move(const Rig& rig, const Rigid3d& to_from, MapState* state) {
-  state->trajectory.Move(to_from);
-  for (Landmark& landmark : state->landmarks) landmark.Move(to_from);
-  // The batch takes surfaces alone.
-  state->pose_constraints.clear();
-  RebuildLandmarks(rig, state);
 }
 
 // The height to be added to a part's own, so that its floors and ceilings lie where the other
@@ -245,7 +238,7 @@ void JoinParts(const Rig& rig, bool planar, FollowedRecording* followed) {
     const std::optional<Rigid3d> pose =
         joined.empty() ? std::nullopt : PoseOf(rig, planar, joined.back(), part, &reason);
     if (pose) {
-      Move(part.state.calibration.Posed(rig), *pose, &part.state);
+      MoveMap(part.state.calibration.Posed(rig), *pose, &part.state);
       Append(rig, std::move(part), &joined.back());
       continue;
     }

@@ -1,10 +1,13 @@
 #include "core/estimation/pose_prior.h"
 
+#include <ceres/cost_function.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "core/estimation/imu_terms.h"
 #include "core/util/error.h"
+#include "factors/cost/motion_factor.h"
 
 namespace plumbline {
 std::vector<int> RowsInPoses(const NormalEquations& equations, int first) {
@@ -71,6 +74,20 @@ Prior PosePrior(const PoseGaussian& gaussian, bool planar) {
   prior.linear.root(Eigen::all, columns) = Eigen::MatrixXd(cholesky.matrixU());
   prior.linear.offset.setZero(num_rows);
   return prior;
+}
+
+void AddGravityStart(const GravityStart& start,
+                     const Trajectory& trajectory,
+                     EstimationProblem* problem) {
+  PoseConstraint attitude;
+  attitude.time_ns = start.time_ns;
+  attitude.measurement.world_from_body = start.world_from_body;
+  attitude.measurement.root.diagonal().head<3>() << 1.0 / start.tilt_stddev_rad,
+      1.0 / start.tilt_stddev_rad, 1.0 / start.heading_stddev_rad;
+  problem->AddPoseConstraint(attitude);
+  problem->AddFactor(
+      CreatePositionVelocityFactor(start.speed_stddev_m_s, trajectory.knot_interval_s()),
+      {PositionBlock(0), PositionBlock(1)});
 }
 
 void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem) {

@@ -4,7 +4,9 @@
 
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/normal_equations.h"
+#include "core/trajectory/gravity_start.h"
 #include "core/trajectory/pose_gaussian.h"
+#include "core/trajectory/trajectory.h"
 
 namespace plumbline {
 
@@ -22,6 +24,11 @@ PoseGaussian PosesFrom(const NormalEquations& equations,
 // The Gaussian as a square-root prior on the control points' blocks. Throws Error where it
 // leaves one of them open.
 Prior PosePrior(const PoseGaussian& gaussian, bool planar);
+
+// Adds what gravity tells of the first pose, and how fast the rig may go then.
+void AddGravityStart(const GravityStart& start,
+                     const Trajectory& trajectory,
+                     EstimationProblem* problem);
 
 // Adds what the rig file says of the estimated scanners.
 void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem);

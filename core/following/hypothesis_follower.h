@@ -33,6 +33,10 @@ class HypothesisFollower {
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {}) {
     return follower_->Start(scan, must_hold, knot_ns);
   }
+  bool StartByGravity(const Scan& scan, std::optional<int64_t> knot_ns = {}) {
+    may_fork_ = false;
+    return follower_->StartByGravity(scan, knot_ns);
+  }
   void Follow(const Scan& scan);
 
   // The hypothesis that goes on; while there are two, the one that believes what is in view.
@@ -58,7 +62,7 @@ class HypothesisFollower {
   int64_t forked_ns_ = 0;
   int64_t last_scan_ns_ = 0;
   const bool is_on_;      // whether there may be a second hypothesis
-  bool may_fork_ = true;  // walls have held the position since the last fork
+  bool may_fork_ = true;  // walls have held the position since the start, or the last fork
 };
 
 }  // namespace plumbline

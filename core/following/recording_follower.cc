@@ -64,6 +64,8 @@ bool RecordingFollower::TryToStart(const Scan& scan, double now_s) {
     if (follower != nullptr) {
       if (is_first) first_trial_s_ = now_s;
       trials_.Add(std::move(follower), now_s);
+    } else if (is_first && StartByGravity(scan, now_s)) {
+      return true;
     } else if (is_first && parts_.empty() && lost_.empty()) {
       ++num_skipped_;
       return now_s <= options_.tracking.max_start_search_s;
@@ -73,22 +75,34 @@ bool RecordingFollower::TryToStart(const Scan& scan, double now_s) {
   return true;
 }
 
-std::unique_ptr<HypothesisFollower> RecordingFollower::StartWith(const Scan& scan,
-                                                                 double now_s) {
-  auto follower = std::make_unique<HypothesisFollower>(
+std::unique_ptr<HypothesisFollower> RecordingFollower::MakeFollower() const {
+  return std::make_unique<HypothesisFollower>(
       rig_,
       planar_,
       options_,
       recording_->scan_period_s(),
       options_.odometry.enabled ? recording_->odometry() : nullptr,
       recording_->imu());
-  std::optional<int64_t> knot_ns;
-  if (!parts_.empty()) {
-    knot_ns = parts_.front().follower->follower().state().trajectory.start_ns();
-  }
+}
+
+std::optional<int64_t> RecordingFollower::KnotOfFirstPart() const {
+  if (parts_.empty()) return std::nullopt;
+  return parts_.front().follower->follower().state().trajectory.start_ns();
+}
+
+bool RecordingFollower::StartByGravity(const Scan& scan, double now_s) {
+  std::unique_ptr<HypothesisFollower> follower = MakeFollower();
+  if (!follower->StartByGravity(scan, KnotOfFirstPart())) return false;
+  current_ = {std::move(follower), now_s, now_s, ""};
+  return true;
+}
+
+std::unique_ptr<HypothesisFollower> RecordingFollower::StartWith(const Scan& scan,
+                                                                 double now_s) {
+  std::unique_ptr<HypothesisFollower> follower = MakeFollower();
   const bool must_hold = parts_.empty() && now_s < kSureStartS;
   try {
-    if (follower->Start(scan, must_hold, knot_ns)) return follower;
+    if (follower->Start(scan, must_hold, KnotOfFirstPart())) return follower;
   } catch (const Error& error) {
     // The scan shows the frame, but does not determine the pose.
     if (trials_.empty()) lost_ = error.what();
@@ -123,6 +137,7 @@ void RecordingFollower::EndPart(const std::string& why) {
     DecideStart();
     if (current_.follower == nullptr) return;  // it had lost the rig, and has ended
   }
+  current_.follower->follower().FaceWall();
   const std::vector<int64_t>& times_ns = current_.follower->follower().scan_times_ns();
   current_.end_s = SecondsBetween(recording_->start_ns(), times_ns.back());
   current_.ended_by = why;

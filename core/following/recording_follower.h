@@ -49,6 +49,12 @@ class RecordingFollower {
   // Looks for the scan that a part starts with; false when there is no use in looking any
   // longer.
   bool TryToStart(const Scan& scan, double now_s);
+  std::unique_ptr<HypothesisFollower> MakeFollower() const;
+  // An instant that the knots of all parts fall together with; nothing before the first part.
+  std::optional<int64_t> KnotOfFirstPart() const;
+  // Starts a part with this scan, which shows no model frame, by the IMU; false where it reads
+  // no gravity. There is nothing to choose: gravity is as good a vertical from any scan.
+  bool StartByGravity(const Scan& scan, double now_s);
   // A follower that this scan starts; nullptr where the scan does not show the model frame.
   std::unique_ptr<HypothesisFollower> StartWith(const Scan& scan, double now_s);
   // Goes on with one of the starts tried.

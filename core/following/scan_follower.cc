@@ -19,8 +19,10 @@
 #include "core/following/scan_on_planes.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/matrix_types.h"
+#include "core/map/map_frame.h"
 #include "core/segmentation/segmentation.h"
 #include "core/sensor/beam_instant.h"
+#include "core/sensor/gravity.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scanner_motion.h"
 #include "core/surface/landmark_view.h"
@@ -168,12 +170,9 @@ bool ScanFollower::HoldsPosition() const {
   return solver.eigenvalues()[0] > kMinHeldSine * kMinHeldSine;
 }
 
-bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t> knot_ns) {
-  std::vector<Observation> observations = Observe(scan);
-  bool sees_slopes = false;
-  const std::optional<ModelFrame> frame = FindFrame(observations, &sees_slopes);
-  if (!frame) return false;
-  must_hold = must_hold && sees_slopes;
+void ScanFollower::MakeMap(const Scan& scan,
+                           const Eigen::Quaterniond& world_from_body,
+                           std::optional<int64_t> knot_ns) {
   const double interval_s = std::max(options_.trajectory.knot_interval_s,
                                      options_.trajectory.min_scans_per_knot * scan_period_s_);
   // Later scan lines may lie before this one by their scanners' time offsets.
@@ -184,8 +183,7 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   const int64_t interval_ns = NanosecondsFromSeconds(interval_s);
   int64_t start_ns = scan.start_ns + NanosecondsFromSeconds(earliest_s);
   if (knot_ns) start_ns -= (start_ns - *knot_ns) % interval_ns;
-  Trajectory trajectory(
-      start_ns, interval_ns, {frame->world_from_body, Eigen::Vector3d::Zero()});
+  Trajectory trajectory(start_ns, interval_ns, {world_from_body, Eigen::Vector3d::Zero()});
   state_ = std::make_unique<MapState>(MapState{trajectory, {}, {}, scan.start_ns, {}});
   state_->odometry = odometry_;
   state_->odometry_calibration = OdometryCalibration(options_.odometry);
@@ -200,12 +198,43 @@ bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t
   if (options_.points.hold_pose) {
     scan_matcher_ =
         std::make_unique<ScanMatcher>(rig_, planar_, options_.points, scan_period_s_);
+  }
+  last_known_ns_ = scan.end_ns;
+}
+
+bool ScanFollower::StartByGravity(const Scan& scan, std::optional<int64_t> knot_ns) {
+  if (imu_ == nullptr || planar_ || Observe(scan).empty()) return false;
+  // What the options say of any rig: those here leave the motion to the IMU.
+  const std::optional<UpDirection> up =
+      FindUp(*imu_, *rig_.imu, scan.start_ns, TrajectoryOptions().acceleration_density_m_s2);
+  if (!up) return false;
+  GravityStart start;
+  start.time_ns = scan.start_ns;
+  start.world_from_body =
+      Eigen::Quaterniond::FromTwoVectors(up->up_body, Eigen::Vector3d::UnitZ());
+  start.tilt_stddev_rad = up->stddev_rad;
+  motion_prior_.set_start(start);
+  MakeMap(scan, start.world_from_body, knot_ns);
+  try {
+    Follow(scan);
+  } catch (const LostTrack&) {
+    return false;
+  }
+  return true;
+}
+
+bool ScanFollower::Start(const Scan& scan, bool must_hold, std::optional<int64_t> knot_ns) {
+  std::vector<Observation> observations = Observe(scan);
+  bool sees_slopes = false;
+  const std::optional<ModelFrame> frame = FindFrame(observations, &sees_slopes);
+  if (!frame) return false;
+  must_hold = must_hold && sees_slopes;
+  MakeMap(scan, frame->world_from_body, knot_ns);
+  if (scan_matcher_ != nullptr) {
     scan_matcher_->Take(scan);
     scan_matcher_->Remember(state_->trajectory, true);
   }
   scan_times_ns_.push_back(scan.start_ns);
-  last_known_ns_ = scan.end_ns;
-
   for (Observation& observation : observations) {
     state_->observations.push_back(std::move(observation));
   }
@@ -309,6 +338,12 @@ void ScanFollower::SolveWindow(int64_t now_ns) {
   }
   last_solved_interval_ = state_->trajectory.Locate(now_ns).first;
   last_solved_scan_ = static_cast<int>(scan_times_ns_.size()) - 1;
+}
+
+void ScanFollower::FaceWall() {
+  if (!motion_prior_.start()) return;
+  TurnToWall(rig_, state_.get());
+  window_->ForgetEstimates();
 }
 
 void ScanFollower::BridgeByMotion(int64_t now_ns) {

@@ -51,7 +51,7 @@ class ScanFollower {
         scan_period_s_(scan_period_s),
         odometry_(std::move(odometry)),
         imu_(std::move(imu)),
-        tentative_planes_(planar, options, MaxRangeNoise(rig)),
+        tentative_planes_(planar, options, MaxRangeNoise(rig), imu_ != nullptr),
         motion_prior_(options.trajectory) {}
 
   // Goes on from where another one stands, with a copy of its map.
@@ -81,9 +81,16 @@ class ScanFollower {
   // knot_ns, if given: an earlier instant that its knots shall fall together with, so that
   // parts of one recording can be joined.
   bool Start(const Scan& scan, bool must_hold = false, std::optional<int64_t> knot_ns = {});
+  // Starts the map with this scan where it shows no model frame: z points against gravity, the
+  // rig's heading is held, and planes are founded as the IMU leads the rig past them; false
+  // where no IMU is read.
+  bool StartByGravity(const Scan& scan, std::optional<int64_t> knot_ns = {});
   // Follows the rig through the next scan. Throws LostTrack when the pose is lost: nothing may
   // follow but EndAtLastKnown().
   void Follow(const Scan& scan);
+  // Gives a map that started by gravity its frame: x is the normal of a wall. Nothing may
+  // follow.
+  void FaceWall();
   // Takes back what came after the last scan whose pose was well determined: its scans,
   // segments and control points, and planes that only they show.
   void EndAtLastKnown();
@@ -92,6 +99,10 @@ class ScanFollower {
   // The model frame of the first scan's observations, and whether they see ramps or roofs.
   std::optional<ModelFrame> FindFrame(const std::vector<Observation>& observations,
                                       bool* sees_slopes) const;
+  // Begins an empty map at this scan, with the rig at rest at the origin.
+  void MakeMap(const Scan& scan,
+               const Eigen::Quaterniond& world_from_body,
+               std::optional<int64_t> knot_ns);
   // Whether the normals of the planes so far leave no direction of the position open.
   bool HoldsPosition() const;
   void FollowWhileKnown(const Scan& recorded);

@@ -60,7 +60,8 @@ Tracker::Tracker(const Rig& rig,
       options_(options),
       motion_prior_(motion_prior),
       state_(state),
-      solver_(MakeWindowSolver(options.window.solver, kSolverOptions)) {}
+      solver_(MakeWindowSolver(options.window.solver, kSolverOptions)),
+      usual_share_(motion_prior->start() ? 0.0 : 1.0) {}
 
 Tracker::Tracker(const Tracker& other,
                  const Rig& rig,
@@ -118,6 +119,9 @@ EstimationProblem Tracker::MakeProblem() const {
   if (at_start) {
     problem.AddStartVelocityPrior(options_.trajectory);
     problem.AddOrigin(state_->origin_time_ns);
+    if (motion_prior_->start()) {
+      AddGravityStart(*motion_prior_->start(), state_->trajectory, &problem);
+    }
   }
   // The Gaussian carries the priors between the control points that it has.
   const int known = at_start ? 0 : gaussian_.end();

@@ -218,7 +218,7 @@ class Tracker {
   ThinEvidence thin_evidence_;
   bool needs_points_ = false;  // whether points, too, hold the next scan
   double usual_share_on_no_plane_ = 0.0;
-  double usual_share_ = 1.0;  // of a scan's segments, by length, that find their planes
+  double usual_share_;  // of a scan's segments, by length, that find their planes
 };
 
 }  // namespace plumbline

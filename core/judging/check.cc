@@ -155,6 +155,23 @@ void LookAtRig(const std::vector<std::vector<SampledLine>>& as_sent, CheckReport
   report->starts = FindStarts(starting, starting_lines);
 }
 
+// Finds which scanners nod as the whole rig does.
+void FindNodsOfRig(CheckReport* report) {
+  if (report->survey.imu == nullptr) return;
+  for (size_t i = 0; i < report->topics_of_scanners.size(); ++i) {
+    const int topic = report->topics_of_scanners[i];
+    if (topic < 0) continue;
+    const auto at = static_cast<size_t>(topic);
+    std::optional<Nod>& nod = report->nods[at];
+    if (!nod) continue;
+    nod->is_of_rig = IsOfRig(*nod,
+                             report->survey.sample[at],
+                             report->rig->scanners[i],
+                             *report->rig->imu,
+                             *report->survey.imu);
+  }
+}
+
 bool HasStop(const CheckReport& report) {
   return std::any_of(report.findings.begin(), report.findings.end(), [](const Finding& one) {
     return one.severity == Severity::kStop;
@@ -247,12 +264,18 @@ void Judge(CheckReport* report) {
 CheckReport CheckRecording(const std::string& path, const std::optional<Rig>& rig) {
   if (!rig) return CheckSurvey(SurveyRecording(path, nullptr), rig);
   std::optional<Rig> moving = rig;
-  if (std::any_of(rig->scanners.begin(), rig->scanners.end(), [](const Scanner& scanner) {
+  std::shared_ptr<const ImuReadings> imu;
+  if (rig->imu ||
+      std::any_of(rig->scanners.begin(), rig->scanners.end(), [](const Scanner& scanner) {
         return scanner.mount || scanner.camera_row;
       })) {
-    PlaceScanners(RecordingReader(path, *rig), &*moving);
+    const RecordingReader reader(path, *rig);
+    PlaceScanners(reader, &*moving);
+    imu = reader.imu();
   }
-  return CheckSurvey(SurveyRecording(path, &*moving), moving);
+  RecordingSurvey survey = SurveyRecording(path, &*moving);
+  survey.imu = std::move(imu);
+  return CheckSurvey(std::move(survey), moving);
 }
 
 bool SitAtOnePose(const Rig& rig) {
@@ -301,7 +324,10 @@ CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& stated
                                            ? FindTravelDirection(sample[i])
                                            : std::nullopt);
   }
-  if (rig) LookAtRig(sample, &report);
+  if (rig) {
+    LookAtRig(sample, &report);
+    FindNodsOfRig(&report);
+  }
   if (report.survey.topics.empty()) {
     report.findings.push_back({Severity::kStop,
                                "",

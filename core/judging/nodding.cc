@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/judging/levels.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 
@@ -208,6 +209,26 @@ class NodSearch {
 
 std::optional<Nod> FindNod(const std::vector<ScanLine>& lines) {
   return NodSearch(lines).Find();
+}
+
+bool IsOfRig(const Nod& nod,
+             const std::vector<ScanLine>& lines,
+             const Scanner& scanner,
+             const Imu& imu,
+             const ImuReadings& readings) {
+  const Eigen::Vector3d axis_imu =
+      imu.body_from_imu.rotation.conjugate() *
+      (scanner.body_from_scanner.rotation *
+       Eigen::Vector3d(std::cos(nod.axis_rad), std::sin(nod.axis_rad), 0.0));
+  const double half_s = 0.5 * nod.period_s;
+  std::vector<double> turns_rad;
+  for (const ScanLine& line : lines) {
+    const ImuMean mean =
+        readings.MeanOf(line.stamp_ns, line.stamp_ns + NanosecondsFromSeconds(half_s));
+    if (mean.num_samples == 0) continue;
+    turns_rad.push_back(half_s * std::abs(axis_imu.dot(mean.angular_rate)));
+  }
+  return !turns_rad.empty() && Median(std::move(turns_rad)) > kParallelAngle;
 }
 
 }  // namespace plumbline

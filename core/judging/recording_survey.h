@@ -5,6 +5,7 @@
 
 #include "core/judging/static_frames.h"
 #include "core/judging/topic_survey.h"
+#include "core/sensor/imu.h"
 #include "core/sensor/odometry.h"
 #include "core/sensor/rig.h"
 #include "core/sensor/scan_line.h"
@@ -27,6 +28,7 @@ struct RecordingSurvey {
   // wheels_fault.
   std::shared_ptr<const Odometry> wheels;
   std::string wheels_fault;
+  std::shared_ptr<const ImuReadings> imu;  // the rig file's; nullptr where none is read
   std::vector<std::string> wheels_mended;  // what was, in sentences
   int64_t start_receipt_ns = 0;            // of the first scan line
   int64_t end_receipt_ns = 0;              // of the last one

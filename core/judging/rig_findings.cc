@@ -269,7 +269,7 @@ class RigJudge {
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i) || rig_.scanners[i].mount) continue;
       const auto nod = report_->NodOf(static_cast<size_t>(report_->topics_of_scanners[i]));
-      if (!nod) continue;
+      if (!nod || nod->is_of_rig) continue;
       AddMounting(TopicOf(i),
                   "scanner " + NameOf(i) + " moves against the rig with a period of " +
                       Decimal(nod->period_s, 2) + " s, about an axis at " +
@@ -316,15 +316,19 @@ class RigJudge {
   }
 
   void JudgeSpatialView() {
+    const bool has_imu = report_->survey.imu != nullptr;
     bool is_crossed = false;
     std::vector<std::string> seeing;
     std::vector<double> floors;
     for (size_t i = 0; i < rig_.scanners.size(); ++i) {
       if (!HasLines(i)) continue;
       const HeightView& view = report_->heights[i];
-      if (view.floor.is_seen || view.ceiling.is_seen) seeing.push_back(NameOf(i));
+      if (view.floor.is_seen || view.ceiling.is_seen || NodsWithRig(i)) {
+        seeing.push_back(NameOf(i));
+      }
       if (view.floor.is_seen) floors.push_back(view.floor.height_m);
-      is_crossed = is_crossed || (rig_.scanners[i].mount && view.is_tilted);
+      is_crossed = is_crossed || ((rig_.scanners[i].mount || has_imu) && view.is_tilted) ||
+                   NodsWithRig(i);
       for (size_t j = 0; j < i; ++j) {
         if (!HasLines(j)) continue;
         const auto normal = [&](size_t k) {
@@ -362,10 +366,17 @@ class RigJudge {
     JudgeStarts();
   }
 
+  // Whether the rig itself nods, so that the scan planes of one scanner cross.
+  bool NodsWithRig(size_t scanner) const {
+    const auto nod = report_->NodOf(static_cast<size_t>(report_->topics_of_scanners[scanner]));
+    return nod && nod->is_of_rig;
+  }
+
   void JudgeStarts() {
     const StartSearch& starts = report_->starts;
     if (starts.num_scans == 0) return;
-    if (starts.num_starts == 0) {
+    // With an IMU, a map starts by gravity where no scan shows the frame.
+    if (starts.num_starts == 0 && report_->survey.imu == nullptr) {
       Add(Severity::kStop,
           "",
           "none of " + std::to_string(starts.num_scans) +

@@ -118,6 +118,7 @@ CheckedRecording ReadChecked(const std::string& recording,
   }
   RecordingSurvey survey = surveyor.Finish(checked.reader->topics());
   survey.wheels = checked.reader->odometry();
+  survey.imu = checked.reader->imu();
   PlaceScanners(*checked.reader, &rig);
   EstimateNoise(recording, survey, &rig);
   const CheckReport report = CheckSurvey(std::move(survey), rig);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <set>
 
 #include "core/options/mapper_options.h"
+#include "core/trajectory/gravity_start.h"
 #include "core/trajectory/motion_noise.h"
 #include "core/trajectory/trajectory.h"
 
@@ -48,12 +50,18 @@ class MotionPrior {
   // Forgets what the scans have shown: where they show nothing, the rig may move as any rig.
   void Forget();
 
+  // How the rig stands and goes at the start, of a map that starts by gravity; nothing where
+  // planes give its attitude.
+  const std::optional<GravityStart>& start() const { return start_; }
+  void set_start(const GravityStart& start) { start_ = start; }
+
   // Makes the motion bridge the control points first .. end - 1.
   void Bridge(int first, int end);
 
  private:
   MotionNoise usual_;
   double bridging_density_;
+  std::optional<GravityStart> start_;
   std::set<int> bridged_;
   bool learns_;
   MotionNoise initial_;

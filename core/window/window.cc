@@ -88,6 +88,9 @@ void Window::AddMotionPriors(EstimationProblem* problem, int first, int last) co
 void Window::AddStart(EstimationProblem* problem) const {
   problem->AddStartVelocityPrior(options_.trajectory);
   problem->AddOrigin(state_->origin_time_ns);
+  if (motion_prior_->start()) {
+    AddGravityStart(*motion_prior_->start(), state_->trajectory, problem);
+  }
   AddScannerPriors(state_->calibration, problem);
   if (state_->imu != nullptr) AddImuPrior(*state_->calibration.imu, problem);
 }

@@ -71,6 +71,8 @@ class Window {
   // The window's estimates so far; empty unless the options ask for them. The planes are those
   // of the last estimate only.
   const std::vector<WindowEstimate>& estimates() const { return estimates_; }
+  // Forgets them, where the map goes to another frame.
+  void ForgetEstimates() { estimates_.clear(); }
 
   // Makes landmark `from` part of landmark `into` in the marginal prior.
   void MergeLandmarks(int into, int from);

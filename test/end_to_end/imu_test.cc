@@ -42,6 +42,18 @@ TEST_F(ImuTest, AndItsCalibrationAreFoundWithTheMap) {
   expect_found("gyroscope_scale_z", truth["gyroscope_scale"][2]);
 }
 
+// One scanner and an IMU in a head that nods: no scan shows floor or ceiling and a wall, so
+// the map starts by gravity, with the first scan.
+TEST_F(ImuTest, StartsByGravityWithOneScanner) {
+  const Evaluation evaluation = RunCase("../imu/nodding_head", 2);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kConsistent);
+  EXPECT_LT(evaluation.trajectory.aligned.position_m.max, 0.02);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.3);
+  EXPECT_LT(evaluation.trajectory.unaligned.position_m.max, 0.03);
+  EXPECT_EQ(evaluation.planes.num_wrong, 0);
+  EXPECT_EQ(evaluation.planes.num_missed, 0);
+}
+
 // Walls leave the way open for half a minute: the end of it is stated to 0.18 m, and how far
 // off it is depends on the last digit. Without the IMU the same walk is 1.1 m and 0.08 degrees
 // off.

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "core/geometry/matrix_types.h"
+#include "core/segmentation/segmentation.h"
 #include "core/surface/landmark_view.h"
 #include "test/testing/plane_scene.h"
 
@@ -234,6 +236,46 @@ TEST_F(TentativePlanesTest, MotionTellsFloorFromWall) {
     EXPECT_EQ(candidate.landmark.model, PlaneModel::kHorizontal);
     EXPECT_NEAR(candidate.landmark.Distance(), 0.0, 0.02);
   }
+}
+
+// So do the rig's turns, where an IMU reads them.
+TEST_F(TentativePlanesTest, ANodTellsFloorFromWallWhereTheTurnsAreKnown) {
+  const auto models_of = [&](const PlaneScene& scene, bool knows_turns) {
+    TentativePlanes planes(false, options_, 0.03, knows_turns);
+    std::vector<PlaneModel> models;
+    for (int scan = 0; scan < 12; ++scan) {
+      const Rigid3d pose(
+          Eigen::Quaterniond(Eigen::AngleAxisd(0.3 + 0.02 * scan, Eigen::Vector3d::UnitY())),
+          {0.0, 0.0, 1.4});
+      const Scanner& scanner = rig_.scanners[0];  // level at rest
+      const ScanLine line = TakeScanLine(
+          scene,
+          scanner,
+          0,
+          kStart + scan * kPeriod,
+          [&](int64_t) { return pose; },
+          0.0,
+          &random_);
+      for (const Segment& segment : SegmentScanLine(line, scanner, {}, {})) {
+        Observation observation = MakeObservation(line, scanner, segment, false);
+        observation.scan_index = scan;
+        planes.Offer(observation,
+                     scan,
+                     ObservationPoses(
+                         observation.measurement.node_times_ns(), {pose, pose, pose}, scanner),
+                     Matrix6d::Zero());
+      }
+    }
+    for (const TentativePlane& plane : planes.TakeReady(options_.planes.min_scans, false)) {
+      models.push_back(plane.landmark.model);
+    }
+    return models;
+  };
+  const PlaneScene floor = {{Eigen::Vector3d::UnitZ(), 0.0}};
+  EXPECT_TRUE(models_of(floor, false).empty());
+  EXPECT_EQ(models_of(floor, true), std::vector<PlaneModel>{PlaneModel::kHorizontal});
+  const std::vector<PlaneModel> of_wall = models_of({{WallNormal(180.0), -2.0}}, true);
+  EXPECT_EQ(std::count(of_wall.begin(), of_wall.end(), PlaneModel::kHorizontal), 0);
 }
 
 // A sloping trace of a tilted scan plane may lie on a wall as well as on a ramp. One scanner

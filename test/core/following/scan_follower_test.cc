@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/estimation/imu_terms.h"
 #include "core/following/scan_on_planes.h"
 #include "test/testing/room_walk.h"
 #include "test/testing/test_files.h"
@@ -80,6 +81,53 @@ TEST_F(ScanFollowerTest, FollowsAStraightMotionAsPreciselyAsItSays) {
   // The last pose is known at least as well as the nearest few beams alone would tell it.
   const Matrix6d& covariance = follower_.estimates().back().pose_covariance;
   EXPECT_LT(std::sqrt(covariance.bottomRightCorner<3, 3>().trace()), RoomWalk::kRangeNoise);
+}
+
+// The accelerometer is 2 degrees off upright; nothing but the scans then shows the vertical.
+TEST_F(ScanFollowerTest, StartsByGravityWithoutAModelFrame) {
+  constexpr int64_t kStep = 5'000'000;  // ns
+  Rig rig = walk_.rig();
+  rig.imu.emplace();
+  rig.imu->gyroscope.noise = 1e-3;
+  rig.imu->accelerometer.noise = 0.01;
+  rig.imu->accelerometer.bias = 0.5;
+  std::vector<ImuSample> samples;
+  for (int i = 0; i < 600; ++i) {
+    samples.push_back({RoomWalk::kStartNs + i * kStep,
+                       Eigen::Vector3d::Zero(),
+                       {kStandardGravity * std::sin(2.0 * kDegree), 0.0, kStandardGravity}});
+  }
+  const MapperOptions options = WithoutMotionPrior(options_);
+  ScanFollower follower(rig,
+                        false,
+                        options,
+                        RoomWalk::kPeriod,
+                        nullptr,
+                        std::make_shared<const ImuReadings>(samples, *rig.imu));
+  EXPECT_FALSE(follower_.StartByGravity(walk_.Take())) << "no IMU";
+  EXPECT_FALSE(follower.StartByGravity(walk_.TakeBlind()));
+  ASSERT_TRUE(follower.StartByGravity(walk_.Take()));
+  const MapState& state = follower.state();
+  EXPECT_TRUE(state.landmarks.empty()) << "one scan founds no plane";
+  for (int i = 0; i < 60; ++i) follower.Follow(walk_.Take());
+  follower.FaceWall();
+  EXPECT_TRUE(state.landmarks.front().heading_fixed);
+  EXPECT_EQ(state.landmarks.front().Normal(), Eigen::Vector3d::UnitX());
+  const Eigen::Quaterniond model_from_room = ModelFromRoom(state, walk_.room());
+  std::set<const ScenePlane*> found;
+  for (const Landmark& landmark : state.landmarks) {
+    if (landmark.num_segments == 0) continue;
+    const ScenePlane* plane = PlaneOf(landmark, walk_.room(), model_from_room);
+    EXPECT_NE(plane, nullptr) << "landmark " << landmark.id;
+    found.insert(plane);
+  }
+  EXPECT_EQ(found.size(), walk_.room().size());
+  const int64_t now_ns = follower.scan_times_ns().back();
+  const Rigid3d end = state.trajectory.WorldFromBody(now_ns);
+  const Eigen::Vector3d way = walk_.WorldFromBody(now_ns).translation -
+                              walk_.WorldFromBody(state.origin_time_ns).translation;
+  EXPECT_LT((end.translation - model_from_room * way).norm(), RoomWalk::kRangeNoise);
+  EXPECT_LT(end.rotation.angularDistance(model_from_room), 0.1 * kDegree);
 }
 
 // The copy linearises its segments anew, so that both agree to less than the last digit.

@@ -91,5 +91,41 @@ TEST(NoddingTest, AScannerThatStandsDoesNotNod) {
   EXPECT_FALSE(FindNod({}));
 }
 
+// What an IMU of the body reads of its turns.
+template <typename Pose>
+ImuReadings ReadTurns(const Pose& world_from_body) {
+  constexpr int64_t kStep = 5'000'000;  // ns
+  std::vector<ImuSample> samples;
+  for (int i = 0; i < 2000; ++i) {
+    const int64_t time_ns = TurningRig::kStartNs + i * kStep;
+    const Eigen::AngleAxisd turn(world_from_body(time_ns).rotation.conjugate() *
+                                 world_from_body(time_ns + kStep).rotation);
+    samples.push_back(
+        {time_ns, turn.angle() / (1e-9 * kStep) * turn.axis(), Eigen::Vector3d::Zero()});
+  }
+  return ImuReadings(samples, Imu());
+}
+
+// The head of a rig that nods as a whole.
+Rigid3d NodOfRig(int64_t time_ns) {
+  const double time_s = SecondsBetween(TurningRig::kStartNs, time_ns);
+  const double pitch_rad = M_PI / 6.0 * std::sin(2.0 * M_PI * time_s + 0.3);
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY())),
+          Walk(time_ns).translation};
+}
+
+TEST(NoddingTest, TheGyroscopeTellsARigThatNodsFromAScannerThatDoes) {
+  const Scanner scanner = MakePaperRig().scanners[0];
+  const std::vector<ScanLine> of_rig = LinesOf(NodOfRig, {}, 0);
+  const std::optional<Nod> nod = FindNod(of_rig);
+  ASSERT_TRUE(nod);
+  EXPECT_TRUE(IsOfRig(*nod, of_rig, scanner, Imu(), ReadTurns(NodOfRig)));
+  const std::vector<ScanLine> of_mount = LinesOf(Sway, Nodding(1.0), 0);
+  const std::optional<Nod> of_scanner = FindNod(of_mount);
+  ASSERT_TRUE(of_scanner);
+  EXPECT_FALSE(IsOfRig(*of_scanner, of_mount, scanner, Imu(), ReadTurns(Sway)));
+  EXPECT_FALSE(IsOfRig(*of_scanner, of_mount, scanner, Imu(), ImuReadings()));
+}
+
 }  // namespace
 }  // namespace plumbline
