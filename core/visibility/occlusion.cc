@@ -224,7 +224,7 @@ std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others)
 void Occlusion::CountHits(OccupancyGrids* grids) const {
   const PlaneView view = MakePlaneView();
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);
-  for (int beam = first_beam; beam <= last_beam; beam += stride) {
+  for (int beam = first_beam + kNumBeams % stride; beam <= last_beam; beam += stride) {
     const Eigen::Vector2d direction = scan_line.BeamDirection(beam);
     const int64_t time_ns = BeamInstantNs(beam);
     const Eigen::Vector3d line = view.trace.At(time_ns);

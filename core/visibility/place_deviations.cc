@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/association/surface_levels.h"
 #include "core/util/quantiles.h"
 
 namespace plumbline {
@@ -59,6 +60,9 @@ void PlaceDeviations::Add(const PlaceDeviations& other) {
 
 std::vector<PatchExtent::Cell> PlaceDeviations::CellsOff(const Landmark& surface,
                                                          double flatness_m) const {
+  // A map has thousands of cells: the noise is to explain none of those found, at the level of
+  // outliers, unevenness at the usual one, that of FindPlacesOff.
+  const double noise_factor = kOutlierSigmas / kSignificantStddevs;
   std::vector<PlaceDeviation> places;
   for (const auto& [cell, sums] : places_) {
     const Eigen::Vector2d centre(cell.first + 0.5, cell.second + 0.5);
@@ -66,7 +70,7 @@ std::vector<PatchExtent::Cell> PlaceDeviations::CellsOff(const Landmark& surface
     const auto weight = static_cast<double>(sums.weight);
     places.push_back(
         {1e-6 * static_cast<double>(sums.micrometres) / weight,
-         1.0 / weight + flatness_m * flatness_m,
+         noise_factor * noise_factor / weight + flatness_m * flatness_m,
          surface.DeviationJacobian(at_world, surface.extent.axes().u).row(0).transpose()});
   }
   const std::vector<bool> is_off = FindPlacesOff(places);
