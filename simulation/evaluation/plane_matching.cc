@@ -301,20 +301,40 @@ int FindBestFace(const PlanePatch& estimate,
                  const std::vector<PlanePatch>& faces,
                  bool planar,
                  const PlaneMatchingOptions& options) {
-  int best = -1;
-  double best_score = 0.0;
+  struct Candidate {
+    size_t face = 0;
+    double score = 0.0;
+  };
+  std::vector<Candidate> candidates;
+  const auto estimated_points = static_cast<double>(std::max<int64_t>(1, estimate.num_points));
   for (size_t i = 0; i < faces.size(); ++i) {
     const Overlap overlap = MatchOverlap(estimate, faces[i], planar, options);
-    // An estimate that lies in several faces belongs to the nearest, one that spans several
-    // coplanar faces to the one that holds most of it.
+    if (overlap.of_a == 0.0) continue;
     const double distance = std::abs(faces[i].SignedDistance(estimate.centre));
-    const double score = overlap.of_a * (1.0 - distance / (1.01 * options.max_distance_m));
-    if (score > best_score) {
-      best_score = score;
-      best = static_cast<int>(i);
-    }
+    const double nearness = 1.0 - distance / (1.01 * options.max_distance_m);
+    const double holds = static_cast<double>(faces[i].num_points) / estimated_points;
+    candidates.push_back({i, overlap.of_a * nearness * std::min(1.0, holds)});
   }
-  return best;
+  const auto are_coplanar = [&](const Candidate& a, const Candidate& b) {
+    return a.face == b.face || Coplanar(faces[a.face], faces[b.face], options);
+  };
+  const Candidate* middle = nullptr;  // of the coplanar faces with the highest score together
+  double best_score = 0.0;
+  for (const Candidate& candidate : candidates) {
+    double score = 0.0;
+    for (const Candidate& other : candidates) {
+      if (are_coplanar(candidate, other)) score += other.score;
+    }
+    if (score <= best_score) continue;
+    best_score = score;
+    middle = &candidate;
+  }
+  if (middle == nullptr) return -1;
+  const Candidate* best = middle;
+  for (const Candidate& candidate : candidates) {
+    if (are_coplanar(*middle, candidate) && candidate.score > best->score) best = &candidate;
+  }
+  return static_cast<int>(best->face);
 }
 
 PlaneEvaluation MatchPlanes(const std::vector<PlanePatch>& estimates,

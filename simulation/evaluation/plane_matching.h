@@ -69,8 +69,10 @@ struct PlaneEvaluation {
 };
 
 // Returns the index of the face that the estimate shows, -1 for none; both are given in the
-// same frame. Of several faces it takes the one that holds most of the estimate and lies
-// nearest to it. planar: outlines are compared from above, along the wall only.
+// same frame. Faces count by the share of the estimate that they hold, by how near they lie,
+// and by how many of the estimate's points can be theirs: a rail just before a wall got few
+// beams. Coplanar faces count together, and the first of them is returned. planar: outlines
+// are compared from above, along the wall only.
 int FindBestFace(const PlanePatch& estimate,
                  const std::vector<PlanePatch>& faces,
                  bool planar,

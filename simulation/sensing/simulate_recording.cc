@@ -28,7 +28,7 @@ TruthPlanes::TruthPlanes(const Building& building) {
     patch.distance = face.distance;
     patch.curvature = face.curvature;
     patch.centre = face.Centroid();
-    patch.outline = face.outline;
+    patch.outline = face.OutlineOfPieces();
   }
   num_from_behind_.assign(patches_.size(), 0);
 }

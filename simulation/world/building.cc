@@ -164,6 +164,21 @@ Eigen::Vector3d Face::Centroid() const {
   return sum / Area();
 }
 
+std::vector<Eigen::Vector3d> Face::OutlineOfPieces() const {
+  std::vector<Eigen::Vector3d> all = outline;
+  for (const std::vector<Eigen::Vector3d>& loop : holes) {
+    Eigen::Vector3d twice_area = Eigen::Vector3d::Zero();
+    for (size_t i = 0; i < loop.size(); ++i) {
+      twice_area += loop[i].cross(loop[(i + 1) % loop.size()]);
+    }
+    if (curvature != 0.0 || twice_area.dot(normal) <= 0.0) continue;  // a hole
+    all.insert(all.end(), loop.begin(), loop.end());
+    all.push_back(loop.front());
+    all.push_back(outline.front());
+  }
+  return all;
+}
+
 Building MakeBuilding(const FloorPlan& plan) {
   const std::vector<Layer> layers = MakeLayers(plan);
   Building building;

@@ -29,6 +29,7 @@ struct Face {
   double curvature = 0.0;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of a cylinder, on it
   // Closed polygons on the plane; counter-clockwise, holes clockwise, seen from free space.
+  // Pieces of a mesh that touch the outline in a vertex stand with the holes.
   std::vector<Eigen::Vector3d> outline;
   std::vector<std::vector<Eigen::Vector3d>> holes;
   std::vector<std::array<Eigen::Vector3d, 3>> triangles;  // cover the face, counter-clockwise
@@ -36,6 +37,9 @@ struct Face {
 
   double Area() const;
   Eigen::Vector3d Centroid() const;
+  // The outline, and the pieces that touch it, reached by bridges: by the even-odd rule, a
+  // point is inside if it is in any of them.
+  std::vector<Eigen::Vector3d> OutlineOfPieces() const;
 };
 
 // Building holds the faces of storeys, floors, ceilings, walls, lintels, or those of a mesh.

@@ -324,6 +324,27 @@ TEST(PlaneMatchingTest, ANicheIsNotTheWallAroundIt) {
   EXPECT_EQ(evaluation.list[1].face_ids, std::vector<int>{2});
 }
 
+TEST(PlaneMatchingTest, AnEstimateShowsAFaceThatItsPointsCanBeFrom) {
+  const PlanePatch estimate = MakePatch(1, {1, 0, 0}, {0, 0, 0}, 4, 1.5);
+  PlanePatch rail = MakePatch(2, {1, 0, 0}, {0.03, 0, 0}, 4, 1.5);
+  rail.num_points = 20;
+  const PlanePatch wall = MakePatch(3, {1, 0, 0}, {0, -2, 0}, 2, 1.5);
+  EXPECT_EQ(FindBestFace(estimate, {rail, wall}, false, {}), 1);
+}
+
+TEST(PlaneMatchingTest, CoplanarFacesCountTogether) {
+  const PlanePatch estimate = MakePatch(1, {1, 0, 0}, {0, 0, 0}, 4, 1.5);
+  PlanePatch frame = MakePatch(2, {1, 0, 0}, {-0.025, -1, 0}, 3, 1.5);
+  frame.num_points = 300;
+  std::vector<PlanePatch> faces = {frame};
+  for (int sash = 0; sash < 3; ++sash) {
+    faces.push_back(MakePatch(3 + sash, {1, 0, 0}, {0, -2.0 + 2.0 * sash, 0}, 0.9, 1.5));
+    faces.back().num_points = 300;
+  }
+  faces[2].num_points = 310;
+  EXPECT_EQ(FindBestFace(estimate, faces, false, {}), 2);
+}
+
 TEST(EvaluationTest, PlanarRigsAreComparedFromAbove) {
   EvaluationInput input = PerfectInput(TrueFlatPose);
   input.figures.motion = "planar";

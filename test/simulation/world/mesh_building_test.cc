@@ -107,6 +107,21 @@ TEST(MeshBuilding, FrameHasAHole) {
   EXPECT_EQ(building.faces[0].holes[0].size(), 4u);
 }
 
+TEST(MeshBuilding, PiecesThatTouchInAVertexHaveOneOutline) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {6, 3, 0}, {6, 4, 0}};
+  mesh.triangles.push_back({{0, 1, 2}, 1, false});
+  mesh.triangles.push_back({{2, 3, 4}, 1, false});
+  const Building building = MakeBuilding(mesh, {});
+  ASSERT_EQ(building.faces.size(), 1u);
+  const std::vector<Eigen::Vector3d> outline = building.faces[0].OutlineOfPieces();
+  double twice_area = 0.0;
+  for (size_t i = 0; i < outline.size(); ++i) {
+    twice_area += outline[i].cross(outline[(i + 1) % outline.size()]).z();
+  }
+  EXPECT_NEAR(twice_area / 2, 7.0, 1e-12) << "both pieces, and bridges without an area";
+}
+
 TEST(MeshBuilding, BeamsPassGlassOnRequest) {
   TriangleMesh mesh = Box();
   for (TriangleMesh::Triangle& triangle : mesh.triangles)
