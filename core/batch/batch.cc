@@ -11,6 +11,7 @@
 
 #include "core/batch/batch_policies.h"
 #include "core/batch/drift_correction.h"
+#include "core/batch/level_splitting.h"
 #include "core/batch/loop_closures.h"
 #include "core/visibility/occupancy_grids.h"
 #include "core/visibility/resegmentation.h"
@@ -97,7 +98,7 @@ class Batch {
     const RuleOptions& rules = options_.rules;
     int num_dropped = 0;
     if (rules.redundant_planes) {
-      num_dropped += DropRedundantPlanes(rig_, options_, state_);
+      num_dropped += DropRedundantPlanes(rig_, options_, apart_, state_);
     }
     if (rules.passed_through_planes) num_dropped += DropPassedThrough(rig_, state_);
     std::vector<bool> is_merged(state_->landmarks.size(), false);
@@ -159,7 +160,12 @@ class Batch {
     OccupancyGrids counted;
     const int num_resegmented = ResegmentRecording(
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
-    openings_ = counted.OpeningsOf(state_->landmarks, options_.association.surface_flatness_m);
+    std::vector<LevelOnSurface> levels;
+    openings_ = counted.OpeningsOf(state_->landmarks, &levels);
+    const std::set<std::pair<int, int>> split =
+        SplitLevels(rig_, options_.association, levels, &openings_, state_);
+    apart_.insert(split.begin(), split.end());
+    VLOG(1) << split.size() << " levels taken from the surfaces that held them";
     const int num_oblique = options_.rules.oblique_planes ? DropObliqueFalsePlanes(state_) : 0;
     const int num_dropped = num_oblique + DropWeakPlanes(options_.planes, state_) +
                             DecideGeneralPlanes(rig_, options_.association, state_);
@@ -178,7 +184,7 @@ class Batch {
   BatchEstimator estimator_;
   std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
   std::vector<LoopClosure> rejected_closures_;
-  std::set<std::pair<int, int>> apart_;  // landmarks of rejected closures
+  std::set<std::pair<int, int>> apart_;  // landmarks of rejected closures, and levels
   std::optional<double> drift_m_;
   double share_done_ = 0.0;  // of the batch's time
 };

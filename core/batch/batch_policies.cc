@@ -140,13 +140,17 @@ int DropContradictedPlanes(MapState* state) {
   return ReleaseObservations(is_contradicted, state);
 }
 
-int DropRedundantPlanes(const Rig& rig, const MapperOptions& options, MapState* state) {
+int DropRedundantPlanes(const Rig& rig,
+                        const MapperOptions& options,
+                        const std::set<std::pair<int, int>>& apart,
+                        MapState* state) {
   const double range_noise_m = MaxRangeNoise(rig);
   std::vector<bool> is_redundant;
   for (const Landmark& weak : state->landmarks) {
     const auto is_repeated_by = [&](const Landmark& strong) {
       return weak.num_points > 0 && weak.num_points < strong.num_points &&
              IsWithinGap(strong, weak.first_scan, options.loop_closure) &&
+             apart.count(std::minmax(weak.id, strong.id)) == 0 &&
              IsRedundant(weak, strong, range_noise_m) &&
              Meet(weak, strong, options.association);
     };

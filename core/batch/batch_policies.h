@@ -33,8 +33,12 @@ std::vector<int> MergePlanes(const Rig& rig,
 // segments of all planes deviate, and a landmark is compared with their mean.
 int DropContradictedPlanes(MapState* state);
 
-// Drops landmarks that only repeat one with more points (IsRedundant) and meet it (Meet).
-int DropRedundantPlanes(const Rig& rig, const MapperOptions& options, MapState* state);
+// Drops landmarks that only repeat one with more points (IsRedundant) and meet it (Meet),
+// unless the two were found to be two surfaces (apart).
+int DropRedundantPlanes(const Rig& rig,
+                        const MapperOptions& options,
+                        const std::set<std::pair<int, int>>& apart,
+                        MapState* state);
 
 // Drops landmarks that beams of other landmarks pass through (FindPassedThrough).
 int DropPassedThrough(const Rig& rig, MapState* state);

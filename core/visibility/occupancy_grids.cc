@@ -1,5 +1,9 @@
 #include "core/visibility/occupancy_grids.h"
 
+#include <algorithm>
+#include <map>
+#include <utility>
+
 #include "core/surface/patch_extent.h"
 #include "core/visibility/beam_tests.h"
 
@@ -28,6 +32,19 @@ CellGrid::Cell CellOf(double u, double v, bool narrow_along_u) {
 
 // Without height there are no level edges: cells that are wide along u would only blur.
 bool HasCells(bool has_height, bool narrow_along_u) { return narrow_along_u || has_height; }
+
+// The level of a cell, of a strip's also where hardly any beam hits: that of a cell beside it.
+int LevelAt(const CellGrid::Cell& cell, const std::map<CellGrid::Cell, int>& level_of_cell) {
+  const auto own = level_of_cell.find(cell);
+  if (own != level_of_cell.end()) return own->second;
+  for (int u = cell.first - 1; u <= cell.first + 1; ++u) {
+    for (int v = cell.second - 1; v <= cell.second + 1; ++v) {
+      const auto beside = level_of_cell.find({u, v});
+      if (beside != level_of_cell.end() && beside->second > kOnSurface) return beside->second;
+    }
+  }
+  return kOnSurface;
+}
 
 size_t Index(bool narrow_along_u) { return narrow_along_u ? 0 : 1; }
 
@@ -180,11 +197,16 @@ void OccupancyGrids::MarkSolid(const Counts& counts,
   });
 }
 
-PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
+PlaneOpenings OccupancyGrids::EmptyOpenings(const Landmark& landmark) {
   PlaneOpenings openings;
-  const auto id = static_cast<size_t>(landmark.id);
   openings.has_height_ = HasHeight(landmark.extent);
   openings.axes_ = landmark.extent.axes();
+  return openings;
+}
+
+PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
+  PlaneOpenings openings = EmptyOpenings(landmark);
+  const auto id = static_cast<size_t>(landmark.id);
   if (id >= counts_.size()) return openings;
   for (const auto mark : {&MarkOpen, &MarkSolid}) {
     for (const bool narrow_along_u : {true, false}) {
@@ -195,27 +217,67 @@ PlaneOpenings OccupancyGrids::OpeningsOf(const Landmark& landmark) const {
   return openings;
 }
 
-void OccupancyGrids::MarkOff(const std::vector<CellGrid::Cell>& cells,
-                             PlaneOpenings* openings) {
-  for (const auto& [u, v] : cells) {
-    const auto narrow = [](int wide) {
-      return CellIndex(wide * (PatchExtent::kCellSize / kOpeningCell) + 0.5);
-    };
-    for (int i = narrow(u); i < narrow(u + 1); ++i) {
-      openings->Mark({i, v}, true, PlaneOpenings::kOpen);
-    }
+void OccupancyGrids::MarkOff(const CellGrid::Cell& cell, PlaneOpenings* openings) {
+  const auto narrow = [](int wide) {
+    return CellIndex(wide * (PatchExtent::kCellSize / kOpeningCell) + 0.5);
+  };
+  for (int i = narrow(cell.first); i < narrow(cell.first + 1); ++i) {
+    openings->Mark({i, cell.second}, true, PlaneOpenings::kOpen);
   }
 }
 
-std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(const std::deque<Landmark>& landmarks,
-                                                      double flatness_m) const {
+bool OccupancyGrids::MarkElsewhere(const CellGrid& seen, LevelOnSurface* level) {
+  const auto is_elsewhere = [&](const CellGrid::Cell& cell) {
+    return seen.Count(cell) > 0 &&
+           !std::binary_search(level->cells.begin(), level->cells.end(), cell);
+  };
+  bool has_inner_cells = false;
+  seen.Any([&](const CellGrid::Cell& cell, int) {
+    const auto& [u, v] = cell;
+    if (is_elsewhere(cell) || is_elsewhere({u - 1, v}) || is_elsewhere({u + 1, v}) ||
+        is_elsewhere({u, v - 1}) || is_elsewhere({u, v + 1})) {
+      MarkOff(cell, &level->elsewhere);
+    } else {
+      has_inner_cells = true;
+    }
+    return false;
+  });
+  return has_inner_cells;
+}
+
+std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(
+    const std::deque<Landmark>& landmarks, std::vector<LevelOnSurface>* levels) const {
+  // A floor that rises a little bends the rig with it: the verdict tells it by its places.
+  std::vector<SurfacePlaces> places(landmarks.size());
+  for (size_t id = 0; id < std::min(places.size(), deviations_.size()); ++id) {
+    if (!TraitsOf(landmarks[id]).has_heading) continue;
+    places[id] = deviations_[id].PlacesOn(landmarks[id]);
+  }
+  const double unevenness_m = EstimateUnevenness(places);
   std::vector<PlaneOpenings> of_all;
   of_all.reserve(landmarks.size());
-  for (const Landmark& landmark : landmarks) {
-    of_all.push_back(OpeningsOf(landmark));
-    const auto id = static_cast<size_t>(landmark.id);
-    if (id >= deviations_.size()) continue;
-    MarkOff(deviations_[id].CellsOff(landmark, flatness_m), &of_all.back());
+  for (size_t id = 0; id < places.size(); ++id) {
+    of_all.push_back(OpeningsOf(landmarks[id]));
+    const SurfaceLevels found = FindLevels(places[id], unevenness_m);
+    std::vector<LevelOnSurface> of_surface;
+    for (const double step_m : found.steps_m) {
+      of_surface.push_back({landmarks[id].id, step_m, {}, EmptyOpenings(landmarks[id])});
+    }
+    std::map<CellGrid::Cell, int> level_of_cell;
+    for (size_t i = 0; i < places[id].size(); ++i) {
+      level_of_cell[places[id][i].cell] = found.of_place[i];
+    }
+    landmarks[id].extent.cells().Any([&](const CellGrid::Cell& cell, int) {
+      const int level = LevelAt(cell, level_of_cell);
+      if (level == kOnSurface) return false;
+      MarkOff(cell, &of_all.back());
+      if (level != kOffAlone) of_surface[static_cast<size_t>(level) - 1].cells.push_back(cell);
+      return false;
+    });
+    for (LevelOnSurface& level : of_surface) {
+      if (!MarkElsewhere(landmarks[id].extent.cells(), &level)) continue;
+      levels->push_back(std::move(level));
+    }
   }
   return of_all;
 }

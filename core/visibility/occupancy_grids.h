@@ -56,6 +56,14 @@ class PlaneOpenings {
   CellGrid nearby_;                 // wide cells in which any open or mixed one lies
 };
 
+// A level of a surface that holds two: the cells of which the beams lie on another one.
+struct LevelOnSurface {
+  int landmark_id = 0;                   // of the surface
+  double step_m = 0.0;                   // from it
+  std::vector<PatchExtent::Cell> cells;  // in order
+  PlaneOpenings elsewhere;  // where the beams do not lie on this level, as its openings
+};
+
 // The occupancy grids of the planes count the beams of segments that lie on a plane (hits) and
 // the beams beside the segments' ends that went through it (passages). Seen from one place,
 // beams on the jamb of a door may pass for beams on the wall; seen from others, the beams
@@ -90,10 +98,11 @@ class OccupancyGrids {
   // cell where hardly any beam hits.
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
   // The openings of all landmarks, by id: they take a fraction of the counts' memory. Places
-  // whose beams do not lie on the plane that the others show (FindPlacesOff, with the planes'
-  // unevenness) are openings, too: something stands close before or behind the plane there.
+  // whose beams do not lie on the plane that the others show (FindLevels) are openings, too:
+  // something stands close before or behind the plane there. levels: gets the levels that they
+  // form, but for those that are edges only, in the order of the landmarks.
   std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks,
-                                        double flatness_m) const;
+                                        std::vector<LevelOnSurface>* levels) const;
 
  private:
   struct Counts {
@@ -110,7 +119,11 @@ class OccupancyGrids {
   static void MarkOpen(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
   static void MarkSolid(const Counts& counts, bool narrow_along_u, PlaneOpenings* openings);
 
-  static void MarkOff(const std::vector<CellGrid::Cell>& cells, PlaneOpenings* openings);
+  static PlaneOpenings EmptyOpenings(const Landmark& landmark);
+  // Marks the cells beside a level, and those of it that the edge may run through. Returns
+  // whether it has others.
+  static bool MarkElsewhere(const CellGrid& seen, LevelOnSurface* level);
+  static void MarkOff(const CellGrid::Cell& cell, PlaneOpenings* openings);
 
   std::vector<CountsOfPlane> counts_;        // by landmark id
   std::vector<PlaceDeviations> deviations_;  // by landmark id

@@ -208,15 +208,23 @@ TEST_F(BatchPoliciesTest, ARedundantPlaneGoesAndTheStrongerOneStays) {
   AddWall(2.0 + off_m, -2.0, 2.0, 500);
   AddWall(2.0 + 10.0 * kRangeNoise, -1.0, 1.0, 50);
   for (const int id : {0, 0, 1, 2}) AddSegment(id);
-  EXPECT_EQ(DropRedundantPlanes(rig_, {}, &state_), 2) << "it meets the stronger one";
+  EXPECT_EQ(DropRedundantPlanes(rig_, {}, {}, &state_), 2) << "it meets the stronger one";
   EXPECT_EQ(Ids(), (Ints{-1, -1, 1, 2}));
+}
+
+TEST_F(BatchPoliciesTest, TwoThatWereFoundToBeTwoAreNotRedundant) {
+  AddWall(2.0, -1.0, 1.0, 50);
+  AddWall(2.0, -2.0, 2.0, 500);
+  for (const int id : {0, 1}) AddSegment(id);
+  EXPECT_EQ(DropRedundantPlanes(rig_, {}, {{0, 1}}, &state_), 0);
+  EXPECT_EQ(DropRedundantPlanes(rig_, {}, {}, &state_), 1);
 }
 
 TEST_F(BatchPoliciesTest, APlaneThatMeetsTheStrongerOneNowhereIsNotRedundant) {
   AddWall(2.0, -1.0, 1.0, 50);
   AddWall(2.0 + 2.5 * kRangeNoise, -2.0, 2.0, 500);
   for (const int id : {0, 1}) AddSegment(id);
-  EXPECT_EQ(DropRedundantPlanes(rig_, {}, &state_), 0);
+  EXPECT_EQ(DropRedundantPlanes(rig_, {}, {}, &state_), 0);
 }
 
 MapperOptions Gap(bool loop_closure) {
@@ -229,8 +237,8 @@ TEST_F(BatchPoliciesTest, AcrossTheGapNoPlaneIsRedundant) {
   AddWall(2.0, -1.0, 1.0, 50).first_scan = 200;
   AddWall(2.0, -2.0, 2.0, 500).last_scan = 50;
   AddSegment(0);
-  EXPECT_EQ(DropRedundantPlanes(rig_, Gap(false), &state_), 0);
-  EXPECT_EQ(DropRedundantPlanes(rig_, Gap(true), &state_), 1);
+  EXPECT_EQ(DropRedundantPlanes(rig_, Gap(false), {}, &state_), 0);
+  EXPECT_EQ(DropRedundantPlanes(rig_, Gap(true), {}, &state_), 1);
 }
 
 TEST_F(BatchPoliciesTest, APlaneThatBeamsPassThroughGoes) {

@@ -89,29 +89,6 @@ TEST_F(OcclusionTest, FloorBetweenDistantWallsIsNotHidden) {
                   .empty());
 }
 
-// Down to 0.25 m behind the wall, y = 1.9 to 2.25 m, or 2.1 to 1.75 m.
-TEST_F(OcclusionTest, FloorCloseBehindAWallIsHidden) {
-  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
-  const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 1.9, 0.0});
-  const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 2.1, 0.0});
-  const LandmarkView plane = Candidate(floor);
-  EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(near)}),
-            std::vector<int>({52, 53, 54, 55, 56}));
-  EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(far)}),
-            std::vector<int>({54, 53, 52, 51, 50}));
-  EXPECT_TRUE(Beams(plane, 20, 45).BehindWalls({Candidate(near)}).empty()) << "in front";
-  EXPECT_TRUE(Beams(Candidate(far), 20, 65).BehindWalls({Candidate(near)}).empty())
-      << "a wall";
-}
-
-// As through a door, or past the wall's end.
-TEST_F(OcclusionTest, FloorBesideWhatIsSeenOfAWallIsNotHidden) {
-  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
-  const Eigen::Vector3d along = Eigen::Vector3d(1.0, 1.0, 0.0).normalized();
-  const Landmark aside = Wall({1.0, -1.0, 0.0}, Eigen::Vector3d(0.0, 1.9, 0.0) + 1.3 * along);
-  EXPECT_TRUE(Beams(Candidate(floor), 20, 65).BehindWalls({Candidate(aside)}).empty());
-}
-
 TEST_F(OcclusionTest, BeamsInAKnownOpeningAreFound) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 4.0, 1.0});
   const LandmarkView plane = Candidate(wall);
@@ -247,6 +224,27 @@ TEST_F(OcclusionTest, BeamsOnAPlaneSpeakAgainstAnOpening) {
   // Few of their beams count: of so many segments, one on each beam twice.
   for (int i = 0; i < 80; ++i) Beams(Candidate(wall), 180 + i, 500 + i).CountHits(&counted);
   EXPECT_TRUE(Beams(Candidate(wall), 200, 519).InOpenings(counted.OpeningsOf(wall)).empty());
+}
+
+// A quarter of a metre of its beams sees a board 4 cm before the wall.
+TEST_F(OcclusionTest, HitsTellByHowMuchTheyDeviate) {
+  line_.angle_increment = 0.25 * kDegree;
+  line_.ranges.assign(600, 0.0f);
+  Landmark wall = MakeVerticalLandmark({0.0, -1.0, 0.0}, {0.01, 1.0, 0.0});
+  wall.extent.AddSegment({0.0, 1.0, 0.0}, {0.0, 1.0, 2.8});
+  const double board = 0.04;
+  for (int beam = 200; beam < 520; ++beam) {
+    const double angle = line_.BeamAngle(beam);
+    const bool is_on_board = std::cos(angle) / std::sin(angle) > 0.6;
+    line_.ranges[static_cast<size_t>(beam)] =
+        static_cast<float>((is_on_board ? 1.0 - board : 1.0) / std::sin(angle));
+  }
+  OccupancyGrids counted;
+  for (int i = 0; i < 400; ++i) {
+    Beams(Candidate(wall), 200 + i % 40, 480 + i % 40).CountHits(&counted);
+  }
+  std::vector<LevelOnSurface> levels;
+  EXPECT_FALSE(counted.OpeningsOf({wall}, &levels)[0].none());
 }
 
 }  // namespace

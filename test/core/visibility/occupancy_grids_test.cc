@@ -173,14 +173,35 @@ TEST_F(OccupancyGridsTest, APlaceWhereBeamsDoNotLieOnThePlaneIsOne) {
     const bool is_before = x > 1.0 && x < 1.25;
     openings_.CountDeviation(wall_, At(x), is_before ? 0.04 : 0.0, 0.01);
   }
-  const auto is_at = [&](double x, double flatness_m) {
-    return openings_.OpeningsOf({wall_}, flatness_m)[0].IsAt(At(x));
-  };
-  EXPECT_TRUE(is_at(1.1, 0.004));
-  EXPECT_FALSE(is_at(0.9, 0.004));
-  EXPECT_FALSE(is_at(1.35, 0.004));
-  EXPECT_FALSE(is_at(1.1, 0.04)) << "walls as uneven as that";
+  std::vector<LevelOnSurface> levels;
+  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, &levels)[0];
+  EXPECT_TRUE(openings.IsAt(At(1.1)));
+  EXPECT_FALSE(openings.IsAt(At(0.9)));
+  EXPECT_FALSE(openings.IsAt(At(1.35)));
+  EXPECT_TRUE(levels.empty()) << "of one cell";
   EXPECT_FALSE(IsOpening(At(1.1))) << "beams pass nowhere";
+}
+
+TEST_F(OccupancyGridsTest, ALevelHasTheRestAndItsEdgesAsOpenings) {
+  wall_.id = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double x = -2.99 + 0.006 * i;
+    for (const double z : {0.01, 1.01}) {
+      openings_.CountDeviation(wall_, At(x, z), x > 1.0 ? 0.04 : 0.0, 0.01);
+    }
+  }
+  std::vector<LevelOnSurface> levels;
+  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, &levels)[0];
+  ASSERT_EQ(levels.size(), 1u);
+  EXPECT_EQ(levels[0].landmark_id, 0);
+  EXPECT_NEAR(levels[0].step_m, 0.04, 0.002);
+  EXPECT_FALSE(openings.IsAt(At(-1.0)));
+  EXPECT_TRUE(openings.IsAt(At(1.1)));
+  EXPECT_TRUE(openings.IsAt(At(2.9)));
+  EXPECT_TRUE(levels[0].elsewhere.IsAt(At(-1.0)));
+  EXPECT_TRUE(levels[0].elsewhere.IsAt(At(1.1))) << "the edge may run through that cell";
+  EXPECT_FALSE(levels[0].elsewhere.IsAt(At(1.4)));
+  EXPECT_FALSE(levels[0].elsewhere.IsAt(At(2.9)));
 }
 
 }  // namespace

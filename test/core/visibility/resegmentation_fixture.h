@@ -85,14 +85,15 @@ class ResegmentationTest : public TemporaryDirectoryTest {
     writer.Close();
     RecordingReader recording(path, rig_);
     OccupancyGrids counted;
+    std::vector<LevelOnSurface> levels;
     const MapperOptions options;
-    const int num_resegmented = ResegmentRecording(
-        rig_,
-        options,
-        &recording,
-        openings_.OpeningsOf(state_->landmarks, options.association.surface_flatness_m),
-        last ? nullptr : &counted,
-        state_.get());
+    const int num_resegmented =
+        ResegmentRecording(rig_,
+                           options,
+                           &recording,
+                           openings_.OpeningsOf(state_->landmarks, &levels),
+                           last ? nullptr : &counted,
+                           state_.get());
     if (!last) openings_ = std::move(counted);
     return num_resegmented;
   }
