@@ -161,7 +161,8 @@ class Batch {
     const int num_resegmented = ResegmentRecording(
         rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
     std::vector<LevelOnSurface> levels;
-    openings_ = counted.OpeningsOf(state_->landmarks, &levels);
+    openings_ = counted.OpeningsOf(
+        state_->landmarks, options_.association.surface_flatness_m, &levels);
     const std::set<std::pair<int, int>> split =
         SplitLevels(rig_, options_.association, levels, &openings_, state_);
     apart_.insert(split.begin(), split.end());

@@ -246,11 +246,11 @@ bool OccupancyGrids::MarkElsewhere(const CellGrid& seen, LevelOnSurface* level) 
 }
 
 std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(
-    const std::deque<Landmark>& landmarks, std::vector<LevelOnSurface>* levels) const {
-  // A floor that rises a little bends the rig with it: the verdict tells it by its places.
+    const std::deque<Landmark>& landmarks,
+    double flatness_m,
+    std::vector<LevelOnSurface>* levels) const {
   std::vector<SurfacePlaces> places(landmarks.size());
   for (size_t id = 0; id < std::min(places.size(), deviations_.size()); ++id) {
-    if (!TraitsOf(landmarks[id]).has_heading) continue;
     places[id] = deviations_[id].PlacesOn(landmarks[id]);
   }
   const double unevenness_m = EstimateUnevenness(places);
@@ -258,7 +258,11 @@ std::vector<PlaneOpenings> OccupancyGrids::OpeningsOf(
   of_all.reserve(landmarks.size());
   for (size_t id = 0; id < places.size(); ++id) {
     of_all.push_back(OpeningsOf(landmarks[id]));
-    const SurfaceLevels found = FindLevels(places[id], unevenness_m);
+    // A floor that rises a little bends the rig with it, which the verdict tells by the places
+    // that a finer test would cut.
+    const bool is_wall = TraitsOf(landmarks[id]).has_heading;
+    const SurfaceLevels found =
+        FindLevels(places[id], is_wall ? unevenness_m : std::max(unevenness_m, flatness_m));
     std::vector<LevelOnSurface> of_surface;
     for (const double step_m : found.steps_m) {
       of_surface.push_back({landmarks[id].id, step_m, {}, EmptyOpenings(landmarks[id])});

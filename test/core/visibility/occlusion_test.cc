@@ -244,7 +244,7 @@ TEST_F(OcclusionTest, HitsTellByHowMuchTheyDeviate) {
     Beams(Candidate(wall), 200 + i % 40, 480 + i % 40).CountHits(&counted);
   }
   std::vector<LevelOnSurface> levels;
-  EXPECT_FALSE(counted.OpeningsOf({wall}, &levels)[0].none());
+  EXPECT_FALSE(counted.OpeningsOf({wall}, 0.0, &levels)[0].none());
 }
 
 }  // namespace

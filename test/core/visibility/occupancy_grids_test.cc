@@ -174,7 +174,7 @@ TEST_F(OccupancyGridsTest, APlaceWhereBeamsDoNotLieOnThePlaneIsOne) {
     openings_.CountDeviation(wall_, At(x), is_before ? 0.04 : 0.0, 0.01);
   }
   std::vector<LevelOnSurface> levels;
-  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, &levels)[0];
+  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, 0.0, &levels)[0];
   EXPECT_TRUE(openings.IsAt(At(1.1)));
   EXPECT_FALSE(openings.IsAt(At(0.9)));
   EXPECT_FALSE(openings.IsAt(At(1.35)));
@@ -191,7 +191,7 @@ TEST_F(OccupancyGridsTest, ALevelHasTheRestAndItsEdgesAsOpenings) {
     }
   }
   std::vector<LevelOnSurface> levels;
-  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, &levels)[0];
+  const PlaneOpenings openings = openings_.OpeningsOf({wall_}, 0.0, &levels)[0];
   ASSERT_EQ(levels.size(), 1u);
   EXPECT_EQ(levels[0].landmark_id, 0);
   EXPECT_NEAR(levels[0].step_m, 0.04, 0.002);

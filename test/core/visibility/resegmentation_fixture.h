@@ -87,13 +87,14 @@ class ResegmentationTest : public TemporaryDirectoryTest {
     OccupancyGrids counted;
     std::vector<LevelOnSurface> levels;
     const MapperOptions options;
-    const int num_resegmented =
-        ResegmentRecording(rig_,
-                           options,
-                           &recording,
-                           openings_.OpeningsOf(state_->landmarks, &levels),
-                           last ? nullptr : &counted,
-                           state_.get());
+    const int num_resegmented = ResegmentRecording(
+        rig_,
+        options,
+        &recording,
+        openings_.OpeningsOf(
+            state_->landmarks, options.association.surface_flatness_m, &levels),
+        last ? nullptr : &counted,
+        state_.get());
     if (!last) openings_ = std::move(counted);
     return num_resegmented;
   }
