@@ -68,6 +68,7 @@ void VisitRules(Options& o, Visitor& v) {
     s.Flag("points_over_planes", o.rules.points_over_planes);
     s.Flag("half_window_steps", o.rules.half_window_steps);
     s.Flag("several_starts", o.rules.several_starts);
+    s.Flag("beams_behind_walls", o.rules.beams_behind_walls);
     s.Flag("redundant_planes", o.rules.redundant_planes);
     s.Flag("passed_through_planes", o.rules.passed_through_planes);
     s.Flag("oblique_planes", o.rules.oblique_planes);

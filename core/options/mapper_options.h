@@ -136,6 +136,8 @@ struct RuleOptions {
   bool half_window_steps = true;
   // Several scans are tried as the map's first.
   bool several_starts = true;
+  // Beams that pass behind a wall are taken from its segments while the rig is followed.
+  bool beams_behind_walls = true;
   // What the batch takes for no planes: those that repeat another, those that beams pass
   // through, and oblique ones across corners.
   bool redundant_planes = true;

@@ -199,6 +199,28 @@ std::vector<int> Occlusion::BehindCorners(const std::vector<LandmarkView>& other
   return beams;
 }
 
+std::vector<int> Occlusion::BehindWalls(const std::vector<LandmarkView>& others) const {
+  std::vector<int> beams;
+  const WallCrossings crossings = FindCrossings(others);
+  const auto is_hidden = [&](const PlaneView& view, int beam, const LandmarkView& wall) {
+    const auto at = IntersectionPoint(view, beam, scan_line.BeamDirection(beam), kMinCosine);
+    return at && wall.SignedDistance(*at) > -kSeenReach &&
+           wall.landmark->extent.IsNear(*at, *at, kSeenReach);
+  };
+  // Goes from the crossing on, to the side of it that lies behind the wall.
+  const auto add = [&](const WallCrossing& crossing, int step) {
+    int beam = static_cast<int>(std::lround(BeamAt(crossings, crossing.at)));
+    const PlaneView view = MakePlaneView();
+    for (; beam >= first_beam && beam <= last_beam && is_hidden(view, beam, *crossing.wall);
+         beam += step) {
+      beams.push_back(beam);
+    }
+  };
+  for (const WallCrossing& crossing : crossings.leaving) add(crossing, 1);
+  for (const WallCrossing& crossing : crossings.entering) add(crossing, -1);
+  return beams;
+}
+
 void Occlusion::CountHits(OccupancyGrids* grids) const {
   const PlaneView view = MakePlaneView();
   const int stride = std::max(1, (last_beam - first_beam) / kNumHits);

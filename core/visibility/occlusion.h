@@ -34,6 +34,10 @@ struct Occlusion {
   // between the two faces of a corner that stands into the segment. Without a corner there,
   // nothing is behind both that a beam could reach.
   std::vector<int> BehindCorners(const std::vector<LandmarkView>& others) const;
+  // The beams that meet a floor or ceiling close behind a single wall, where the wall has been
+  // seen: they end on its face. This finds corners of which the other face has not come into
+  // view yet, at the price of the floor beside a door's jambs.
+  std::vector<int> BehindWalls(const std::vector<LandmarkView>& others) const;
   // Counts the beams that lie on the plane, away from both ends: a few stand for all of them.
   void CountHits(OccupancyGrids* grids) const;
 

@@ -246,10 +246,12 @@ std::vector<int> ScanLineResegmenter::OccludedBeamsOf(const ScanLine& scan_line,
   const Occlusion occlusion{
       scan_line, scanner, poses_.Of(observation), own, range.first, range.last};
   std::vector<int> beams = occlusion.BehindCorners(views_.planes());
-  if (openings_ == nullptr) return beams;
-  const std::vector<int> in_openings =
-      occlusion.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)]);
-  beams.insert(beams.end(), in_openings.begin(), in_openings.end());
+  const std::vector<int> others =
+      openings_ != nullptr
+          ? occlusion.InOpenings((*openings_)[static_cast<size_t>(own.landmark->id)])
+      : options_.rules.beams_behind_walls ? occlusion.BehindWalls(views_.planes())
+                                          : std::vector<int>();
+  beams.insert(beams.end(), others.begin(), others.end());
   return beams;
 }
 

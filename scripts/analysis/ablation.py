@@ -29,6 +29,7 @@ RULES = {
     "points_over_planes": ("people_and_doors", "furniture"),
     "half_window_steps": ("furniture", "extrinsics_half_deg"),
     "several_starts": ("fzk_stairs", "duplex_a_stairs"),
+    "beams_behind_walls": ("orthogonal_scanners", "ramp"),
     "redundant_planes": ("two_storeys", "duplex_a_stairs"),
     "passed_through_planes": ("people_and_doors", "furniture"),
     "oblique_planes": ("plain", "duplex_b_stairs"),

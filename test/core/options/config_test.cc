@@ -40,7 +40,7 @@ MapperOptions UnusualOptions() {
   o.planes = {11, 1.75, 7, 1.25, 0.75, 2.5};
   o.window = {SolverKind::kGaussNewton, 33, 0.75, false, true};
   o.points = {false, 0.5, 0.0375, 0.25, false, 12.5};
-  o.rules = {false, false, false, false, false, false, false, false, false, false};
+  o.rules = {false, false, false, false, false, false, false, false, false, false, false};
   o.odometry = {false, 0.03, 0.2};
   o.loop_closure = {false, 77};
   o.batch = {

@@ -89,6 +89,29 @@ TEST_F(OcclusionTest, FloorBetweenDistantWallsIsNotHidden) {
                   .empty());
 }
 
+// Down to 0.25 m behind the wall, y = 1.9 to 2.25 m, or 2.1 to 1.75 m.
+TEST_F(OcclusionTest, FloorCloseBehindAWallIsHidden) {
+  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
+  const Landmark near = Wall({1.0, -1.0, 0.0}, {0.0, 1.9, 0.0});
+  const Landmark far = Wall({1.0, 1.0, 0.0}, {0.0, 2.1, 0.0});
+  const LandmarkView plane = Candidate(floor);
+  EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(near)}),
+            std::vector<int>({52, 53, 54, 55, 56}));
+  EXPECT_EQ(Beams(plane, 20, 65).BehindWalls({Candidate(far)}),
+            std::vector<int>({54, 53, 52, 51, 50}));
+  EXPECT_TRUE(Beams(plane, 20, 45).BehindWalls({Candidate(near)}).empty()) << "in front";
+  EXPECT_TRUE(Beams(Candidate(far), 20, 65).BehindWalls({Candidate(near)}).empty())
+      << "a wall";
+}
+
+// As through a door, or past the wall's end.
+TEST_F(OcclusionTest, FloorBesideWhatIsSeenOfAWallIsNotHidden) {
+  const Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, 0.0});
+  const Eigen::Vector3d along = Eigen::Vector3d(1.0, 1.0, 0.0).normalized();
+  const Landmark aside = Wall({1.0, -1.0, 0.0}, Eigen::Vector3d(0.0, 1.9, 0.0) + 1.3 * along);
+  EXPECT_TRUE(Beams(Candidate(floor), 20, 65).BehindWalls({Candidate(aside)}).empty());
+}
+
 TEST_F(OcclusionTest, BeamsInAKnownOpeningAreFound) {
   const Landmark wall = Wall({0.0, -1.0, 0.0}, {0.0, 4.0, 1.0});
   const LandmarkView plane = Candidate(wall);

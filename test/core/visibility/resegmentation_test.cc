@@ -333,6 +333,28 @@ TEST_F(ResegmentScanTest, TakesSegmentsToTheirPlanes) {
   EXPECT_EQ(observation(0).taken_to, kFront) << "for the batch to see";
 }
 
+// The front wall, turned into a floor 2 m below the scanner. A wall stands on it beyond
+// y = -1 m; of its corner the other face has not been seen.
+TEST_F(ResegmentScanTest, BeamsCloseBehindAWallGo) {
+  Eigen::Matrix3d rotation;
+  rotation.col(0) = -Eigen::Vector3d::UnitZ();
+  rotation.col(1) = Eigen::Vector3d::UnitY();
+  rotation.col(2) = Eigen::Vector3d::UnitX();
+  rig_.scanners[0].body_from_scanner.rotation = Eigen::Quaterniond(rotation);
+  state_->landmarks.clear();
+  Landmark floor = MakeHorizontalLandmark(1.0, {0.0, 0.0, -2.0});
+  floor.extent.AddSegment({0.0, -3.0, -2.0}, {0.0, 1.0, -2.0});
+  floor.num_segments = 1;
+  state_->landmarks.push_back(floor);
+  AddWall({0.6, 0.8, 0.0}, {-0.4, -0.7, -2.0}, {0.4, -1.3, -2.0});
+  AddObservation(0, 40, kLast);
+  ResegmentTracked();
+  EXPECT_EQ(observation(0).first_beam, 40);
+  EXPECT_EQ(observation(0).last_beam, kLast);
+  EXPECT_TRUE(observation(0).excluded_beams == std::vector<int>({57, 58, 59, 60, 61, 62, 63}));
+  EXPECT_EQ(observation(0).num_points, kLast - 40 + 1 - 7);
+}
+
 // Two planes may meet beyond the scan line. What lies there in memory would go on with the
 // wall.
 TEST_F(ResegmentationTest, ExtendingEndsWithTheScanLine) {
