@@ -99,9 +99,9 @@ class OccupancyGrids {
   PlaneOpenings OpeningsOf(const Landmark& landmark) const;
   // The openings of all landmarks, by id: they take a fraction of the counts' memory. Places
   // whose beams do not lie on the plane that the others show (FindLevels) are openings, too:
-  // something stands close before or behind the plane there. flatness_m: the least
-  // unevenness of surfaces that are no walls. levels: gets the levels that they
-  // form, but for those that are edges only, in the order of the landmarks.
+  // something stands close before or behind the plane there. flatness_m: the least unevenness
+  // of surfaces that are no walls. levels: gets the levels that such places form, but for
+  // those that are edges only, in the order of the landmarks.
   std::vector<PlaneOpenings> OpeningsOf(const std::deque<Landmark>& landmarks,
                                         double flatness_m,
                                         std::vector<LevelOnSurface>* levels) const;

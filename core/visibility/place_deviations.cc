@@ -25,6 +25,9 @@ struct PlaceSums {
     value += place_weight * place.value_m;
     by_surface += place_weight * place.by_surface;
   }
+  PlaceSums operator+(const PlaceSums& other) const {
+    return {weight + other.weight, value + other.value, by_surface + other.by_surface};
+  }
   PlaceSums operator-(const PlaceSums& other) const {
     return {weight - other.weight, value - other.value, by_surface - other.by_surface};
   }
@@ -130,7 +133,7 @@ class LevelSearch {
     std::vector<PlaceSums> up_to = {PlaceSums()};
     for (const auto& [index, sums] : strips) {
       at.push_back(index);
-      up_to.push_back(up_to.back() - (PlaceSums() - sums));
+      up_to.push_back(up_to.back() + sums);
     }
     for (size_t first = 0; first < at.size(); ++first) {
       for (size_t end = first + 1; end <= at.size(); ++end) {

@@ -71,7 +71,7 @@ struct PlaneEvaluation {
 // Returns the index of the face that the estimate shows, -1 for none; both are given in the
 // same frame. Faces count by the share of the estimate that they hold, by how near they lie,
 // and by how many of the estimate's points can be theirs: a rail just before a wall got few
-// beams. Coplanar faces count together, and the first of them is returned. planar: outlines
+// beams. Coplanar faces count together, and the best of them is returned. planar: outlines
 // are compared from above, along the wall only.
 int FindBestFace(const PlanePatch& estimate,
                  const std::vector<PlanePatch>& faces,
