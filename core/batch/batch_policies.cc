@@ -272,23 +272,6 @@ int DropPlanesWithoutLines(MapState* state) {
   return ReleaseObservations(has_none, state);
 }
 
-namespace {
-
-// Releases the observations of landmarks, and removes their sub-minimum segments.
-int ReleaseAll(const std::vector<bool>& is_chosen, MapState* state) {
-  const int num_released = ReleaseObservations(is_chosen, state);
-  std::deque<Observation>& segments = state->sub_minimum_segments;
-  segments.erase(std::remove_if(segments.begin(),
-                                segments.end(),
-                                [&](const Observation& segment) {
-                                  return is_chosen[static_cast<size_t>(segment.landmark_id)];
-                                }),
-                 segments.end());
-  return num_released;
-}
-
-}  // namespace
-
 int DropVanishedCylinders(MapState* state) {
   std::vector<bool> has_vanished;
   for (const Landmark& landmark : state->landmarks) {
@@ -296,7 +279,7 @@ int DropVanishedCylinders(MapState* state) {
     const double square = 1.0 + 2.0 * landmark.Curvature() * landmark.parameters[2];
     has_vanished.push_back(landmark.num_segments > 0 && !(square > 0.0));
   }
-  return ReleaseAll(has_vanished, state);
+  return ReleaseObservations(has_vanished, state);
 }
 
 int DropObliqueFalsePlanes(MapState* state) {
@@ -313,7 +296,7 @@ int DropObliqueFalsePlanes(MapState* state) {
   for (size_t i = 0; i < in_segments.size(); ++i) {
     is_false.push_back(in_sub_minimum[i] > kMaxSubMinimumRatio * in_segments[i]);
   }
-  return ReleaseAll(is_false, state);
+  return ReleaseObservations(is_false, state);
 }
 
 }  // namespace plumbline

@@ -55,15 +55,19 @@ std::set<std::pair<int, int>> SplitLevels(const Rig& rig,
   std::vector<int> landmark_of_level(levels.size(), -1);
   std::set<std::pair<int, int>> split;
   SharedPoses poses(rig, state->trajectory);
-  for (Observation& observation : state->observations) {
+  const auto level_of = [&](const Observation& observation) -> std::optional<size_t> {
     const auto surface = by_surface.find(observation.landmark_id);
-    if (surface == by_surface.end()) continue;
+    if (surface == by_surface.end()) return std::nullopt;
     const Landmark& landmark = state->landmarks[static_cast<size_t>(surface->first)];
-    const std::optional<size_t> level =
-        LevelOf(observation, poses.Of(observation), landmark.extent, surface->second);
+    return LevelOf(observation, poses.Of(observation), landmark.extent, surface->second);
+  };
+  for (Observation& observation : state->observations) {
+    const std::optional<size_t> level = level_of(observation);
     if (!level) continue;
     int& id = landmark_of_level[*level];
     if (id < 0) {
+      const Landmark& landmark =
+          state->landmarks[static_cast<size_t>(observation.landmark_id)];
       id = static_cast<int>(state->landmarks.size());
       split.emplace(landmark.id, id);
       Landmark on_level = landmark;
@@ -73,6 +77,11 @@ std::set<std::pair<int, int>> SplitLevels(const Rig& rig,
       openings->push_back(levels[*level].elsewhere);
     }
     observation.landmark_id = id;
+  }
+  for (Observation& segment : state->sub_minimum_segments) {
+    const std::optional<size_t> level = level_of(segment);
+    if (!level || landmark_of_level[*level] < 0) continue;
+    segment.landmark_id = landmark_of_level[*level];
   }
   std::vector<bool> is_changed(state->landmarks.size(), false);
   for (const auto& [surface, on_level] : split) {

@@ -141,6 +141,13 @@ int ReleaseObservations(const std::vector<bool>& is_chosen, MapState* state) {
     observation.landmark_id = -1;
     ++num_released;
   }
+  std::deque<Observation>& segments = state->sub_minimum_segments;
+  segments.erase(std::remove_if(segments.begin(),
+                                segments.end(),
+                                [&](const Observation& segment) {
+                                  return is_released(segment.landmark_id);
+                                }),
+                 segments.end());
   for (Landmark& landmark : state->landmarks) {
     if (is_released(landmark.id)) Empty(&landmark);
   }

@@ -82,9 +82,10 @@ void RecountSegments(MapState* state);
 // the wall with most of them in its place.
 void KeepHeadingHeld(MapState* state);
 
-// Leaves the observations of the chosen landmarks (is_chosen: by id) without a landmark, and
-// these landmarks empty; returns how many observations. The wall that fixes the gauge keeps
-// its own: without it nothing would determine the heading.
+// Leaves the observations of the chosen landmarks (is_chosen: by id) without a landmark,
+// removes their sub-minimum segments, and leaves these landmarks empty; returns how many
+// observations. The wall that fixes the gauge keeps its own: without it nothing would
+// determine the heading.
 int ReleaseObservations(const std::vector<bool>& is_chosen, MapState* state);
 
 }  // namespace plumbline

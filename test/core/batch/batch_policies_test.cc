@@ -265,9 +265,12 @@ TEST_F(BatchPoliciesTest, APlaneOfTooFewScansIsWeak) {
     AddSegment(1, scan);
     AddSegment(1, scan);  // more segments of a scan are no more scans
   }
+  for (const int id : {0, 1}) AddSubMinimumSegment(id, 3);
   options_.planes.min_scans = 4;
   EXPECT_EQ(DropWeakPlanes(options_.planes, &state_), 6);
   EXPECT_EQ(Ids(), (Ints{0, 0, -1, -1, 0, -1, -1, 0, -1, -1}));
+  ASSERT_EQ(state_.sub_minimum_segments.size(), 1U);
+  EXPECT_EQ(state_.sub_minimum_segments[0].landmark_id, 0);
 }
 
 TEST_F(BatchPoliciesTest, SingleBeamsDoNotKeepAPlane) {

@@ -97,6 +97,23 @@ TEST_F(LevelSplittingTest, SegmentsMostlyOnALevelGoToALandmarkOfItsOwn) {
   EXPECT_EQ(openings_.size(), 2u);
 }
 
+TEST_F(LevelSplittingTest, SubMinimumSegmentsGoWithTheSegmentsOfTheirLevel) {
+  See(-1.0, -0.8, 0);
+  See(0.7, 0.9, 1);
+  See(-1.7, -1.6, 2);
+  state_.sub_minimum_segments = std::move(state_.observations);
+  state_.observations.clear();
+  See(-1.5, 0.4, 3);
+  See(0.7, 1.4, 4);
+  Split({Level(0.5, 1.75, 0.03), Level(-1.99, -1.5, 0.03)});
+  EXPECT_EQ(Ids(), (std::vector<int>{0, 1}));
+  std::vector<int> ids;
+  for (const Observation& segment : state_.sub_minimum_segments) {
+    ids.push_back(segment.landmark_id);
+  }
+  EXPECT_EQ(ids, (std::vector<int>{0, 1, 0}));  // no segment founds the second level
+}
+
 TEST_F(LevelSplittingTest, LevelsThatNoSegmentLiesOnGetNoLandmark) {
   See(-0.8, 1.4, 0);
   EXPECT_TRUE(Split({Level(0.5, 1.75, 0.03)}).empty());
