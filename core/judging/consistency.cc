@@ -135,7 +135,7 @@ Evidence Collect(const Rig& rig,
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages.shares);
-  evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, start_ns);
+  evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, evidence.motion, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);

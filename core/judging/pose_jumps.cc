@@ -218,6 +218,7 @@ std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
 
 std::vector<bool> FindUnsupportedJumps(const Rig& rig,
                                        const MapState& state,
+                                       const std::vector<SecondOfMotion>& motion,
                                        int64_t start_ns) {
   const std::vector<SupportedAcceleration> accelerations = SupportedAccelerations(rig, state);
   std::vector<double> usual;
@@ -225,13 +226,19 @@ std::vector<bool> FindUnsupportedJumps(const Rig& rig,
   const double min_information =
       std::min(Median(usual) / (kTimesUsualStddev * kTimesUsualStddev),
                1.0 / (kMinStddev * kMinStddev));
+  // A rig that takes every turn hard does so past a doorway, too.
+  const Kinds usual_acceleration = Usual(motion);
+  const double min_horizontal =
+      std::max(kMinHorizontal, usual_acceleration[SecondOfMotion::kHorizontal]);
+  const double min_vertical =
+      std::max(kMinVertical, usual_acceleration[SecondOfMotion::kVertical]);
   std::vector<bool> is_jump;
   for (const SupportedAcceleration& a : accelerations) {
     const auto second =
         static_cast<size_t>(std::max(0.0, SecondsBetween(start_ns, a.time_ns)));
     if (second >= is_jump.size()) is_jump.resize(second + 1, false);
-    const double times = std::hypot(a.world_m_s2.head<2>().norm() / kMinHorizontal,
-                                    a.world_m_s2.z() / kMinVertical);
+    const double times = std::hypot(a.world_m_s2.head<2>().norm() / min_horizontal,
+                                    a.world_m_s2.z() / min_vertical);
     if (a.information < min_information && times > 1.0) is_jump[second] = true;
   }
   return is_jump;

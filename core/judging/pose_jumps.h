@@ -40,11 +40,12 @@ std::vector<bool> FindGlitches(const std::vector<SecondOfMotion>& motion,
 std::vector<bool> FindJumps(const std::vector<SecondOfMotion>& motion,
                             const SharesOverTime& passages);
 
-// Seconds in which the rig would have accelerated in a direction that no wide surface shows: a
-// pose that slipped along a corridor with somebody who walks there, or from one tread to the
-// next one.
+// Seconds in which the rig would have accelerated, harder than it usually does, in a direction
+// that no wide surface shows: a pose that slipped along a corridor with somebody who walks
+// there, or from one tread to the next one.
 std::vector<bool> FindUnsupportedJumps(const Rig& rig,
                                        const MapState& state,
+                                       const std::vector<SecondOfMotion>& motion,
                                        int64_t start_ns);
 
 }  // namespace plumbline

@@ -99,8 +99,14 @@ class UnsupportedJumpTest : public testing::Test {
       trajectory.control_point(i).position[axis] += by_m;
     }
   }
-  std::vector<int> Jumps() {
-    const std::vector<bool> is_jump = FindUnsupportedJumps(map_.rig(), map_.state(), 0);
+  // usual_m_s2: the horizontal acceleration of every tenth second.
+  std::vector<int> Jumps(double usual_m_s2 = 0.0) {
+    std::vector<SecondOfMotion> motion(20);
+    for (size_t s = 0; s < motion.size(); s += 5) {
+      motion[s].accelerations[SecondOfMotion::kHorizontal] = usual_m_s2;
+    }
+    const std::vector<bool> is_jump =
+        FindUnsupportedJumps(map_.rig(), map_.state(), motion, 0);
     std::vector<int> seconds;
     for (size_t s = 0; s < is_jump.size(); ++s) {
       if (is_jump[s]) seconds.push_back(static_cast<int>(s));
@@ -126,6 +132,16 @@ TEST_F(UnsupportedJumpTest, IsOneWhereOnlyANarrowPlaneDoes) {
   EXPECT_EQ(Jumps(), std::vector<int>());  // the rig is still at rest
   Slip(0, 0.1);
   EXPECT_EQ(Jumps(), std::vector<int>({10}));
+}
+
+// A rig that takes turns hard does so in doorways, where little shows it.
+TEST_F(UnsupportedJumpTest, IsNoneWhereTheRigOftenMovesSo) {
+  SeeTheWall(0, 9);
+  SeeTheBack(9, 12);
+  SeeTheWall(12, 20);
+  Slip(0, 0.1);
+  EXPECT_EQ(Jumps(3.0), std::vector<int>({10}));
+  EXPECT_EQ(Jumps(20.0), std::vector<int>());
 }
 
 // The wall says nothing of the height; a person on stairs moves harder than along a corridor.
