@@ -130,7 +130,7 @@ Evidence Collect(const Rig& rig,
   Evidence evidence;
   evidence.position_stddevs_m = map.position_stddevs_m;
   const Sightings sightings = CollectSightings(rig, state, start_ns);
-  evidence.passages = FindContradictedPassages(sightings);
+  evidence.passages = FindContradictedPassages(state, sightings);
   evidence.doubled = FindDoubledSurfaces(state, sightings);
   evidence.revisits = CompareVisits(rig, state, sightings, start_ns);
   evidence.motion = MotionOverTime(state, start_ns);

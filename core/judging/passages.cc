@@ -14,8 +14,9 @@ constexpr int kApart = 2;  // s
 // The shares of seconds, summed surface by surface.
 class SharesOfSurfaces {
  public:
-  explicit SharesOfSurfaces(int num_seconds)
-      : total_(static_cast<size_t>(num_seconds)),
+  SharesOfSurfaces(const MapState& state, int num_seconds)
+      : state_(state),
+        total_(static_cast<size_t>(num_seconds)),
         worst_(total_.size()),
         current_(total_.size()) {}
 
@@ -37,14 +38,20 @@ class SharesOfSurfaces {
 
  private:
   void FinishSurface() {
+    const bool may_move =
+        landmark_id_ >= 0 &&
+        TraitsOf(state_.landmarks[static_cast<size_t>(landmark_id_)]).has_doorways;
     for (size_t i = 0; i < total_.size(); ++i) {
       total_[i].contradicted += current_[i].contradicted;
       total_[i].comparable += current_[i].comparable;
-      if (current_[i].contradicted > worst_[i].contradicted) worst_[i] = current_[i];
+      if (may_move && current_[i].contradicted > worst_[i].contradicted) {
+        worst_[i] = current_[i];
+      }
       current_[i] = {};
     }
   }
 
+  const MapState& state_;
   SharesOverTime total_;
   SharesOverTime worst_;
   SharesOverTime current_;
@@ -53,8 +60,9 @@ class SharesOfSurfaces {
 
 }  // namespace
 
-ContradictedPassages FindContradictedPassages(const Sightings& sightings) {
-  SharesOfSurfaces shares(sightings.num_seconds());
+ContradictedPassages FindContradictedPassages(const MapState& state,
+                                              const Sightings& sightings) {
+  SharesOfSurfaces shares(state, sightings.num_seconds());
   sightings.ForEachCell([&](const Sighting* first, const Sighting* last) {
     int all_solid = 0;
     int all_passed = 0;

@@ -2,6 +2,7 @@
 
 #include "core/judging/evidence.h"
 #include "core/judging/sightings.h"
+#include "core/map/map_state.h"
 
 namespace plumbline {
 
@@ -10,12 +11,13 @@ namespace plumbline {
 // differently. A cell that others saw both ways counts by the share of those that disagree.
 struct ContradictedPassages {
   SharesOverTime shares;
-  // Shares without the surface of each second that is contradicted most: wrong poses
-  // contradict several surfaces at once, a door that moved or an outline drawn too large only
-  // one.
+  // Shares without the wall of each second that is contradicted most: wrong poses contradict
+  // several surfaces at once, a door that moved or an outline drawn too large only one. Floors
+  // and ceilings do not move.
   SharesOverTime without_worst;
 };
 
-ContradictedPassages FindContradictedPassages(const Sightings& sightings);
+ContradictedPassages FindContradictedPassages(const MapState& state,
+                                              const Sightings& sightings);
 
 }  // namespace plumbline

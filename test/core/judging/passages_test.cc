@@ -10,7 +10,8 @@ namespace plumbline {
 namespace {
 
 SharesOverTime PassagesOf(HandMadeMap* map) {
-  return FindContradictedPassages(CollectSightings(map->rig(), map->state(), 0)).shares;
+  return FindContradictedPassages(map->state(), CollectSightings(map->rig(), map->state(), 0))
+      .shares;
 }
 
 TEST(PassagesTest, AWallThatIsSeenAgainIsNoContradiction) {
@@ -40,10 +41,20 @@ TEST(PassagesTest, BeamsThroughAWallOfOtherTimesContradictIt) {
 }
 
 // Doors that are closed for four seconds, with a wall behind that is seen through them later.
-ContradictedPassages ThroughDoors(const std::vector<double>& doors_x) {
+// can_move: otherwise they are planes of a kind that holds no doors.
+ContradictedPassages ThroughDoors(const std::vector<double>& doors_x, bool can_move = true) {
   HandMadeMap map;
   std::vector<int> doors;
-  for (const double x : doors_x) doors.push_back(map.AddWall(x, -2.3, 2.4));
+  for (const double x : doors_x) {
+    doors.push_back(map.AddWall(x, -2.3, 2.4));
+    if (can_move) continue;
+    Landmark& landmark = map.state().landmarks.back();
+    Landmark slope = MakeGeneralLandmark({-1.0, 0.0, 0.0}, {x, 0.0, 0.0});
+    slope.id = landmark.id;
+    slope.num_segments = 1;
+    slope.extent.AddSegment({x, -2.3, 0.0}, {x, 2.4, 0.0});
+    landmark = slope;
+  }
   const int behind = map.AddWall(8.0, -3.5, 3.7);
   for (int second = 0; second < 4; ++second) {
     for (size_t i = 0; i < doors.size(); ++i) {
@@ -51,7 +62,7 @@ ContradictedPassages ThroughDoors(const std::vector<double>& doors_x) {
     }
   }
   for (int second = 4; second < 8; ++second) map.See(second, behind, 8.0, -3.04, 3.36);
-  return FindContradictedPassages(CollectSightings(map.rig(), map.state(), 0));
+  return FindContradictedPassages(map.state(), CollectSightings(map.rig(), map.state(), 0));
 }
 
 TEST(PassagesTest, OneSurfaceAloneContradictsNoneOfTheOthers) {
@@ -60,6 +71,10 @@ TEST(PassagesTest, OneSurfaceAloneContradictsNoneOfTheOthers) {
   EXPECT_EQ(of_one.without_worst[6].contradicted, 0.0);
   EXPECT_GT(of_one.without_worst[6].comparable, 0.0) << "the wall behind";
   EXPECT_GT(ThroughDoors({5.0, 6.0}).without_worst[6].contradicted, 1.0);
+}
+
+TEST(PassagesTest, AFloorAloneContradictsThePoses) {
+  EXPECT_GT(ThroughDoors({5.0}, false).without_worst[6].contradicted, 1.0);
 }
 
 TEST(PassagesTest, BeamsThatEndCloseBehindDoNotPass) {
