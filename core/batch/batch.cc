@@ -166,7 +166,6 @@ class Batch {
     const std::set<std::pair<int, int>> split =
         SplitLevels(rig_, options_.association, levels, &openings_, state_);
     apart_.insert(split.begin(), split.end());
-    KeepHeadingHeld(state_);
     VLOG(1) << split.size() << " levels taken from the surfaces that held them";
     const int num_oblique = options_.rules.oblique_planes ? DropObliqueFalsePlanes(state_) : 0;
     const int num_dropped = num_oblique + DropWeakPlanes(options_.planes, state_) +

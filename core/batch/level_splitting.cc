@@ -89,6 +89,7 @@ std::set<std::pair<int, int>> SplitLevels(const Rig& rig,
     is_changed[static_cast<size_t>(on_level)] = true;
   }
   RebuildLandmarks(rig, is_changed, state);
+  KeepHeadingHeld(state);
   return split;
 }
 

@@ -16,8 +16,8 @@ namespace plumbline {
 // which is the surface still, and sub-minimum segments with them; its own segments move it
 // with the next estimate, and when openings are used, segments across both levels lose the
 // beams on the other. Steps within the unevenness that one surface may have stay. openings: by
-// landmark; gets those of the new ones. Returns the surface and the new landmark of each level
-// that got a segment.
+// landmark; gets those of the new ones. The heading stays held where its wall loses all
+// segments. Returns the surface and the new landmark of each level that got a segment.
 std::set<std::pair<int, int>> SplitLevels(const Rig& rig,
                                           const AssociationOptions& options,
                                           const std::vector<LevelOnSurface>& levels,

@@ -133,6 +133,8 @@ TEST_F(LevelSplittingTest, TwoLevelsGetTwoLandmarks) {
   EXPECT_EQ(Split({Level(0.5, 1.75, 0.03), Level(-1.75, -0.5, 0.03)}),
             (Pairs{{0, 1}, {0, 2}}));
   EXPECT_EQ(Ids(), (std::vector<int>{1, 2}));
+  EXPECT_FALSE(state_.landmarks[0].heading_fixed) << "nothing is left on it";
+  EXPECT_NE(state_.landmarks[1].heading_fixed, state_.landmarks[2].heading_fixed);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ TEST(PassagesTest, OneSurfaceAloneContradictsNoneOfTheOthers) {
   EXPECT_GT(ThroughDoors({5.0, 6.0}).without_worst[6].contradicted, 1.0);
 }
 
-TEST(PassagesTest, AFloorAloneContradictsThePoses) {
+TEST(PassagesTest, ASurfaceThatHoldsNoDoorsCountsAlone) {
   EXPECT_GT(ThroughDoors({5.0}, false).without_worst[6].contradicted, 1.0);
 }
 
