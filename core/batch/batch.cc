@@ -107,6 +107,13 @@ class Batch {
     int num_bent = 0;
     if (rules.bent_walls) num_bent += BendWalls(rig_, options_.association, state_);
     if (rules.rows_of_chords) num_bent += BendRowsOfChords(rig_, options_.association, state_);
+    if (num_dropped + num_bent > 0) {
+      // What was no surface held the poses, too: associations go by where these are without
+      // it.
+      RebuildLandmarks(rig_, state_);
+      KeepHeadingHeld(state_);
+      estimator_.StepRobustly();
+    }
     const int num_changed = Reassociate(rig_, options_, state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);
