@@ -17,6 +17,7 @@
 #include "core/association/plane_merging.h"
 #include "core/association/plane_through_lines.h"
 #include "core/association/rows_of_chords.h"
+#include "core/association/seen_together.h"
 #include "core/association/surface_levels.h"
 #include "core/batch/visit_levels.h"
 #include "core/geometry/angles.h"
@@ -118,6 +119,9 @@ std::vector<int> MergePlanes(const Rig& rig,
   for (const auto& [into, from] : FindMergeable(rig, *state, options, 0)) {
     const int end = target[static_cast<size_t>(into)];
     if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
+    const Landmark& a = state->landmarks[static_cast<size_t>(into)];
+    const Landmark& b = state->landmarks[static_cast<size_t>(from)];
+    if (LieApart(rig, *state, a, b, options.association.surface_flatness_m)) continue;
     target[static_cast<size_t>(from)] = end;
     MergeInto(end, from, state);
     merged_into.push_back(end);

@@ -20,9 +20,10 @@ namespace plumbline {
 // it would hold the plane there for good.
 int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state);
 
-// Merges landmarks that turn out to be one surface (FindMergeable). Returns the ids of the
-// landmarks that others were merged into, one entry for each of the others. Pairs (older,
-// newer) that were found to be two surfaces are left apart.
+// Merges landmarks that turn out to be one surface (FindMergeable) and do not lie apart where
+// they are seen together (LieApart). Returns the ids of the landmarks that others were merged
+// into, one entry for each of the others. Pairs (older, newer) that were found to be two
+// surfaces are left apart.
 std::vector<int> MergePlanes(const Rig& rig,
                              const MapperOptions& options,
                              const std::set<std::pair<int, int>>& apart,

@@ -162,6 +162,20 @@ TEST_F(BatchPoliciesTest, ASegmentAloneFarFromAllOthersLeavesItsPlane) {
   EXPECT_EQ(Ids(), (Ints{0, 0, -1}));
 }
 
+TEST_F(BatchPoliciesTest, WhatLiesApartWhereItIsSeenTogetherDoesNotMerge) {
+  for (const double first_y : {-2.0, 0.0}) {
+    AddWall(4.0, first_y, first_y + 2.0).covariance(1, 1) = 1e-4;
+    state_.landmarks.back().last_scan = 10;
+  }
+  MapState near = state_;
+  for (int scan = 0; scan < 3; ++scan) {
+    See(0, 4.0, -25, -1, scan);
+    See(1, 4.04, 1, 25, scan);
+  }
+  EXPECT_TRUE(MergePlanes(rig_, options_, {}, &state_).empty());
+  EXPECT_EQ(MergePlanes(rig_, options_, {}, &near), (Ints{0}));
+}
+
 TEST_F(BatchPoliciesTest, LandmarksMergeInChains) {
   AddWall(2.0, 0.0, 2.0);
   AddWall(2.0, 1.8, 3.8);
