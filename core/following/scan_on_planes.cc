@@ -2,6 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+
+#include "core/map/observation_poses.h"
 
 namespace plumbline {
 namespace {
@@ -62,21 +65,39 @@ BeamMask BeamsOnNoPlane(const MapState& state,
   return mask;
 }
 
-bool WallsLeaveOpen(const MapState& state,
+bool WallsLeaveOpen(const Rig& rig,
+                    const MapState& state,
                     int first_observation,
                     int last_observation,
                     double min_width_m,
                     double flatness_m) {
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  // Of position and heading; a turn counts by what it moves at the distance of the walls.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  double sum_distances2 = 0.0;
+  int num_ends = 0;
+  SharedPoses shared(rig, state.trajectory);
   const auto add = [&](int, const Observation& observation, const Landmark& landmark) {
     if (landmark.Width() < min_width_m) return;
-    // An arc's normals point into many directions: the one in its middle is as good as any.
-    const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
-    information += normal * normal.transpose() * InformationOf(observation, flatness_m);
+    const ObservationPoses& poses = shared.Of(observation);
+    const Eigen::Vector3d ends[] = {
+        poses.motion.ToWorld(observation.start(), observation.start_time_ns()),
+        poses.motion.ToWorld(observation.end(), observation.end_time_ns())};
+    for (const Eigen::Vector3d& end : ends) {
+      const Eigen::Vector3d lever = end - poses.world_from_body.translation;
+      const Eigen::Vector3d normal = landmark.NormalNear(end);
+      const Eigen::Vector3d row(normal.x(), normal.y(), lever.cross(normal).z());
+      information += 0.5 * row * row.transpose() * InformationOf(observation, flatness_m);
+      sum_distances2 += lever.head<2>().squaredNorm();
+      ++num_ends;
+    }
   };
   ForEachOnPlane(state, first_observation, last_observation, add);
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-  solver.computeDirect(information, Eigen::EigenvaluesOnly);
+  if (num_ends == 0) return true;
+  const double distance = std::sqrt(sum_distances2 / num_ends);
+  const Eigen::Vector3d scale(1.0, 1.0, 1.0 / distance);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(scale.asDiagonal() * information * scale.asDiagonal(),
+                       Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
 }
 

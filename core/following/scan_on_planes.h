@@ -5,6 +5,7 @@
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/registration/scan_matching.h"
+#include "core/sensor/rig.h"
 
 namespace plumbline {
 
@@ -28,9 +29,11 @@ BeamMask BeamsOnNoPlane(const MapState& state,
                         int last_observation,
                         const ScanMatcher& scan_matcher);
 
-// Whether its walls, vertical planes of at least this width, leave the rig's position open in
-// some horizontal direction. flatness_m: standard deviation of real surfaces from their plane.
-bool WallsLeaveOpen(const MapState& state,
+// Whether its walls, vertical planes and cylinders of at least this width, leave the rig's
+// position open in some horizontal direction, or its heading: in a round room, it may turn
+// about the axis. flatness_m: standard deviation of real surfaces from their plane.
+bool WallsLeaveOpen(const Rig& rig,
+                    const MapState& state,
                     int first_observation,
                     int last_observation,
                     double min_width_m,

@@ -353,7 +353,8 @@ PoseGaussian Tracker::EstimateWithout(const std::vector<int>& left_out,
 bool Tracker::PointsAlwaysHold() const { return planar_ && state_->odometry == nullptr; }
 
 bool Tracker::IsOpen(int first_observation, int last_observation) const {
-  return WallsLeaveOpen(*state_,
+  return WallsLeaveOpen(rig_,
+                        *state_,
                         first_observation,
                         last_observation,
                         bridges_by_motion_ ? kLongWall : options_.planes.small_m,

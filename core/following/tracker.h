@@ -62,13 +62,15 @@ class Tracker {
   // Whether the rig moves as its spline can follow.
   bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
   // Whether the walls in the newest scan leave its position open in some horizontal direction,
-  // and have not for long: what is left to hold it may be somebody who walks along.
+  // or its heading, and have not for long: what is left to hold it may be somebody who walks
+  // along.
   bool IsUndecided(int64_t now_ns) const;
 
   // Leaves the position to the predicted motion where long walls leave it open: points and
   // smaller planes do not hold it.
   void set_bridges_by_motion(bool bridges) { bridges_by_motion_ = bridges; }
-  // Whether the walls in the newest scan leave its position open in some horizontal direction.
+  // Whether the walls in the newest scan leave its position open in some horizontal direction,
+  // or its heading.
   bool is_open() const { return is_open_; }
 
   // The uncertainty of the newest poses, the planes given.
@@ -213,7 +215,7 @@ class Tracker {
   double scan_s_ = 0.0;         // from the last scan to the end of the newest one
   int64_t last_scan_ns_ = 0;    // the end of the last scan; 0: none
   bool bridges_by_motion_ = false;
-  bool is_open_ = false;      // walls leave the newest scan's position open
+  bool is_open_ = false;      // walls leave the newest scan's pose open
   int64_t last_held_ns_ = 0;  // when they last did not
   ThinEvidence thin_evidence_;
   bool needs_points_ = false;  // whether points, too, hold the next scan
