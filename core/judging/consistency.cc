@@ -12,6 +12,7 @@
 #include "core/judging/doubled_surfaces.h"
 #include "core/judging/evidence.h"
 #include "core/judging/likely_cause.h"
+#include "core/judging/open_joints.h"
 #include "core/judging/passages.h"
 #include "core/judging/pose_jumps.h"
 #include "core/judging/revisits.h"
@@ -49,6 +50,7 @@ struct Evidence {
   std::vector<SecondOfMotion> motion;
   std::vector<bool> jumps;
   std::vector<bool> unsupported_jumps;
+  std::vector<bool> open_joints;
   std::vector<bool> glitches;
   BentSurfaces bent;
   SharesOverTime without_plane;
@@ -136,6 +138,7 @@ Evidence Collect(const Rig& rig,
   evidence.motion = MotionOverTime(state, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages.shares);
   evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, evidence.motion, start_ns);
+  evidence.open_joints = FindOpenJoints(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
@@ -175,6 +178,10 @@ class Judge {
     AddIntervals(evidence_.unsupported_jumps,
                  kLost,
                  "the pose jumps where no wall, floor or ceiling shows it");
+    AddIntervals(
+        evidence_.open_joints,
+        kOpen,
+        "no wide surface shows the heading here, and no wall is known again after it");
     AddIntervals(evidence_.glitches,
                  kLost,
                  "for an instant segments lie off the planes, and the rig seems to jerk");

@@ -29,12 +29,31 @@ double Cut(const ScanPlacement& placement, const LandmarkView& plane) {
   return std::max(in_plane.norm(), kMinCuttingSine);
 }
 
-// Adds the information of a segment on its plane on the body's pose: rotation (world frame,
-// about the body's place) and position.
-void AddSegment(const Observation& observation,
-                const ObservationPoses& poses,
-                const LandmarkView& surface,
-                Matrix6d* information) {
+PositionStrength WeakestOf(const Matrix6d& information, bool planar) {
+  const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
+  PositionStrength strength;
+  const auto take = [&strength](const auto& solver, Eigen::Index last) {
+    strength.stddev_m = std::sqrt(std::max(0.0, solver.eigenvalues()(last)));
+    strength.direction_world.head(last + 1) = solver.eigenvectors().col(last);
+  };
+  if (planar) {
+    const Eigen::Matrix2d position = covariance.block<2, 2>(3, 3);
+    take(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position), 1);
+  } else {
+    const Eigen::Matrix3d position = covariance.block<3, 3>(3, 3);
+    take(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(position), 2);
+  }
+  return strength;
+}
+
+}  // namespace
+
+bool IsWide(const Landmark& landmark) { return landmark.Width() > kMaxNarrow; }
+
+void AddInformation(const Observation& observation,
+                    const ObservationPoses& poses,
+                    const LandmarkView& surface,
+                    Matrix6d* information) {
   const ScanPlacement placement = poses.motion.At(observation.middle_time_ns());
   const Eigen::Vector3d centre = placement * observation.centroid().homogeneous();
   std::optional<LandmarkView> near;
@@ -57,32 +76,6 @@ void AddSegment(const Observation& observation,
   }
 }
 
-PositionStrength WeakestOf(const Matrix6d& information, bool planar) {
-  const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
-  PositionStrength strength;
-  const auto take = [&strength](const auto& solver, Eigen::Index last) {
-    strength.stddev_m = std::sqrt(std::max(0.0, solver.eigenvalues()(last)));
-    strength.direction_world.head(last + 1) = solver.eigenvectors().col(last);
-  };
-  if (planar) {
-    const Eigen::Matrix2d position = covariance.block<2, 2>(3, 3);
-    take(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position), 1);
-  } else {
-    const Eigen::Matrix3d position = covariance.block<3, 3>(3, 3);
-    take(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(position), 2);
-  }
-  return strength;
-}
-
-}  // namespace
-
-double DistanceStddev(const Observation& observation,
-                      const ObservationPoses& poses,
-                      const LandmarkView& plane) {
-  return Cut(poses.motion.At(observation.middle_time_ns()), plane) *
-         observation.sigma_offset_m;
-}
-
 std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
                                                bool planar,
                                                const MapState& state,
@@ -99,10 +92,10 @@ std::vector<PositionStrength> StrengthOverTime(const Rig& rig,
     for (size_t i = first; i < last; ++i) {
       const Observation& observation = state.observations[i];
       if (observation.landmark_id < 0) continue;
-      AddSegment(observation,
-                 poses.Of(observation),
-                 planes[static_cast<size_t>(observation.landmark_id)],
-                 &information);
+      AddInformation(observation,
+                     poses.Of(observation),
+                     planes[static_cast<size_t>(observation.landmark_id)],
+                     &information);
       ++num_segments;
     }
     if (planar) {

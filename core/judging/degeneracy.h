@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
 #include "core/result/result_types.h"
 #include "core/sensor/rig.h"
@@ -10,11 +11,17 @@
 
 namespace plumbline {
 
-// Standard deviation, in metres, with which a segment on a plane shows the body's distance
-// from the plane, rotation and plane being known. 0 where the segment states none.
-double DistanceStddev(const Observation& observation,
-                      const ObservationPoses& poses,
-                      const LandmarkView& plane);
+// Walls are wider than this, floors and ceilings both ways, m. Treads and whoever walks are
+// not.
+inline constexpr double kMaxNarrow = 1.0;
+bool IsWide(const Landmark& landmark);
+
+// Adds the information of a segment on its plane on the body's pose at the segment: rotation
+// (world frame, about the body's place, 1/rad^2) and position (1/m^2).
+void AddInformation(const Observation& observation,
+                    const ObservationPoses& poses,
+                    const LandmarkView& surface,
+                    Matrix6d* information);
 
 // PositionStrength says how well one second's segments determine the rig's position, with the
 // planes taken as known, no motion assumed, and the rotation estimated as well.
