@@ -266,7 +266,12 @@ MapperOptions OptionsOf(const MapJob& job, const Rig& rig) {
     return job.config.empty() ? defaults : ReadMapperOptions(job.config, defaults);
   };
   if (!IsPlanar(rig) || rig.odometry_topic.empty() || !read().odometry.enabled) return read();
-  // Wheels hold the spline between scans, so that it can follow turns as short as one.
+  // Wheels hold the spline between scans, so that it can follow turns as short as one, and
+  // show accelerations, whose densities are estimated as any rig's are: fixed ones are too
+  // stiff for sharp turns.
+  const double knot_interval_s = defaults.trajectory.knot_interval_s;
+  defaults.trajectory = TrajectoryOptions();
+  defaults.trajectory.knot_interval_s = knot_interval_s;
   defaults.trajectory.min_scans_per_knot = 1.0;
   return read();
 }

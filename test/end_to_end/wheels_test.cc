@@ -145,5 +145,11 @@ TEST_F(MappingTest, ScansAreFoundWhereWheelsSlipInATurn) {
   }
 }
 
+// A motion prior that is stiffer than these turns turns scans by 2 degrees where wheels slip.
+TEST_F(MappingTest, SharpTurnsOfARigWithWheelsAreFollowed) {
+  const Evaluation evaluation = RunCase("wheels_sharp_turns", 3502);
+  EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
+}
+
 }  // namespace
 }  // namespace plumbline
