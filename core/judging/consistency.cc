@@ -138,7 +138,8 @@ Evidence Collect(const Rig& rig,
   evidence.motion = MotionOverTime(state, start_ns);
   evidence.jumps = FindJumps(evidence.motion, evidence.passages.shares);
   evidence.unsupported_jumps = FindUnsupportedJumps(rig, state, evidence.motion, start_ns);
-  evidence.open_joints = FindOpenJoints(rig, state, start_ns);
+  // All points hold a rig that moves in the plane, or its wheels.
+  if (!map.planar) evidence.open_joints = FindOpenJoints(rig, state, start_ns);
   evidence.glitches = FindGlitches(evidence.motion, SupportOverTime(state, start_ns));
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
@@ -178,10 +179,10 @@ class Judge {
     AddIntervals(evidence_.unsupported_jumps,
                  kLost,
                  "the pose jumps where no wall, floor or ceiling shows it");
-    AddIntervals(
-        evidence_.open_joints,
-        kOpen,
-        "no wide surface shows the heading here, and no wall is known again after it");
+    AddIntervals(evidence_.open_joints,
+                 kOpen,
+                 "no wide surface shows the heading here, and hardly a wall is seen before "
+                 "and after it");
     AddIntervals(evidence_.glitches,
                  kLost,
                  "for an instant segments lie off the planes, and the rig seems to jerk");

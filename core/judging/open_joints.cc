@@ -1,15 +1,15 @@
 #include "core/judging/open_joints.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <deque>
-#include <optional>
+#include <numeric>
 #include <vector>
 
 #include "core/geometry/matrix_types.h"
 #include "core/geometry/unknown_pose.h"
 #include "core/judging/degeneracy.h"
-#include "core/judging/evidence.h"
 #include "core/judging/sightings.h"
 #include "core/judging/verdict_levels.h"
 #include "core/surface/landmark_view.h"
@@ -44,54 +44,96 @@ struct Stretch {
   int64_t last_ns;
 };
 
-// Whether walls that were known before the stretch are seen after it: by more than an
-// exception of the points there that are on walls. A false heading puts a few of them on one,
-// too.
-bool IsTied(const Stretch& stretch, const MapState& state) {
-  Share unknown;
-  for (const Observation& observation : state.observations) {
-    if (observation.landmark_id < 0 || observation.middle_time_ns() < stretch.last_ns)
-      continue;
-    const Landmark& landmark = state.landmarks[static_cast<size_t>(observation.landmark_id)];
-    if (!TraitsOf(landmark).has_doorways || !IsWide(landmark)) continue;
-    unknown.comparable += observation.num_points;
-    if (landmark.first_time_ns > stretch.first_ns)
-      unknown.contradicted += observation.num_points;
-  }
-  return unknown.comparable > 0.0 && unknown.value() < 1.0 - kExceptionShare;
-}
-
-}  // namespace
-
-std::vector<bool> FindOpenJoints(const Rig& rig, const MapState& state, int64_t start_ns) {
+std::vector<Stretch> OpenStretches(const Rig& rig, const MapState& state) {
   const std::deque<Observation>& observations = state.observations;
   std::vector<LandmarkView> views;
   for (const Landmark& landmark : state.landmarks) views.emplace_back(landmark);
   SharedPoses poses(rig, state.trajectory);
-  std::vector<bool> is_open;
-  const auto mark = [&](const Stretch& stretch) {
-    if (IsTied(stretch, state)) return;
-    const auto second = static_cast<size_t>(SecondOf(start_ns, stretch.first_ns));
-    if (second >= is_open.size()) is_open.resize(second + 1, false);
-    is_open[second] = true;
-  };
-  std::optional<Stretch> open;
+  std::vector<Stretch> open;
+  bool goes_on = false;
   for (size_t first = 0; first < observations.size();) {
     const int64_t first_ns = observations[first].middle_time_ns();
     const int64_t last_ns = first_ns + NanosecondsFromSeconds(kSlipTime);
     size_t last = first;
     while (last < observations.size() && observations[last].middle_time_ns() < last_ns) ++last;
     // Across the narrowest wall the heading then moves what it sees to another surface.
-    if (kMaxNarrow * HeadingStddev(state, views, first, last, &poses) > kSameSurface) {
-      open = {open ? open->first_ns : first_ns, last_ns};
-    } else if (open) {
-      mark(*open);
-      open.reset();
-    }
+    const bool is_open =
+        kMaxNarrow * HeadingStddev(state, views, first, last, &poses) > kSameSurface;
+    if (is_open && !goes_on) open.push_back({first_ns, last_ns});
+    if (is_open) open.back().last_ns = last_ns;
+    goes_on = is_open;
     first = last;
   }
-  if (open) mark(*open);
-  return is_open;
+  return open;
+}
+
+// Points on wide walls, by landmark, in the parts before, between and after the stretches.
+std::vector<std::vector<double>> PointsOfParts(const std::vector<Stretch>& stretches,
+                                               const MapState& state) {
+  std::vector<std::vector<double>> points(stretches.size() + 1,
+                                          std::vector<double>(state.landmarks.size(), 0.0));
+  size_t part = 0;  // the observations are in the order of time
+  for (const Observation& observation : state.observations) {
+    const int64_t time_ns = observation.middle_time_ns();
+    while (part < stretches.size() && time_ns >= stretches[part].last_ns) ++part;
+    if (observation.landmark_id < 0) continue;
+    if (part < stretches.size() && time_ns >= stretches[part].first_ns) continue;
+    const auto id = static_cast<size_t>(observation.landmark_id);
+    const Landmark& landmark = state.landmarks[id];
+    if (TraitsOf(landmark).has_doorways && IsWide(landmark)) {
+      points[part][id] += observation.num_points;
+    }
+  }
+  return points;
+}
+
+double Sum(const std::vector<double>& points) {
+  return std::accumulate(points.begin(), points.end(), 0.0);
+}
+
+// Whether more than an exception of the points on walls, of the part that has fewer, is on
+// walls that both have seen. A false heading puts a few of them on one, too.
+bool AreTied(const std::vector<double>& a, const std::vector<double>& b) {
+  double on_both = 0.0;
+  for (size_t id = 0; id < a.size(); ++id) on_both += std::min(a[id], b[id]);
+  return on_both >= kExceptionShare * std::min(Sum(a), Sum(b));
+}
+
+// The parts that are tied to the largest one, through others if need be.
+std::vector<bool> TiedParts(const std::vector<std::vector<double>>& parts) {
+  std::vector<double> sums;
+  for (const std::vector<double>& part : parts) sums.push_back(Sum(part));
+  const auto largest =
+      static_cast<size_t>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+  std::vector<double> together = parts[largest];
+  std::vector<bool> is_tied(parts.size(), false);
+  is_tied[largest] = true;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (size_t part = 0; part < parts.size(); ++part) {
+      if (is_tied[part] || !AreTied(together, parts[part])) continue;
+      for (size_t id = 0; id < together.size(); ++id) together[id] += parts[part][id];
+      is_tied[part] = true;
+      grows = true;
+    }
+  }
+  return is_tied;
+}
+
+}  // namespace
+
+std::vector<bool> FindOpenJoints(const Rig& rig, const MapState& state, int64_t start_ns) {
+  const std::vector<Stretch> stretches = OpenStretches(rig, state);
+  if (stretches.empty()) return {};
+  const std::vector<bool> is_tied = TiedParts(PointsOfParts(stretches, state));
+  std::vector<bool> is_joint;
+  for (size_t i = 0; i < stretches.size(); ++i) {
+    if (is_tied[i] && is_tied[i + 1]) continue;
+    const auto second = static_cast<size_t>(SecondOf(start_ns, stretches[i].first_ns));
+    if (second >= is_joint.size()) is_joint.resize(second + 1, false);
+    is_joint[second] = true;
+  }
+  return is_joint;
 }
 
 }  // namespace plumbline

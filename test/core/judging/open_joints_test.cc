@@ -27,10 +27,6 @@ class OpenJointsTest : public testing::Test {
   void See(int second, int id) {
     map_.SeeAlong(second, id, {4.0, -1.0}, {4.0, 1.0});
     map_.SeeAlong(second, id, {-1.0, 4.0}, {1.0, 4.0});
-    Landmark& landmark = map_.state().landmarks[static_cast<size_t>(id)];
-    const Observation& last = map_.state().observations.back();
-    if (landmark.last_time_ns == 0) landmark.first_time_ns = last.middle_time_ns();
-    landmark.last_time_ns = last.middle_time_ns();
   }
 
   std::vector<bool> Find() {
@@ -64,6 +60,18 @@ TEST_F(OpenJointsTest, AWallThatIsSeenAgainJoinsBothParts) {
   See(4, before_);
   const std::vector<bool> is_open = Find();
   EXPECT_EQ(std::count(is_open.begin(), is_open.end(), true), 0);
+}
+
+TEST_F(OpenJointsTest, APartBetweenTwoIsAskedForItself) {
+  See(1, before_);
+  See(2, arc_);
+  See(3, after_);
+  See(4, arc_);
+  See(5, before_);
+  const std::vector<bool> is_open = Find();
+  ASSERT_GE(is_open.size(), 5u);
+  EXPECT_TRUE(is_open[2]);
+  EXPECT_TRUE(is_open[4]);
 }
 
 TEST_F(OpenJointsTest, AWallBesideTheRoundOneShowsTheHeading) {
