@@ -48,6 +48,13 @@ PositionStrength WeakestOf(const Matrix6d& information, bool planar) {
 
 }  // namespace
 
+double DistanceStddev(const Observation& observation,
+                      const ObservationPoses& poses,
+                      const LandmarkView& plane) {
+  return Cut(poses.motion.At(observation.middle_time_ns()), plane) *
+         observation.sigma_offset_m;
+}
+
 bool IsWide(const Landmark& landmark) { return landmark.Width() > kMaxNarrow; }
 
 void AddInformation(const Observation& observation,

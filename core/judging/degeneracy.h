@@ -11,6 +11,12 @@
 
 namespace plumbline {
 
+// Standard deviation, in metres, with which a segment on a plane shows the body's distance
+// from the plane, rotation and plane being known. 0 where the segment states none.
+double DistanceStddev(const Observation& observation,
+                      const ObservationPoses& poses,
+                      const LandmarkView& plane);
+
 // Walls are wider than this, floors and ceilings both ways, m. Treads and whoever walks are
 // not.
 inline constexpr double kMaxNarrow = 1.0;

@@ -1,12 +1,9 @@
 #include "core/judging/pose_jumps.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "core/geometry/matrix_types.h"
-#include "core/geometry/unknown_pose.h"
 #include "core/judging/degeneracy.h"
 #include "core/judging/verdict_levels.h"
 #include "core/surface/landmark_view.h"
@@ -96,9 +93,8 @@ bool IsJudged(const MapState& state, int64_t knot_ns) {
          state.IsMapped(knot_ns + kNumEndKnots * step_ns);
 }
 
-// How the trajectory accelerates at a knot, and how well wide surfaces alone show in the scans
-// of the interval before it where the rig is, turned as it may be: in a round room it moves
-// about the axis unseen. Information, 1/m^2.
+// How the trajectory accelerates at a knot, and how well wide surfaces alone, turns being
+// known, show in the scans of the interval before it where the rig is: information, 1/m^2.
 struct SupportedAcceleration {
   int64_t time_ns = 0;
   Eigen::Vector3d world_m_s2 = Eigen::Vector3d::Zero();
@@ -121,7 +117,7 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
     SupportedAcceleration a;
     a.time_ns = at_ns;
     a.world_m_s2 = AccelerationsAt(trajectory, at_ns).second;
-    Matrix6d information = Matrix6d::Zero();
+    const Eigen::Vector3d direction = a.world_m_s2.normalized();
     const size_t first = next;
     for (; next < state.observations.size(); ++next) {
       const Observation& observation = state.observations[next];
@@ -129,14 +125,15 @@ std::vector<SupportedAcceleration> SupportedAccelerations(const Rig& rig,
       if (observation.landmark_id < 0) continue;
       const auto id = static_cast<size_t>(observation.landmark_id);
       if (!IsWide(state.landmarks[id])) continue;
-      AddInformation(observation, poses.Of(observation), planes[id], &information);
+      const double stddev_m = DistanceStddev(observation, poses.Of(observation), planes[id]);
+      if (stddev_m <= 0.0) continue;
+      const double information = 1.0 / (stddev_m * stddev_m);
+      const Eigen::Vector3d centroid =
+          poses.Of(observation).motion.nodes()[1] * observation.centroid().homogeneous();
+      const double along = planes[id].UnitNormalNear(centroid).dot(direction);
+      a.information += along * along * information;
+      a.usual_information += information / 3.0;
     }
-    a.usual_information = information.diagonal().tail<3>().mean();
-    information.diagonal().head<3>().array() += 1.0 / (kUnknownTurn * kUnknownTurn);
-    information.diagonal().tail<3>().array() += 1.0 / (kUnknownPosition * kUnknownPosition);
-    const Eigen::Vector3d direction = a.world_m_s2.normalized();
-    const Matrix6d covariance = information.ldlt().solve(Matrix6d::Identity());
-    a.information = 1.0 / direction.dot(covariance.bottomRightCorner<3, 3>() * direction);
     if (next > first && IsJudged(state, at_ns)) accelerations.push_back(a);
   }
   return accelerations;
