@@ -65,12 +65,30 @@ BeamMask BeamsOnNoPlane(const MapState& state,
   return mask;
 }
 
-bool WallsLeaveOpen(const Rig& rig,
-                    const MapState& state,
+bool WallsLeaveOpen(const MapState& state,
                     int first_observation,
                     int last_observation,
                     double min_width_m,
                     double flatness_m) {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  const auto add = [&](int, const Observation& observation, const Landmark& landmark) {
+    if (landmark.Width() < min_width_m) return;
+    // An arc's normals point into many directions: the one in its middle is as good as any.
+    const Eigen::Vector2d normal = landmark.NormalNear(landmark.extent.Centre()).head<2>();
+    information += normal * normal.transpose() * InformationOf(observation, flatness_m);
+  };
+  ForEachOnPlane(state, first_observation, last_observation, add);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(information, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] * kOpenStddev * kOpenStddev < 1.0;
+}
+
+bool WallsLeavePoseOpen(const Rig& rig,
+                        const MapState& state,
+                        int first_observation,
+                        int last_observation,
+                        double min_width_m,
+                        double flatness_m) {
   // Of position and heading; a turn counts by what it moves at the distance of the walls.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double sum_distances2 = 0.0;

@@ -30,14 +30,21 @@ BeamMask BeamsOnNoPlane(const MapState& state,
                         const ScanMatcher& scan_matcher);
 
 // Whether its walls, vertical planes and cylinders of at least this width, leave the rig's
-// position open in some horizontal direction, or its heading: in a round room, it may turn
-// about the axis. flatness_m: standard deviation of real surfaces from their plane.
-bool WallsLeaveOpen(const Rig& rig,
-                    const MapState& state,
+// position open in some horizontal direction. flatness_m: standard deviation of real surfaces
+// from their plane.
+bool WallsLeaveOpen(const MapState& state,
                     int first_observation,
                     int last_observation,
                     double min_width_m,
                     double flatness_m);
+
+// The same, or the heading: in a round room, the rig may turn about the axis.
+bool WallsLeavePoseOpen(const Rig& rig,
+                        const MapState& state,
+                        int first_observation,
+                        int last_observation,
+                        double min_width_m,
+                        double flatness_m);
 
 // Whether its floors, ceilings and slopes leave the rig's height open, by a stricter measure.
 bool HeightIsOpen(const MapState& state,

@@ -353,12 +353,17 @@ PoseGaussian Tracker::EstimateWithout(const std::vector<int>& left_out,
 bool Tracker::PointsAlwaysHold() const { return planar_ && state_->odometry == nullptr; }
 
 bool Tracker::IsOpen(int first_observation, int last_observation) const {
-  return WallsLeaveOpen(rig_,
-                        *state_,
-                        first_observation,
-                        last_observation,
-                        bridges_by_motion_ ? kLongWall : options_.planes.small_m,
-                        options_.association.surface_flatness_m);
+  const double min_width_m = bridges_by_motion_ ? kLongWall : options_.planes.small_m;
+  const double flatness_m = options_.association.surface_flatness_m;
+  // All points or wheels hold the heading of a rig that moves in the plane.
+  return planar_ ? WallsLeaveOpen(
+                       *state_, first_observation, last_observation, min_width_m, flatness_m)
+                 : WallsLeavePoseOpen(rig_,
+                                      *state_,
+                                      first_observation,
+                                      last_observation,
+                                      min_width_m,
+                                      flatness_m);
 }
 
 bool Tracker::IsHeightOpen(int first_observation, int last_observation) const {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
 
 namespace plumbline {
@@ -70,7 +71,12 @@ TEST(ScanOnPlanesTest, WallsOfTwoDirectionsHoldPositionAndHeading) {
   const auto leave_open = [](std::initializer_list<int> ids, double min_width_m) {
     const MapState state = StateWithSegmentsOn(ids);
     const int last = static_cast<int>(state.observations.size()) - 1;
-    return WallsLeaveOpen(OneScanner(), state, 0, last, min_width_m, kFlatness);
+    const bool is_open =
+        WallsLeavePoseOpen(OneScanner(), state, 0, last, min_width_m, kFlatness);
+    if (std::find(ids.begin(), ids.end(), 4) == ids.end()) {
+      EXPECT_EQ(WallsLeaveOpen(state, 0, last, min_width_m, kFlatness), is_open);
+    }
+    return is_open;
   };
   EXPECT_FALSE(leave_open({1, 2}, 1.0));
   EXPECT_FALSE(leave_open({1, 3}, 1.0));

@@ -94,8 +94,7 @@ class ThinEvidenceTest : public testing::Test {
   }
 
   bool WallsLeaveScanOpen() const {
-    return WallsLeaveOpen(rig_,
-                          state_,
+    return WallsLeaveOpen(state_,
                           first_,
                           static_cast<int>(state_.observations.size()) - 1,
                           options_.planes.small_m,
