@@ -66,8 +66,8 @@ class ScanFollower {
   Stopwatch& segmentation_watch() { return segmentation_watch_; }
   // The local map of the last scans; nullptr if points hold no pose.
   const ScanMatcher* scan_matcher() const { return scan_matcher_.get(); }
-  // Whether walls leave the newest scan's position open in some horizontal direction, or its
-  // heading.
+  // Whether walls leave the newest scan's position open in some horizontal direction, or, in
+  // space, its heading.
   bool is_open() const { return tracker_->is_open(); }
 
   // Estimates what the window holds once more by long walls, floors and the motion alone, and

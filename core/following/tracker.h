@@ -62,15 +62,15 @@ class Tracker {
   // Whether the rig moves as its spline can follow.
   bool IsSteady(int64_t now_ns) const { return now_ns >= loose_until_ns_; }
   // Whether the walls in the newest scan leave its position open in some horizontal direction,
-  // or its heading, and have not for long: what is left to hold it may be somebody who walks
-  // along.
+  // or, in space, its heading, and have not for long: what is left to hold it may be somebody
+  // who walks along.
   bool IsUndecided(int64_t now_ns) const;
 
   // Leaves the position to the predicted motion where long walls leave it open: points and
   // smaller planes do not hold it.
   void set_bridges_by_motion(bool bridges) { bridges_by_motion_ = bridges; }
   // Whether the walls in the newest scan leave its position open in some horizontal direction,
-  // or its heading.
+  // or, in space, its heading.
   bool is_open() const { return is_open_; }
 
   // The uncertainty of the newest poses, the planes given.

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
-#include <vector>
-
 #include "core/following/scan_on_planes.h"
 #include "core/surface/landmark.h"
 #include "core/util/time.h"
@@ -19,8 +16,6 @@ constexpr double kPeriod = 0.025;  // s
 class ThinEvidenceTest : public testing::Test {
  protected:
   ThinEvidenceTest() {
-    rig_.scanners.resize(1);
-    state_.trajectory.ExtendTo(NanosecondsFromSeconds(10.0));
     AddWall({0.0, 1.0, 0.0}, {0.0, -1.0, 0.0}, {10.0, -1.0, 0.0});
     AddWall({0.0, -1.0, 0.0}, {0.0, 1.0, 0.0}, {10.0, 1.0, 0.0});
     AddWall({-1.0, 0.0, 0.0}, {5.0, -1.0, 0.0}, {5.0, 1.0, 0.0});
@@ -35,7 +30,6 @@ class ThinEvidenceTest : public testing::Test {
     landmark.num_segments = 1;
     landmark.id = static_cast<int>(state_.landmarks.size());
     state_.landmarks.push_back(std::move(landmark));
-    ends_.emplace_back(start.head<2>().cast<float>(), end.head<2>().cast<float>());
   }
 
   // The next scan has these numbers of points on each wall.
@@ -48,11 +42,8 @@ class ThinEvidenceTest : public testing::Test {
       observation.landmark_id = static_cast<int>(wall);
       observation.num_points = num_points[wall];
       observation.sigma_offset_m = 0.005F;
-      SegmentMeasurement measurement;
-      measurement.node_times_ns = {now_ns_, now_ns_ + 5'000'000, now_ns_ + 10'000'000};
-      observation.measurement = PackedSegment(measurement, {});
-      observation.first_point = ends_[wall].first;
-      observation.last_point = ends_[wall].second;
+      observation.start_ns = static_cast<int32_t>(now_ns_);
+      observation.end_ns = static_cast<int32_t>(now_ns_);
       state_.observations.push_back(std::move(observation));
     }
   }
@@ -82,7 +73,6 @@ class ThinEvidenceTest : public testing::Test {
     landmark.num_segments = 1;
     landmark.id = static_cast<int>(state_.landmarks.size());
     state_.landmarks.push_back(std::move(landmark));
-    ends_.emplace_back(Eigen::Vector2f(-1.0F, 0.0F), Eigen::Vector2f(1.0F, 0.0F));
     return state_.landmarks.size() - 1;
   }
 
@@ -101,9 +91,7 @@ class ThinEvidenceTest : public testing::Test {
                           options_.association.surface_flatness_m);
   }
 
-  Rig rig_;
   MapperOptions options_;
-  std::vector<std::pair<Eigen::Vector2f, Eigen::Vector2f>> ends_;  // of the surfaces
   MapState state_{Trajectory(kStart, 125'000'000, Rigid3d()), {}, {}, kStart, {}};
   ThinEvidence thin_;
   int64_t now_ns_ = kStart;
