@@ -114,7 +114,7 @@ class Batch {
       KeepHeadingHeld(state_);
       estimator_.StepRobustly();
     }
-    const int num_changed = Reassociate(rig_, options_, state_) + num_bent;
+    const int num_changed = Reassociate(rig_, options_, estimator_.PosesOnSurfaces(), state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);
     KeepHeadingHeld(state_);

@@ -101,6 +101,11 @@ void BatchEstimator::StepRobustly() {
   state_->calibration.ApplyTo(rig_);
 }
 
+MapCovariance BatchEstimator::PosesOnSurfaces() {
+  return MapCovariance::OfPoses(
+      *BuildProblem(FactorKind::kSegment, options_.association.huber_width));
+}
+
 FinalEstimate BatchEstimator::EstimateFinally() {
   groups_.set_validity(LinearisedGroup::kFine);
   for (int step = 0; step < kMaxNoiseSteps; ++step) {

@@ -43,6 +43,8 @@ class BatchEstimator {
   // Between rounds little changes: what one step leaves is less than the next associations
   // will move.
   void StepRobustly();
+  // The covariance of the poses where surfaces are as they are estimated.
+  MapCovariance PosesOnSurfaces();
   // Estimates by plain least squares, and gives landmarks and scanners their covariances
   // (absolute, in the model frame).
   FinalEstimate EstimateFinally();

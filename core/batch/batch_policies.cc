@@ -60,7 +60,8 @@ class ViewsOfScans {
   // The views for the scan of an observation; poses: the observation's. Valid until the next
   // call.
   const std::vector<LandmarkView>& Of(size_t observation_index,
-                                      const ObservationPoses& poses) {
+                                      const ObservationPoses& poses,
+                                      const Matrix6d& pose_covariance) {
     const int scan_index = state_.observations[observation_index].scan_index;
     if (scan_index == scan_index_) return of_scan_;
     if (scan_index_ < 0 || !options_.loop_closure.enabled) {
@@ -71,7 +72,7 @@ class ViewsOfScans {
                                        state_.observations,
                                        observation_index,
                                        poses.world_from_body.translation,
-                                       Matrix6d::Zero(),
+                                       pose_covariance,
                                        options_.association),
                            within_gap_);
     return of_scan_;
@@ -88,16 +89,25 @@ class ViewsOfScans {
 
 }  // namespace
 
-int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state) {
+int Reassociate(const Rig& rig,
+                const MapperOptions& options,
+                const MapCovariance& covariance,
+                MapState* state) {
   int num_changed = 0;
   SharedPoses shared_poses(rig, state->trajectory);
   ViewsOfScans views(rig, options, *state);
+  int scan_index = -1;
+  Matrix6d of_pose = Matrix6d::Zero();
   for (size_t i = 0; i < state->observations.size(); ++i) {
     Observation& observation = state->observations[i];
     const ObservationPoses& poses = shared_poses.Of(observation);
-    const std::vector<LandmarkView>& of_scan = views.Of(i, poses);
+    if (observation.scan_index != scan_index) {
+      scan_index = observation.scan_index;
+      of_pose = covariance.PoseAt(state->trajectory, observation.middle_time_ns());
+    }
+    const std::vector<LandmarkView>& of_scan = views.Of(i, poses, of_pose);
     if (observation.num_points == 0) continue;  // all of its beams are left out
-    int id = FindLandmark(observation, poses, Matrix6d::Zero(), of_scan, options.association);
+    int id = FindLandmark(observation, poses, of_pose, of_scan, options.association);
     if (id >= 0 && id == observation.landmark_id &&
         IsAlone(observation, poses, options.association.max_gap_m, *state)) {
       id = -1;
@@ -119,7 +129,7 @@ std::vector<int> MergePlanes(const Rig& rig,
   for (const auto& [into, from] : FindMergeable(rig, *state, options, 0)) {
     const int end = target[static_cast<size_t>(into)];
     if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
-    const Landmark& a = state->landmarks[static_cast<size_t>(into)];
+    const Landmark& a = state->landmarks[static_cast<size_t>(end)];  // has the segments of into
     const Landmark& b = state->landmarks[static_cast<size_t>(from)];
     if (LieApart(rig, *state, a, b, options.association.surface_flatness_m)) continue;
     target[static_cast<size_t>(from)] = end;

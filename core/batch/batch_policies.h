@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/estimation/map_covariance.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
@@ -18,7 +19,10 @@ namespace plumbline {
 // many observations changed. An observation loses a landmark of which nothing else has been
 // seen near it: the plane's first, uncertain estimate took it in, and far away from all others
 // it would hold the plane there for good.
-int Reassociate(const Rig& rig, const MapperOptions& options, MapState* state);
+int Reassociate(const Rig& rig,
+                const MapperOptions& options,
+                const MapCovariance& covariance,
+                MapState* state);
 
 // Merges landmarks that turn out to be one surface (FindMergeable) and do not lie apart where
 // they are seen together (LieApart). Returns the ids of the landmarks that others were merged

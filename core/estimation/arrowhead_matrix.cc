@@ -105,4 +105,13 @@ void ArrowheadMatrix::AddBlock(const std::vector<int>& columns, const Eigen::Mat
   }
 }
 
+ArrowheadMatrix ArrowheadMatrix::Band() const {
+  ArrowheadMatrix band(num_band_, tile_size_, 0);
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    band.tiles_[i].diagonal = tiles_[i].diagonal;
+    band.tiles_[i].next = tiles_[i].next;
+  }
+  return band;
+}
+
 }  // namespace plumbline

@@ -46,6 +46,9 @@ class ArrowheadMatrix {
   // same tile or in adjacent ones, which is CHECKed.
   void AddBlock(const std::vector<int>& columns, const Eigen::MatrixXd& block);
 
+  // A, without a border.
+  ArrowheadMatrix Band() const;
+
   int size() const { return num_band_ + static_cast<int>(corner_.size()); }
 
  private:

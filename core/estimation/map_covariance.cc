@@ -105,6 +105,19 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   return result;
 }
 
+MapCovariance MapCovariance::OfPoses(const EstimationProblem& problem) {
+  const BlockLayout layout = problem.Layout();
+  MapCovariance result;
+  result.planar_ = problem.planar();
+  result.inverse_ =
+      ArrowheadCholesky(LineariseArrowhead(problem, layout).hessian.Band(), BorderElimination::kLast)
+          .TakeInverse();
+  for (int i = 0; i < layout.NumControlPointColumns(); ++i) {
+    if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
+  }
+  return result;
+}
+
 Eigen::MatrixXd MapCovariance::ControlPoints(int first, int size) const {
   Eigen::MatrixXd covariance = inverse_.BandBlock(first, size);
   if (shift_.size() == 0) return covariance;

@@ -38,6 +38,8 @@ class MapCovariance {
   static MapCovariance Of(const EstimationProblem& problem,
                           ArrowheadEquations equations,
                           const CorrelatedErrorsOf& correlated);
+  // Of the poses alone, where surfaces and scanners are as they are estimated.
+  static MapCovariance OfPoses(const EstimationProblem& problem);
 
   const std::vector<int>& landmark_ids() const { return landmark_ids_; }  // ascending
   // First row of each landmark's parameters; the last element is the size.

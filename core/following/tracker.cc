@@ -82,6 +82,7 @@ Tracker::Tracker(const Tracker& other,
       last_scan_ns_(other.last_scan_ns_),
       bridges_by_motion_(other.bridges_by_motion_),
       is_open_(other.is_open_),
+      is_height_open_(other.is_height_open_),
       last_held_ns_(other.last_held_ns_),
       thin_evidence_(other.thin_evidence_),
       needs_points_(other.needs_points_),
@@ -440,7 +441,7 @@ void Tracker::Track(int first_observation,
                     const ScanMatcher* scan_matcher) {
   const bool has_new_control_points =
       gaussian_.end() != state_->trajectory.num_control_points();
-  if (!planar_ && !gaussian_.mean.empty()) {
+  if (!planar_ && !is_height_open_ && !gaussian_.mean.empty()) {
     motion_prior_->FollowHeight(state_->trajectory, gaussian_.end() - 1);
   }
   if (has_new_control_points) {
@@ -482,9 +483,10 @@ void Tracker::Track(int first_observation,
   }
   usual_share_on_no_plane_ +=
       kShareGain * (estimate.share_on_no_plane - usual_share_on_no_plane_);
+  is_height_open_ = IsHeightOpen(first_observation, last_observation);
   if (!is_open_) last_held_ns_ = scan_end_ns;
   needs_points_ =
-      PointsAlwaysHold() || is_open_ || IsHeightOpen(first_observation, last_observation) ||
+      PointsAlwaysHold() || is_open_ || is_height_open_ ||
       std::max(estimate.share_on_no_plane, usual_share_on_no_plane_) > kMaxShareOnNoPlane;
   state_->pose_constraints.insert(state_->pose_constraints.end(),
                                   estimate.constraints.begin(),

@@ -216,6 +216,7 @@ class Tracker {
   int64_t last_scan_ns_ = 0;    // the end of the last scan; 0: none
   bool bridges_by_motion_ = false;
   bool is_open_ = false;      // walls leave the newest scan's pose open
+  bool is_height_open_ = false;  // floors and ceilings leave its height open
   int64_t last_held_ns_ = 0;  // when they last did not
   ThinEvidence thin_evidence_;
   bool needs_points_ = false;  // whether points, too, hold the next scan

@@ -22,22 +22,28 @@ def plane_nees(planes, truth, frame):
     return white @ np.linalg.solve(covariance * np.outer(scale, scale), white), len(white)
 
 
+def pose_covariances(directory, prefix=""):
+    """Covariances (n, 6, 6) of position, m, and rotation, rad, at the poses of a trajectory."""
+    entries = np.loadtxt(directory / f"{prefix}trajectory_covariance.csv", delimiter=",",
+                         skiprows=1, ndmin=2)[:, 1:]
+    covariances = np.zeros((len(entries), 6, 6))
+    rows, columns = np.triu_indices(6)
+    covariances[:, rows, columns] = covariances[:, columns, rows] = entries
+    return covariances
+
+
 def pose_nees(directory, truth, frame, prefix="", count=20):
     """Normalised squared errors of poses spread over the path, 6 degrees of freedom each."""
     rotation, translation = frame
     poses = np.loadtxt(directory / f"{prefix}trajectory.tum")
-    covariances = np.loadtxt(directory / f"{prefix}trajectory_covariance.csv",
-                             delimiter=",", skiprows=1)
+    covariances = pose_covariances(directory, prefix)
     values = []
     for index in np.linspace(0.02 * len(poses), 0.98 * len(poses), count).astype(int):
         true_position, true_rotation = truth.pose_at(poses[index, 0])
         turn = rotation_matrix(poses[index, 4:8]) @ (rotation @ true_rotation).T
         error = np.concatenate([poses[index, 1:4] - rotation @ true_position - translation,
                                 rotation_vector(turn)])
-        covariance = np.zeros((6, 6))
-        covariance[np.triu_indices(6)] = covariances[index, 1:]
-        covariance = covariance + covariance.T - np.diag(np.diag(covariance))
-        values.append(error @ np.linalg.solve(covariance, error))
+        values.append(error @ np.linalg.solve(covariances[index], error))
     return np.array(values)
 
 
