@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <utility>
@@ -114,7 +115,11 @@ class Batch {
       KeepHeadingHeld(state_);
       estimator_.StepRobustly();
     }
-    const int num_changed = Reassociate(rig_, options_, estimator_.PosesOnSurfaces(), state_) + num_bent;
+    const MapCovariance poses = estimator_.PosesOnSurfaces();
+    const auto pose_covariance = [&](int64_t time_ns) {
+      return poses.PoseAt(state_->trajectory, time_ns);
+    };
+    const int num_changed = Reassociate(rig_, options_, pose_covariance, state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);
     KeepHeadingHeld(state_);

@@ -91,7 +91,7 @@ class ViewsOfScans {
 
 int Reassociate(const Rig& rig,
                 const MapperOptions& options,
-                const MapCovariance& covariance,
+                const PoseCovarianceAt& pose_covariance,
                 MapState* state) {
   int num_changed = 0;
   SharedPoses shared_poses(rig, state->trajectory);
@@ -103,7 +103,7 @@ int Reassociate(const Rig& rig,
     const ObservationPoses& poses = shared_poses.Of(observation);
     if (observation.scan_index != scan_index) {
       scan_index = observation.scan_index;
-      of_pose = covariance.PoseAt(state->trajectory, observation.middle_time_ns());
+      of_pose = pose_covariance(observation.middle_time_ns());
     }
     const std::vector<LandmarkView>& of_scan = views.Of(i, poses, of_pose);
     if (observation.num_points == 0) continue;  // all of its beams are left out

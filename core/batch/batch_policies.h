@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "core/estimation/map_covariance.h"
+#include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
@@ -15,13 +17,18 @@ namespace plumbline {
 // take all observations from the landmarks that they judge to be no planes
 // (ReleaseObservations), and return how many observations.
 
-// Associates every observation anew with the landmarks as they are estimated now; returns how
-// many observations changed. An observation loses a landmark of which nothing else has been
+// The covariance of the body's pose at an instant, surfaces held: world-frame rotation (rad)
+// and position (m).
+using PoseCovarianceAt = std::function<Matrix6d(int64_t time_ns)>;
+
+// Associates every observation anew with the landmarks as they are estimated now, at the
+// covariance of its scan's pose: taken as known exactly, a pose that is off keeps away the very
+// segments that would correct it. Returns how many observations changed. An observation loses a landmark of which nothing else has been
 // seen near it: the plane's first, uncertain estimate took it in, and far away from all others
 // it would hold the plane there for good.
 int Reassociate(const Rig& rig,
                 const MapperOptions& options,
-                const MapCovariance& covariance,
+                const PoseCovarianceAt& pose_covariance,
                 MapState* state);
 
 // Merges landmarks that turn out to be one surface (FindMergeable) and do not lie apart where

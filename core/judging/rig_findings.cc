@@ -23,6 +23,7 @@ struct NamedParts {
   std::vector<std::string> words;
   std::vector<std::string> advice;
   bool is_large = false;
+  bool is_far = false;  // large turns and shifts: they move every place
 };
 
 NamedParts NameParts(const MountingCorrection& correction) {
@@ -43,7 +44,7 @@ NamedParts NameParts(const MountingCorrection& correction) {
                           (is_upright ? " about the vertical" : ""));
     parts.advice.push_back("rotation_rpy_deg: [" + Decimal(rpy.x(), 1) + ", " +
                            Decimal(rpy.y(), 1) + ", " + Decimal(rpy.z(), 1) + "]");
-    parts.is_large = parts.is_large || correction.rotation_rad.norm() > kAgreed / kLever;
+    parts.is_far = parts.is_far || correction.rotation_rad.norm() > kAgreed / kLever;
   }
   if (is_certain(3, kOnePlace, correction.translation_m)) {
     const Eigen::Vector3d& t = corrected.body_from_scanner.translation;
@@ -51,8 +52,9 @@ NamedParts NameParts(const MountingCorrection& correction) {
                           Decimal(1e3 * correction.translation_m.norm(), 0) + " mm");
     parts.advice.push_back("translation: [" + Decimal(t.x(), 3) + ", " + Decimal(t.y(), 3) +
                            ", " + Decimal(t.z(), 3) + "]");
-    parts.is_large = parts.is_large || correction.translation_m.norm() > 0.5 * kAgreed;
+    parts.is_far = parts.is_far || correction.translation_m.norm() > 0.5 * kAgreed;
   }
+  parts.is_large = parts.is_far;
   const auto is_sure = [&](Eigen::Index index, double named, double value) {
     return std::abs(value) > named &&
            std::abs(value) > kSignificantStddevs * correction.stddev(index);
@@ -210,7 +212,8 @@ class RigJudge {
   // Names the one scanner whose correction brings most of the places together. Where those of
   // two bring as many, as where these compare with each other alone, the simpler one is right.
   // are_apart: whether scanners see other places than the rig file says, which a correction
-  // that mends little does not explain.
+  // that mends little does not explain. Where most places agree as it is, a correction that
+  // moves them far does so in a direction that the scans hardly show.
   bool JudgeCorrections(bool are_apart) {
     const std::vector<MountingCorrection>& corrections = report_->corrections;
     const auto gain = [&](size_t i) {
@@ -222,6 +225,7 @@ class RigJudge {
     for (size_t i = 0; i < corrections.size(); ++i) {
       const double least = kHardlyAny * corrections[i].num_compared;
       if (gain(i) < least || num_parts(i) == 0) continue;
+      if (NameParts(corrections[i]).is_far && 2.0 * corrections[i].near_share > 1.0) continue;
       const double more = found ? gain(i) - gain(*found) : gain(i);
       const bool is_alike = found && std::abs(more) < least;
       if (is_alike ? num_parts(i) < num_parts(*found) : more > 0.0) found = i;

@@ -87,6 +87,7 @@ class BatchPoliciesTest : public testing::Test {
   MapperOptions options_;
   MapState state_{Trajectory(0, 125'000'000, Rigid3d()), {}, {}, 0};
   std::mt19937_64 random_{1};
+  const PoseCovarianceAt known_ = [](int64_t) { return Matrix6d(Matrix6d::Zero()); };
 };
 
 using Ints = std::vector<int>;
@@ -146,10 +147,26 @@ TEST_F(BatchPoliciesTest, SegmentsFindTheirPlanesAnew) {
   Observation& empty = state_.observations.emplace_back(state_.observations.back());
   empty.num_points = 0;
   empty.landmark_id = -1;
-  EXPECT_EQ(Reassociate(rig_, options_, &state_), 3);
+  EXPECT_EQ(Reassociate(rig_, options_, known_, &state_), 3);
   EXPECT_EQ(Ids(), (Ints{0, 1, 0, 1, 0, 1, -1, -1}));
   RebuildLandmarks(rig_, &state_);
-  EXPECT_EQ(Reassociate(rig_, options_, &state_), 0);
+  EXPECT_EQ(Reassociate(rig_, options_, known_, &state_), 0);
+}
+
+// Where the pose is known badly across a wall, a segment decimetres before it may lie on it.
+TEST_F(BatchPoliciesTest, SegmentsAreAskedAtTheirPosesCovariance) {
+  AddWall(2.0, -2.0, 2.0);
+  See(0, 2.0, -20.0, 20.0, 0);
+  See(-1, 2.3, -20.0, 20.0, 1);
+  MapState open = state_;
+  EXPECT_EQ(Reassociate(rig_, options_, known_, &state_), 0);
+  const auto open_in_second_scan = [&](int64_t time_ns) {
+    Matrix6d covariance = Matrix6d::Zero();
+    covariance(3, 3) = time_ns < state_.observations[1].start_time_ns() ? 0.0 : 0.04;
+    return covariance;
+  };
+  EXPECT_EQ(Reassociate(rig_, options_, open_in_second_scan, &open), 1);
+  EXPECT_EQ(open.observations[1].landmark_id, 0);
 }
 
 TEST_F(BatchPoliciesTest, ASegmentAloneFarFromAllOthersLeavesItsPlane) {
@@ -158,7 +175,7 @@ TEST_F(BatchPoliciesTest, ASegmentAloneFarFromAllOthersLeavesItsPlane) {
   See(0, 2.0, -20.0, 20.0, 1);
   See(0, 2.0, 60.0, 70.0, 2);  // from y = 3.5 on, while the others end at 0.7
   RebuildLandmarks(rig_, &state_);
-  EXPECT_EQ(Reassociate(rig_, options_, &state_), 1);
+  EXPECT_EQ(Reassociate(rig_, options_, known_, &state_), 1);
   EXPECT_EQ(Ids(), (Ints{0, 0, -1}));
 }
 

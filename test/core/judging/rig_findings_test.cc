@@ -60,5 +60,29 @@ TEST(RigFindings, NoMapIsStoppedThatBeginsWhereTheScannersAgree) {
               HasSubstr("plumbline_map begins where the scanners agree"));
 }
 
+// In a curved corridor chords of one wall let a scanner turn by degrees, although what it sees
+// agrees with the others as it is.
+TEST(RigFindings, NoScannerIsTurnedFarWhoseViewAgrees) {
+  CheckReport report = TwoScanners();
+  report.rig->scanners[1].body_from_scanner.translation.x() = 0.1;
+  report.agreements = {{0, 1, 500, 1.0, 0.005}};
+  MountingCorrection& turned = report.corrections[1];
+  turned.num_compared = 500;
+  turned.near_share = 0.82;
+  turned.moved_share = 0.92;
+  turned.rotation_rad.z() = 0.08;
+  turned.stddev.setConstant(0.001);
+  FindRigFaults(&report);
+  for (const Finding& finding : report.findings) {
+    EXPECT_THAT(finding.sentence, testing::Not(HasSubstr("to be turned")));
+  }
+  turned.near_share = 0.4;
+  report.findings.clear();
+  FindRigFaults(&report);
+  ASSERT_FALSE(report.findings.empty());
+  EXPECT_EQ(report.findings.front().severity, Severity::kStop);
+  EXPECT_THAT(report.findings.front().sentence, HasSubstr("to be turned by 4.6 deg"));
+}
+
 }  // namespace
 }  // namespace plumbline
