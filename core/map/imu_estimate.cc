@@ -8,11 +8,18 @@
 namespace plumbline {
 namespace {
 
-// From one node of the biases to the next. Cheap sensors' biases wander by less over this time
-// than the scans leave them uncertain.
+// From one node of the biases to the next where they hardly wander.
 constexpr double kBiasSpacing = 5.0;  // s
 // Standard deviation of the tilt of floors.
 constexpr double kLean = 3.0 * kRadiansPerDegree;
+
+// The time over which a bias wanders by as much as the mean of the readings is uncertain by
+// their white noise. Between nodes that lie further apart a random walk leaves the line by
+// more than that mean allows, and the biases would be stated too exact.
+double WanderingTime(const InertialErrors& errors) {
+  const double walk = errors.BiasWalk();
+  return walk > 0.0 ? errors.noise / walk : kBiasSpacing;
+}
 
 Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
 
@@ -20,8 +27,9 @@ Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d
 
 ImuEstimate::ImuEstimate(const Imu& stated, bool planar, double knot_interval_s)
     : stated(stated), planar(planar) {
-  intervals_per_bias =
-      std::max(1, static_cast<int>(std::lround(kBiasSpacing / knot_interval_s)));
+  double spacing_s = std::min(kBiasSpacing, WanderingTime(stated.gyroscope));
+  if (!planar) spacing_s = std::min(spacing_s, WanderingTime(stated.accelerometer));
+  intervals_per_bias = std::max(1, static_cast<int>(std::lround(spacing_s / knot_interval_s)));
   const auto fill = [&](int first, int count, double sigma) {
     std::fill_n(prior_sigma.begin() + first, count, sigma);
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/sensor/joint_samples.h"
 #include "core/util/quantiles.h"
 #include "core/util/time.h"
 
@@ -12,30 +13,12 @@ namespace {
 
 bool IsEarlier(const JointSample& a, const JointSample& b) { return a.time_ns < b.time_ns; }
 
-// Sorts samples and takes out what is doubled or not finite.
-void Clean(std::vector<JointSample>* samples) {
-  const auto is_not_finite = [](const JointSample& sample) {
-    return !std::isfinite(sample.angle_rad);
-  };
-  const auto is_same_instant = [](const JointSample& a, const JointSample& b) {
-    return a.time_ns == b.time_ns;
-  };
-  samples->erase(std::remove_if(samples->begin(), samples->end(), is_not_finite),
-                 samples->end());
-  std::stable_sort(samples->begin(), samples->end(), IsEarlier);
-  samples->erase(std::unique(samples->begin(), samples->end(), is_same_instant),
-                 samples->end());
-}
-
 }  // namespace
 
 JointAngles::JointAngles(std::vector<JointSample> samples) : samples_(std::move(samples)) {
-  Clean(&samples_);
+  SortAndUnwrap(&samples_);
   std::vector<double> steps_s;
   for (size_t i = 1; i < samples_.size(); ++i) {
-    const double before = samples_[i - 1].angle_rad;
-    samples_[i].angle_rad =
-        before + std::remainder(samples_[i].angle_rad - before, 2.0 * M_PI);
     steps_s.push_back(SecondsBetween(samples_[i - 1].time_ns, samples_[i].time_ns));
   }
   rates_rad_s_.assign(samples_.size(), 0.0);

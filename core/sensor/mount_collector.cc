@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/sensor/joint_samples.h"
 #include "core/util/error.h"
 #include "core/util/time.h"
 
@@ -61,6 +62,8 @@ void MountCollector::Finish(const std::string& path,
           path + ": has no angles in topic " + Shown(mount->joint_topic) + " of " + Whose(i) +
           "; topics with angles in this recording:" + TopicsText(with_angles) + damage);
     }
+    SortAndUnwrap(&samples_[i]);
+    Smooth(&samples_[i]);
     auto angles = std::make_shared<const JointAngles>(std::move(samples_[i]));
     const std::string fault = angles->Fault();
     if (!fault.empty()) {

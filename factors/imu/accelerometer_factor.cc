@@ -1,58 +1,124 @@
 #include "factors/imu/accelerometer_factor.h"
 
-#include <ceres/autodiff_cost_function.h>
+#include <ceres/sized_cost_function.h>
+
+#include <type_traits>
 
 #include "factors/imu/imu_motion.h"
 #include "factors/spline/so3.h"
-#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
-struct AccelerometerFunctor {
-  ImuMeasurement measurement;
-  ImuPose stated;
-  double gravity_m_s2;
-  double knot_interval_s;
+class AccelerometerFactor final : public ceres::SizedCostFunction<3,
+                                                                  4,
+                                                                  4,
+                                                                  4,
+                                                                  4,
+                                                                  3,
+                                                                  3,
+                                                                  3,
+                                                                  3,
+                                                                  kImuBlockSize,
+                                                                  kImuBiasSize,
+                                                                  kImuBiasSize> {
+ public:
+  AccelerometerFactor(const ImuMeasurement& measurement,
+                      const ImuPose& stated,
+                      double gravity_m_s2,
+                      double knot_interval_s)
+      : measurement_(measurement),
+        stated_(stated),
+        gravity_m_s2_(gravity_m_s2),
+        knot_interval_s_(knot_interval_s) {}
 
-  template <typename T>
-  bool operator()(const T* q0,
-                  const T* q1,
-                  const T* q2,
-                  const T* q3,
-                  const T* p0,
-                  const T* p1,
-                  const T* p2,
-                  const T* p3,
-                  const T* imu,
-                  const T* bias,
-                  const T* next_bias,
-                  T* residuals) const {
-    using Vector3 = Eigen::Matrix<T, 3, 1>;
-    const T* const q[4] = {q0, q1, q2, q3};
-    const T* const p[4] = {p0, p1, p2, p3};
-    const Vector3 lean(imu[kImuLeanAt], imu[kImuLeanAt + 1], T(0.0));
-    const Vector3 gravity = Exp(lean) * Vector3(T(0.0), T(0.0), T(-gravity_m_s2));
-    const Vector3 shift(imu[kImuShiftAt], imu[kImuShiftAt + 1], imu[kImuShiftAt + 2]);
-    const Vector3 lever = stated.position_body.template cast<T>() + shift;
-    const Steps<T> steps = StepsOf(q);
-    const Eigen::Map<const Eigen::Quaternion<T>> world_from_first(q0);
-    Vector3 force_body = Vector3::Zero();
-    for (const double u : measurement.u) {
-      const T delayed = u + imu[kImuDelayAt] / knot_interval_s;
-      const SplineMotion<T> motion = MotionOf(steps, delayed, knot_interval_s);
-      const Vector3 acceleration = EvaluateAcceleration(p, delayed, knot_interval_s);
-      const Vector3 of_first = world_from_first.conjugate() * Vector3(acceleration - gravity);
-      const Vector3 of_body = motion.first_from_body.conjugate() * of_first;
-      const Vector3 of_lever = motion.angular_acceleration_body.cross(lever) +
-                               motion.rate_body.cross(Vector3(motion.rate_body.cross(lever)));
-      force_body += (of_body + of_lever) * T(0.5);
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    using ConstVector = Eigen::Map<const Eigen::Vector3d>;
+    using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const auto blocks = [](auto* const* all) {
+      return ReadingBlocks<std::decay_t<decltype(all[0])>>{
+          {all[0], all[1], all[2], all[3]}, all[8], all[9], all[10]};
+    };
+    const ReadingBlocks<const double*> values = blocks(parameters);
+    const double* const* const positions = parameters + kSplineOrder;
+    const StepsOfSpline steps = StepsBetween(values.rotations);
+    const Eigen::Vector3d lean(values.imu[kImuLeanAt], values.imu[kImuLeanAt + 1], 0.0);
+    const Eigen::Vector3d gravity = Exp(lean) * Eigen::Vector3d(0.0, 0.0, -gravity_m_s2_);
+    const Eigen::Vector3d lever =
+        stated_.position_body + ConstVector(values.imu + kImuShiftAt);
+    const Eigen::Matrix3d across_lever = SkewMatrix(lever);
+    const double per_s2 = 1.0 / (knot_interval_s_ * knot_interval_s_);
+    const Eigen::Vector3d jerk =  // by u
+        per_s2 * (ConstVector(positions[3]) - ConstVector(positions[0]) +
+                  3.0 * (ConstVector(positions[1]) - ConstVector(positions[2])));
+    BodyReading reading;
+    std::array<Eigen::Matrix3d, kSplineOrder> by_positions;
+    by_positions.fill(Eigen::Matrix3d::Zero());
+    Eigen::Matrix3d by_gravity = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d by_lever = Eigen::Matrix3d::Zero();
+    for (const double stated_u : measurement_.u) {
+      const double u = stated_u + values.imu[kImuDelayAt] / knot_interval_s_;
+      const RotationMotion motion = EvaluateRotationMotion(steps.data(), u, knot_interval_s_);
+      const Eigen::Matrix3d body_from_world =
+          motion.body_from_first * steps[0].body_from_world;
+      const std::array<double, kSplineOrder> weights = {
+          1.0 - u, 3.0 * u - 2.0, 1.0 - 3.0 * u, u};
+      Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+      for (size_t j = 0; j < kSplineOrder; ++j) {
+        acceleration += per_s2 * weights[j] * ConstVector(positions[j]);
+        by_positions[j] += 0.5 * per_s2 * weights[j] * body_from_world;
+      }
+      const Eigen::Vector3d of_body = body_from_world * (acceleration - gravity);
+      const Eigen::Matrix3d by_turn = SkewMatrix(of_body);
+      const Eigen::Vector3d speed = motion.rate.cross(lever);  // of the IMU about the body
+      const Eigen::Matrix3d by_rate =
+          -SkewMatrix(speed) - SkewMatrix(motion.rate) * across_lever;
+      reading.value +=
+          0.5 * (of_body + motion.acceleration.cross(lever) + motion.rate.cross(speed));
+      reading.by_steps +=
+          0.5 * (by_turn * motion.turn_by_steps + by_rate * motion.rate_by_steps -
+                 across_lever * motion.acceleration_by_steps);
+      reading.by_first += 0.5 * by_turn * body_from_world;
+      reading.by_u +=
+          0.5 * (knot_interval_s_ * of_body.cross(motion.rate) + body_from_world * jerk +
+                 by_rate * motion.rate_by_u - across_lever * motion.acceleration_by_u);
+      by_gravity -= 0.5 * body_from_world;
+      by_lever += 0.5 * (SkewMatrix(motion.acceleration) +
+                         SkewMatrix(motion.rate) * SkewMatrix(motion.rate));
     }
-    const Vector3 force = BodyFromImu(stated, imu).conjugate() * force_body;
-    WhitenReadings(
-        measurement, force, imu + kImuAccelerometerScaleAt, bias, next_bias, residuals);
+    const ReadingBlocks<double*> of_reading =
+        jacobians == nullptr ? ReadingBlocks<double*>() : blocks(jacobians);
+    const Eigen::Matrix3d by_value = EvaluateReading(measurement_,
+                                                     stated_,
+                                                     knot_interval_s_,
+                                                     kImuAccelerometerScaleAt,
+                                                     reading,
+                                                     steps,
+                                                     values,
+                                                     residuals,
+                                                     of_reading);
+    if (jacobians == nullptr) return true;
+    for (size_t j = 0; j < kSplineOrder; ++j) {
+      double* const jacobian = jacobians[kSplineOrder + j];
+      if (jacobian != nullptr) Eigen::Map<RowMajor>{jacobian} = by_value * by_positions[j];
+    }
+    if (of_reading.imu != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 3, kImuBlockSize, Eigen::RowMajor>> by_imu(
+          of_reading.imu);
+      by_imu.middleCols<3>(kImuShiftAt) = by_value * by_lever;
+      const Eigen::Matrix3d by_lean = by_gravity * -SkewMatrix(gravity) * LeftJacobian(lean);
+      by_imu.middleCols<2>(kImuLeanAt) = by_value * by_lean.leftCols<2>();
+    }
     return true;
   }
+
+ private:
+  ImuMeasurement measurement_;
+  ImuPose stated_;
+  double gravity_m_s2_;
+  double knot_interval_s_;
 };
 
 }  // namespace
@@ -62,20 +128,8 @@ std::unique_ptr<ceres::CostFunction> CreateAccelerometerFactor(
     const ImuPose& stated,
     double gravity_m_s2,
     double knot_interval_s) {
-  return std::make_unique<ceres::AutoDiffCostFunction<AccelerometerFunctor,
-                                                      3,
-                                                      4,
-                                                      4,
-                                                      4,
-                                                      4,
-                                                      3,
-                                                      3,
-                                                      3,
-                                                      3,
-                                                      kImuBlockSize,
-                                                      kImuBiasSize,
-                                                      kImuBiasSize>>(
-      new AccelerometerFunctor{measurement, stated, gravity_m_s2, knot_interval_s});
+  return std::make_unique<AccelerometerFactor>(
+      measurement, stated, gravity_m_s2, knot_interval_s);
 }
 
 }  // namespace plumbline

@@ -17,8 +17,7 @@ namespace plumbline {
 // with the body's rotation R, angular rate w and acceleration a in the body frame, the IMU's
 // place l = t + shift in it, its attitude Q = Exp(turn) body_from_imu, o the product axis by
 // axis, and gravity = Exp(lean) (0, 0, -gravity_m_s2) in the world.
-// Blocks: [ rotation x 4 | position x 4 | IMU (imu_block.h) | bias | next bias (m/s^2) ],
-// differentiated automatically.
+// Blocks: [ rotation x 4 | position x 4 | IMU (imu_block.h) | bias | next bias (m/s^2) ].
 std::unique_ptr<ceres::CostFunction> CreateAccelerometerFactor(
     const ImuMeasurement& measurement,
     const ImuPose& stated,

@@ -1,39 +1,56 @@
 #include "factors/imu/gyroscope_factor.h"
 
-#include <ceres/autodiff_cost_function.h>
+#include <ceres/sized_cost_function.h>
+
+#include <type_traits>
 
 #include "factors/imu/imu_motion.h"
-#include "factors/spline/so3.h"
-#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
-struct GyroscopeFunctor {
-  ImuMeasurement measurement;
-  ImuPose stated;
-  double knot_interval_s;
+class GyroscopeFactor final
+    : public ceres::
+          SizedCostFunction<3, 4, 4, 4, 4, kImuBlockSize, kImuBiasSize, kImuBiasSize> {
+ public:
+  GyroscopeFactor(const ImuMeasurement& measurement,
+                  const ImuPose& stated,
+                  double knot_interval_s)
+      : measurement_(measurement), stated_(stated), knot_interval_s_(knot_interval_s) {}
 
-  template <typename T>
-  bool operator()(const T* q0,
-                  const T* q1,
-                  const T* q2,
-                  const T* q3,
-                  const T* imu,
-                  const T* bias,
-                  const T* next_bias,
-                  T* residuals) const {
-    const T* const q[4] = {q0, q1, q2, q3};
-    const Steps<T> steps = StepsOf(q);
-    Eigen::Matrix<T, 3, 1> rate_body = Eigen::Matrix<T, 3, 1>::Zero();
-    for (const double u : measurement.u) {
-      const T delayed = u + imu[kImuDelayAt] / knot_interval_s;
-      rate_body += MotionOf<true>(steps, delayed, knot_interval_s).rate_body * T(0.5);
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    const auto blocks = [](auto* const* all) {
+      return ReadingBlocks<std::decay_t<decltype(all[0])>>{
+          {all[0], all[1], all[2], all[3]}, all[4], all[5], all[6]};
+    };
+    const ReadingBlocks<const double*> values = blocks(parameters);
+    const StepsOfSpline steps = StepsBetween(values.rotations);
+    BodyReading reading;
+    for (const double u : measurement_.u) {
+      const RotationMotion motion = EvaluateRotationMotion(
+          steps.data(), u + values.imu[kImuDelayAt] / knot_interval_s_, knot_interval_s_);
+      reading.value += 0.5 * motion.rate;
+      reading.by_steps += 0.5 * motion.rate_by_steps;
+      reading.by_u += 0.5 * motion.rate_by_u;
     }
-    const Eigen::Matrix<T, 3, 1> rate = BodyFromImu(stated, imu).conjugate() * rate_body;
-    WhitenReadings(measurement, rate, imu + kImuGyroscopeScaleAt, bias, next_bias, residuals);
+    EvaluateReading(measurement_,
+                    stated_,
+                    knot_interval_s_,
+                    kImuGyroscopeScaleAt,
+                    reading,
+                    steps,
+                    values,
+                    residuals,
+                    jacobians == nullptr ? ReadingBlocks<double*>() : blocks(jacobians));
     return true;
   }
+
+ private:
+  ImuMeasurement measurement_;
+  ImuPose stated_;
+  double knot_interval_s_;
 };
 
 }  // namespace
@@ -41,16 +58,7 @@ struct GyroscopeFunctor {
 std::unique_ptr<ceres::CostFunction> CreateGyroscopeFactor(const ImuMeasurement& measurement,
                                                            const ImuPose& stated,
                                                            double knot_interval_s) {
-  return std::make_unique<ceres::AutoDiffCostFunction<GyroscopeFunctor,
-                                                      3,
-                                                      4,
-                                                      4,
-                                                      4,
-                                                      4,
-                                                      kImuBlockSize,
-                                                      kImuBiasSize,
-                                                      kImuBiasSize>>(
-      new GyroscopeFunctor{measurement, stated, knot_interval_s});
+  return std::make_unique<GyroscopeFactor>(measurement, stated, knot_interval_s);
 }
 
 }  // namespace plumbline

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Holds what the runs of scripts/experiments/monte_carlo.py find of the mounts of scanners and of the
-IMU against the truth, against the bound of plumbline_bound and against what the runs state themselves.
+"""Holds what the runs of scripts/experiments/monte_carlo.py find of the mounts of scanners and of
+the IMU against the truth, against the bound of plumbline_bound and against what the runs state
+themselves.
 
 For each parameter: the root mean square of its errors, the standard deviation that the bound
 allows, their ratio, and the mean of the squared errors over the stated variances (NEES) with its
-95 % interval about 1. Biases of an IMU are those half way through the recording. With the
-positions of the trajectories beside them.
+95 % interval about 1. Of an IMU's biases, which wander, all instants count that the truth gives.
+With the positions of the trajectories beside them.
 """
 
 import argparse
@@ -22,13 +23,12 @@ SIGMAS_95 = 1.96  # half width of the 95 % interval of a normal variable
 IMU = "imu"
 
 
-def middle_bias(biases):
-    """By name: value and standard deviation (if stated) half way through the recording."""
-    times = np.array([at["time_ns"] for at in biases], dtype=float)
-    middle = 0.5 * (times[0] + times[-1])
+def biases_at(biases, times_ns):
+    """By name: values and standard deviations (if stated) at these instants."""
+    nodes_ns = np.array([at["time_ns"] for at in biases], dtype=float)
     found = {}
     for sensor, unit in (("gyroscope", "deg_s"), ("accelerometer", "m_s2")):
-        values, sigmas = ([np.interp(middle, times, axis) for axis in np.transpose(
+        values, sigmas = ([np.interp(times_ns, nodes_ns, axis) for axis in np.transpose(
             [at.get(key, [0.0] * 3) for at in biases])]
             for key in (f"{sensor}_{unit}", f"{sensor}_sigma_{unit}"))
         for axis, value, sigma in zip("xyz", values, sigmas):
@@ -36,8 +36,9 @@ def middle_bias(biases):
     return found
 
 
-def found_of(calibration):
-    """By scanner (or the IMU) and name of the parameter: value, standard deviation."""
+def found_of(calibration, times_ns):
+    """By scanner (or the IMU) and name of the parameter: value, standard deviation; of biases at
+    these instants."""
     found = {(scanner["name"], parameter["name"]): (parameter["value"], parameter["sigma"])
              for scanner in calibration["scanners"] for parameter in scanner["parameters"]
              if parameter["prior_sigma"] > 0}
@@ -45,7 +46,8 @@ def found_of(calibration):
         imu = calibration[IMU]
         found.update({(IMU, parameter["name"]): (parameter["value"], parameter["sigma"])
                       for parameter in imu["parameters"] if parameter["sigma"] > 0})
-        found.update({(IMU, name): value for name, value in middle_bias(imu["biases"]).items()})
+        found.update({(IMU, name): value
+                      for name, value in biases_at(imu["biases"], times_ns).items()})
     return found
 
 
@@ -65,7 +67,8 @@ def matrix_of(x, y, z, w):
 
 
 def true_imu(directory):
-    """By name of the parameter: what the simulated IMU is off the rig file by."""
+    """By name of the parameter: what the simulated IMU is off the rig file by; and the instants
+    of its biases."""
     truth = read_json(directory / "truth_imu.json")
     stated = yaml.safe_load((directory / "rig.yaml").read_text())["imu"]["body_from_imu"]
     pose = truth["body_from_imu"]
@@ -89,22 +92,26 @@ def true_imu(directory):
     biases = [{"time_ns": at["time_ns"],
                "gyroscope_deg_s": np.degrees(at["gyroscope_rad_s"]),
                "accelerometer_m_s2": at["accelerometer_m_s2"]} for at in truth["biases"]]
-    values.update({name: value for name, (value, _) in middle_bias(biases).items()})
-    return values
+    times_ns = [at["time_ns"] for at in biases]
+    values.update({name: value for name, (value, _) in biases_at(biases, times_ns).items()})
+    return values, times_ns
 
 
 def read_run(directory):
-    """By scanner (or the IMU) and name of the parameter: error, stated standard deviation."""
-    found = found_of(read_json(directory / "calibration.json"))
+    """By scanner (or the IMU) and name of the parameter: errors, stated standard deviations; and
+    the instants of an IMU's biases."""
     truths = {}
+    times_ns = []
     if (directory / "truth_mounts.json").exists():
         truths.update({scanner.pop("name"): scanner for scanner in read_json(
             directory / "truth_mounts.json")["scanners"]})
     if (directory / "truth_imu.json").exists():
-        truths[IMU] = true_imu(directory)
-    return {(who, name): (found[who, name][0] - true_value, found[who, name][1])
-            for who, values in truths.items() for name, true_value in values.items()
-            if (who, name) in found}
+        truths[IMU], times_ns = true_imu(directory)
+    found = found_of(read_json(directory / "calibration.json"), times_ns)
+    errors = {(who, name): np.atleast_2d((found[who, name][0] - true_value, found[who, name][1]))
+              for who, values in truths.items() for name, true_value in values.items()
+              if (who, name) in found}
+    return {key: error.reshape(2, -1) for key, error in errors.items()}, times_ns
 
 
 def position_bound(directory):
@@ -124,17 +131,19 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, metavar="FILE", help="writes JSON")
     arguments = parser.parse_args()
     directories = sorted(path for path in arguments.runs.glob("run_*") if path.is_dir())
-    runs = [read_run(directory) for directory in directories]
-    if not runs or not runs[0]:
+    runs_and_times = [read_run(directory) for directory in directories]
+    if not runs_and_times or not runs_and_times[0][0]:
         parser.error(f"{arguments.runs} has no runs of a rig with a mount or an IMU")
-    bound = found_of(read_json(arguments.bound / "calibration.json"))
+    runs = [errors for errors, _ in runs_and_times]
+    bound = found_of(read_json(arguments.bound / "calibration.json"), runs_and_times[0][1])
     half = SIGMAS_95 * np.sqrt(2.0 / len(runs))
     table = []
     print(f"{len(runs)} runs; NEES has to lie in {1 - half:.2f} .. {1 + half:.2f}")
     print(f"{'scanner':12}{'parameter':28}{'RMS error':>12}{'bound':>12}{'ratio':>8}{'NEES':>8}")
     for scanner, name in runs[0]:
-        errors, sigmas = np.array([run[scanner, name] for run in runs]).T
-        rms, sigma = np.sqrt(np.mean(errors**2)), bound[scanner, name][1]
+        errors, sigmas = np.concatenate([run[scanner, name] for run in runs], axis=1)
+        rms = np.sqrt(np.mean(errors**2))
+        sigma = np.sqrt(np.mean(np.square(bound[scanner, name][1])))
         nees = np.mean((errors / sigmas)**2)
         table.append({"scanner": scanner, "parameter": name, "rms": rms, "bound": sigma,
                       "ratio": rms / sigma, "nees": nees, "largest": np.abs(errors).max(),

@@ -16,6 +16,7 @@ design_rig.png.
 """
 
 import argparse
+import collections
 import csv
 import math
 import statistics
@@ -232,9 +233,15 @@ def confirmed_table(rows):
         maps = [row for row in of_rig if "error" not in row]
         text += (f"| {key[0]}, {key[1]} | {sum(row['right'] for row in maps)} of {len(of_rig)} | "
                  f"{sum(row['verdict'] == 'consistent' for row in maps)} | "
-                 f"{calibration.rms([row['position_rms_mm'] for row in maps]):.2f} | "
-                 f"{calibration.rms([row['wall_rms_mm'] for row in maps]):.2f} |\n")
-    return text
+                 f"{rms_text(maps, 'position_rms_mm')} | {rms_text(maps, 'wall_rms_mm')} |\n")
+    reasons = collections.Counter(
+        (row["rig"], row["experiment"], row["error"]) for row in rows if "error" in row)
+    return text + "".join(f"\n{rig}, {experiment}, {number} times: {error}\n"
+                          for (rig, experiment, error), number in reasons.items())
+
+
+def rms_text(maps, figure):
+    return f"{calibration.rms([row[figure] for row in maps]):.2f}" if maps else "no map"
 
 
 def ratios_of(rows, experiment, figure):

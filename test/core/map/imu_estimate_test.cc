@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace plumbline {
 namespace {
 
@@ -18,6 +20,19 @@ TEST(ImuEstimateTest, NodesAndIntervals) {
     EXPECT_EQ(imu.NodeOfLastInterval(imu.LastIntervalOf(node)), node);
   }
   EXPECT_EQ(imu.LastIntervalOf(1), 199);
+}
+
+// A bias that wanders by a reading's white noise in 2 s has nodes 2 s apart.
+TEST(ImuEstimateTest, NodesLieAsCloseAsBiasesWander) {
+  Imu imu;
+  imu.gyroscope.noise = 1e-4;
+  imu.gyroscope.bias_instability = imu.gyroscope.noise / std::sqrt(std::sqrt(0.75) * 2.0);
+  EXPECT_EQ(ImuEstimate(imu, false, 0.05).intervals_per_bias, 40);
+  // The accelerometer of a rig in the plane is not used.
+  imu.accelerometer = imu.gyroscope;
+  imu.gyroscope.bias_instability = 0.0;
+  EXPECT_EQ(ImuEstimate(imu, false, 0.05).intervals_per_bias, 40);
+  EXPECT_EQ(ImuEstimate(imu, true, 0.05).intervals_per_bias, 100);
 }
 
 TEST(ImuEstimateTest, ARigInThePlaneHasAGyroscopeAlone) {
