@@ -147,8 +147,34 @@ void Tracker::FollowOwnMotion() {
   const Trajectory& trajectory = state_->trajectory;
   const bool knows_motion = state_->odometry != nullptr || state_->imu != nullptr;
   if (!knows_motion || gaussian_.end() == trajectory.num_control_points()) return;
+  PlaceByWheels();
   EstimationProblem problem = MakeProblem();
   solver_->Solve(&problem);
+}
+
+void Tracker::PlaceByWheels() {
+  Trajectory& trajectory = state_->trajectory;
+  const int known = gaussian_.end();
+  if (state_->odometry == nullptr || known == 0 ||
+      trajectory.num_control_points() - known <= kSplineOrder) {
+    return;
+  }
+  for (int i = known; i < trajectory.num_control_points(); ++i) {
+    // A control point acts most in the middle of the four intervals that it reaches.
+    const int64_t time_ns = trajectory.start_ns() + (i - 1) * trajectory.knot_interval_ns();
+    const std::optional<PlanarMotion> stated =
+        state_->odometry->Between(time_ns - trajectory.knot_interval_ns(), time_ns);
+    if (!stated) return;
+    const OdometryMeasurement motion = state_->odometry_calibration.Measure(*stated);
+    const ControlPoint& before = trajectory.control_point(i - 1);
+    ControlPoint& point = trajectory.control_point(i);
+    const Eigen::Quaterniond rotation(before.rotation.data());
+    Eigen::Map<Eigen::Quaterniond>(point.rotation.data()) =
+        rotation * Exp(Eigen::Vector3d(0.0, 0.0, motion.turn));
+    Eigen::Map<Eigen::Vector3d>(point.position.data()) =
+        Eigen::Map<const Eigen::Vector3d>(before.position.data()) +
+        rotation * Eigen::Vector3d(motion.translation.x(), motion.translation.y(), 0.0);
+  }
 }
 
 PoseGaussian Tracker::Predict() const {

@@ -135,6 +135,10 @@ class Tracker {
   // scan: the Gaussian from the window and the scans since then, the priors on the motion, and
   // the gauge at the start of the map. Planes and older control points are held.
   EstimationProblem MakeProblem() const;
+  // Places the newest control points by the wheels, one after the other, where the scans have
+  // left a gap longer than a control point reaches: extended evenly, the trajectory is too far
+  // from there for a linearised fit.
+  void PlaceByWheels();
   // Returns the Gaussian of the newest control points by the prior and the motion, without
   // segments.
   PoseGaussian Predict() const;

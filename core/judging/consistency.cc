@@ -18,6 +18,7 @@
 #include "core/judging/revisits.h"
 #include "core/judging/sightings.h"
 #include "core/judging/verdict_levels.h"
+#include "core/judging/wheel_slips.h"
 #include "core/util/time.h"
 
 namespace plumbline {
@@ -55,6 +56,8 @@ struct Evidence {
   BentSurfaces bent;
   SharesOverTime without_plane;
   std::vector<PositionStrength> strengths;
+  std::vector<DegenerateInterval> open;
+  std::vector<WheelSlip> slips;
   std::vector<double> position_stddevs_m;
   std::vector<ScannerAgreement> scanners;
   std::vector<ScannerFault> faults;
@@ -144,6 +147,8 @@ Evidence Collect(const Rig& rig,
   evidence.bent = FindBentSurfaces(rig, state, start_ns);
   evidence.without_plane = SegmentsWithoutPlane(state, start_ns);
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
+  evidence.open = DegenerateIntervals(evidence.strengths);
+  evidence.slips = FindWheelSlips(state, evidence.strengths, evidence.open, start_ns);
   evidence.scanners = CompareScanners(rig, state, activity, start_ns);
   evidence.faults = FindScannerFaults(rig, evidence.scanners, activity);
   return evidence;
@@ -190,6 +195,7 @@ class Judge {
                  kBent,
                  "floor or ceiling bends here: a gentle ramp may have been taken for level");
     JudgeStatedDeviations();
+    JudgeWheels();
     JudgeScanners();
     Share all;
     for (const Share& share : evidence_.passages.shares) {
@@ -198,7 +204,7 @@ class Judge {
     }
     Consistency& consistency = report_.consistency;
     consistency.contradicted_share = all.value();
-    consistency.degenerate_intervals = DegenerateIntervals(evidence_.strengths);
+    consistency.degenerate_intervals = evidence_.open;
     std::sort(consistency.doubtful_intervals.begin(),
               consistency.doubtful_intervals.end(),
               [](const auto& a, const auto& b) { return a.start_s < b.start_s; });
@@ -245,6 +251,10 @@ class Judge {
   static constexpr Kind kOpen = {CauseOrder::kMotion,
                                  "the scans left a direction open",
                                  "tilt a scanner, or go where an end of the space is in view"};
+
+  static constexpr Kind kSlip = {CauseOrder::kMotion,
+                                 "the wheels slipped where nothing else shows the way",
+                                 kOpen.next_step};
 
   void AddIntervals(const std::vector<bool>& marked,
                     const Kind& kind,
@@ -325,6 +335,24 @@ class Judge {
                   "scans left a direction open, the motion alone tells how far the rig went",
                   largest);
     AddIntervals(marked, kOpen, text);
+  }
+
+  void JudgeWheels() {
+    for (const WheelSlip& slip : evidence_.slips) {
+      if (slip.sum_m < kMaxStddev) continue;
+      char text[240];
+      std::snprintf(text,
+                    sizeof(text),
+                    "from %.0f to %.0f s the wheels count %.2g m more or less than the rig "
+                    "went, while the scans leave this direction open: where they slipped is "
+                    "not known, and the position there to no better than that",
+                    slip.start_s + first_second_,
+                    slip.end_s + first_second_,
+                    slip.sum_m);
+      Doubt(kSlip.order,
+            {kSlip.name, "", text, kSlip.next_step},
+            {{slip.start_s, slip.end_s, text}});
+    }
   }
 
   void JudgeScanners() {

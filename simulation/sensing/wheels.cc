@@ -41,8 +41,8 @@ WheelOptions ReadWheels(const YamlNode& node) {
   WheelOptions options;
   node.Optional("topic", &options.topic);
   node.Optional("rate_hz", &options.rate_hz, 0.5, 1000.0);
-  node.Optional("length_scale", &options.length_scale, 0.1, 10.0);
-  node.Optional("turn_scale", &options.turn_scale, 0.1, 10.0);
+  node.Optional("length_scale", &options.length_scale, -10.0, 10.0);
+  node.Optional("turn_scale", &options.turn_scale, -10.0, 10.0);
   node.Optional("length_noise_m", &options.length_noise_m, 0.0, 1.0);
   double turn_noise_deg = 0.0;
   node.Optional("turn_noise_deg", &turn_noise_deg, 0.0, 90.0);
@@ -50,7 +50,7 @@ WheelOptions ReadWheels(const YamlNode& node) {
   if (node.Has("slips")) {
     const YamlNode slips = node["slips"];
     options.slips_per_m = slips["per_m"].AsDouble(0.0, 10.0);
-    slips.Optional("share", &options.slip_share, -1.0, 10.0);
+    slips.Optional("share", &options.slip_share, -10.0, 10.0);
     slips.Optional("duration_s", &options.slip_s, 0.0, 60.0);
     slips.RejectUnreadKeys();
   }

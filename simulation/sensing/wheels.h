@@ -14,7 +14,7 @@ namespace plumbline {
 struct WheelOptions {
   std::string topic = "/odom";
   double rate_hz = 50.0;
-  // Counts for one metre of way, and for one radian of turn.
+  // Counts for one metre of way, and for one radian of turn; negative: the other way round.
   double length_scale = 1.0;
   double turn_scale = 1.0;
   // Standard deviations of both after one metre of way; they grow with its square root.

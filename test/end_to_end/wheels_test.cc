@@ -151,5 +151,15 @@ TEST_F(MappingTest, SharpTurnsOfARigWithWheelsAreFollowed) {
   EXPECT_LT(evaluation.trajectory.aligned.rotation_deg.max, 0.5);
 }
 
+// The way is known at both ends of the corridor, but not where between them the wheels
+// slipped: the map is 0.1 m off there, and says so.
+TEST_F(MappingTest, SlipsWhileTheWayIsOpenAreTold) {
+  const Evaluation evaluation = RunCase("wheels_sharp_turns", 3501);
+  ASSERT_GT(evaluation.trajectory.aligned.position_m.max, 0.05);
+  EXPECT_EQ(summary_.consistency.verdict, Verdict::kDoubtful);
+  ASSERT_TRUE(summary_.cause);
+  EXPECT_THAT(summary_.cause->name, HasSubstr("wheels"));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -4,38 +4,24 @@
 
 #include <cmath>
 
+#include "test/core/judging/corridor.h"
 #include "test/core/judging/hand_made_map.h"
 
 namespace plumbline {
 namespace {
 
-// Two walls along the x axis, at y = 1 and y = -1.
 class CorridorTest : public testing::Test {
  protected:
-  CorridorTest() {
-    for (const double side : {1.0, -1.0}) {
-      Landmark wall = MakeVerticalLandmark({0.0, -side, 0.0}, {0.0, side, 0.0});
-      wall.id = static_cast<int>(map_.state().landmarks.size());
-      wall.num_segments = 1;
-      map_.state().landmarks.push_back(wall);
-    }
-    end_ = map_.AddWall(10.0, -1.0, 1.0);
-  }
-  void SeeWalls(int second, bool and_end) {
-    map_.SeeAlong(second, 0, {-4.0, 1.0}, {4.0, 1.0});
-    map_.SeeAlong(second, 1, {-4.0, -1.0}, {4.0, -1.0});
-    if (and_end) map_.See(second, end_, 10.0, -1.0, 1.0);
-  }
   std::vector<DegenerateInterval> Find() {
     return DegenerateIntervals(StrengthOverTime(map_.rig(), true, map_.state(), 0));
   }
 
   HandMadeMap map_;
-  int end_ = -1;
+  Corridor corridor_{&map_};
 };
 
 TEST_F(CorridorTest, IsOpenAlongItselfWithoutAnEnd) {
-  for (int second = 0; second < 6; ++second) SeeWalls(second, second < 2);
+  for (int second = 0; second < 6; ++second) corridor_.See(second, second < 2);
   const std::vector<DegenerateInterval> intervals = Find();
   ASSERT_EQ(intervals.size(), 1u);
   EXPECT_EQ(intervals[0].start_s, 2.0);
@@ -45,7 +31,7 @@ TEST_F(CorridorTest, IsOpenAlongItselfWithoutAnEnd) {
 }
 
 TEST_F(CorridorTest, StatesWhatASecondMeasures) {
-  SeeWalls(0, true);
+  corridor_.See(0, true);
   const PositionStrength strength =
       StrengthOverTime(map_.rig(), true, map_.state(), 0).front();
   EXPECT_EQ(strength.num_segments, 30);
