@@ -22,10 +22,10 @@ namespace plumbline {
 using PoseCovarianceAt = std::function<Matrix6d(int64_t time_ns)>;
 
 // Associates every observation anew with the landmarks as they are estimated now, at the
-// covariance of its scan's pose: taken as known exactly, a pose that is off keeps away the very
-// segments that would correct it. Returns how many observations changed. An observation loses a landmark of which nothing else has been
-// seen near it: the plane's first, uncertain estimate took it in, and far away from all others
-// it would hold the plane there for good.
+// covariance of its scan's pose: taken as known exactly, a pose that is off keeps away the
+// very segments that would correct it. Returns how many observations changed. An observation
+// loses a landmark of which nothing else has been seen near it: the plane's first, uncertain
+// estimate took it in, and far away from all others it would hold the plane there for good.
 int Reassociate(const Rig& rig,
                 const MapperOptions& options,
                 const PoseCovarianceAt& pose_covariance,
