@@ -9,6 +9,7 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <iterator>
 #include <utility>
@@ -24,9 +25,16 @@ using ExactRegion = CGAL::Polygon_set_2<ExactKernel>;
 constexpr double kSamePoint = 1e-6;      // m; far below what a building file tells apart
 constexpr double kSameDirection = 1e-7;  // rad; a micrometre over 10 m
 
+// To a nanometre: corners that rounding alone holds apart leave slivers, on which the sweep of
+// CGAL's Boolean operations has crashed.
+double Snapped(double coordinate_m) {
+  constexpr double kGrid = 1e9;  // 1/m
+  return std::round(coordinate_m * kGrid) / kGrid;
+}
+
 ExactPolygon ToExact(const Polygon2& polygon) {
   ExactPolygon exact;
-  for (const Eigen::Vector2d& p : polygon) exact.push_back({p.x(), p.y()});
+  for (const Eigen::Vector2d& p : polygon) exact.push_back({Snapped(p.x()), Snapped(p.y())});
   if (exact.orientation() == CGAL::CLOCKWISE) exact.reverse_orientation();
   return exact;
 }

@@ -167,6 +167,35 @@ TEST(Building, PartsMayReachThroughARoom) {
   EXPECT_EQ(ErrorOf([&] { ReadBuilding(path); }), "");
 }
 
+// Walls, cupboards and door openings meet along one outline but for rounding: without snapped
+// corners CGAL's sweep ends in a segmentation fault here.
+TEST(Building, CornersThatRoundingHoldsApartAreOne) {
+  const std::string path = WriteTestFile("building.yaml", R"(
+floor_height_m: 0.0
+ceiling_height_m: 2.72
+outlines:
+  - {corners: [[0.0, 1.1], [19.52, 1.1], [19.52, 6.3], [0.0, 6.3]]}
+solids:
+  - {corners: [[0.0, 5.94], [3.4, 5.94], [3.4, 6.3], [0.0, 6.3]]}
+  - {corners: [[11.36, 5.92], [15.0, 5.92], [15.0, 6.3], [11.36, 6.3]]}
+walls:
+  - from: [0.0, 1.1]
+    to: [19.52, 1.1]
+    thickness_m: 0.14
+    openings:
+      - {position_m: 2.64, width_m: 0.86, height_m: 2.1}
+      - {position_m: 6.62, width_m: 0.94, height_m: 2.1}
+      - {position_m: 9.24, width_m: 1.02, height_m: 2.1}
+      - {position_m: 12.84, width_m: 1.0, height_m: 2.1}
+      - {position_m: 18.1, width_m: 0.98, height_m: 2.1}
+  - {from: [3.4, 1.1], to: [3.4, 6.3], thickness_m: 0.1}
+  - {from: [7.54, 1.1], to: [7.54, 6.3], thickness_m: 0.1}
+  - {from: [11.36, 1.1], to: [11.36, 6.3], thickness_m: 0.12}
+)");
+  const Building building = ReadBuilding(path);
+  EXPECT_NEAR(TotalArea(FacesOn(building, {1, 0, 0}, 3.45)), 5.13 * 2.72, 1e-6);
+}
+
 TEST(Building, ErrorsNameFileAndLine) {
   const std::string head = "floor_height_m: 0\nceiling_height_m: 3\noutlines:\n";
   const std::string room = "  - corners: [[0, 0], [4, 0], [4, 4], [0, 4]]\n";
