@@ -25,16 +25,15 @@ using ExactRegion = CGAL::Polygon_set_2<ExactKernel>;
 constexpr double kSamePoint = 1e-6;      // m; far below what a building file tells apart
 constexpr double kSameDirection = 1e-7;  // rad; a micrometre over 10 m
 
-// To a nanometre: corners that rounding alone holds apart leave slivers, on which the sweep of
-// CGAL's Boolean operations has crashed.
-double Snapped(double coordinate_m) {
-  constexpr double kGrid = 1e9;  // 1/m
-  return std::round(coordinate_m * kGrid) / kGrid;
-}
+// Corners that rounding alone holds apart leave slivers, on which the sweep of CGAL's Boolean
+// operations has crashed.
+double RoundedToNanometres(double metres) { return std::round(1e9 * metres) / 1e9; }
 
 ExactPolygon ToExact(const Polygon2& polygon) {
   ExactPolygon exact;
-  for (const Eigen::Vector2d& p : polygon) exact.push_back({Snapped(p.x()), Snapped(p.y())});
+  for (const Eigen::Vector2d& p : polygon) {
+    exact.push_back({RoundedToNanometres(p.x()), RoundedToNanometres(p.y())});
+  }
   if (exact.orientation() == CGAL::CLOCKWISE) exact.reverse_orientation();
   return exact;
 }
