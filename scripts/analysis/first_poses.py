@@ -33,12 +33,18 @@ def parse_arguments():
 
 
 def reference_poses(reference, times):
-    """Rotations (n, 3, 3) and positions (n, 3) at times, from the pose nearest in time."""
-    index = np.clip(np.searchsorted(reference[:, 0], times), 1, len(reference) - 1)
-    index -= times - reference[index - 1, 0] < reference[index, 0] - times
+    """Rotations (n, 3, 3) and positions (n, 3) at times, between the poses before and after."""
+    after = np.clip(np.searchsorted(reference[:, 0], times), 1, len(reference) - 1)
+    before = reference[after - 1]
+    share = (times - before[:, 0]) / (reference[after, 0] - before[:, 0])
+    # Between poses a turn is small: the quaternions' chord is as good as their arc.
+    to_next = reference[after, 4:8]
+    to_next = to_next * np.sign(np.sum(before[:, 4:8] * to_next, axis=1))[:, None]
+    quaternions = (1 - share)[:, None] * before[:, 4:8] + share[:, None] * to_next
+    quaternions /= np.linalg.norm(quaternions, axis=1)[:, None]
     positions = np.column_stack([np.interp(times, reference[:, 0], reference[:, axis])
                                  for axis in (1, 2, 3)])
-    return np.array([rotation_matrix(xyzw) for xyzw in reference[index, 4:8]]), positions
+    return np.array([rotation_matrix(xyzw) for xyzw in quaternions]), positions
 
 
 def mean_rotation(rotations):
@@ -50,11 +56,8 @@ def mean_rotation(rotations):
 def first_pose(result, reference, settled_s):
     """Errors of the first pose, m and rad, and their stated standard deviations."""
     poses = np.loadtxt(result / "trajectory.tum", ndmin=2)
-    # One pose of the map for each of the reference, at its time: no rotation is interpolated.
-    times = reference[:, 0]
-    inside = (times >= poses[0, 0]) & (times <= poses[-1, 0])
-    index = np.searchsorted(poses[:, 0], times[inside])
-    index = np.concatenate([[0], index[poses[index, 0] > poses[0, 0] + settled_s]])
+    inside = (poses[:, 0] > poses[0, 0] + settled_s) & (poses[:, 0] <= reference[-1, 0])
+    index = np.concatenate([[0], np.flatnonzero(inside)])
     true_rotations, true_positions = reference_poses(reference, poses[index, 0])
     rotations = np.array([rotation_matrix(xyzw) for xyzw in poses[index, 4:8]])
     turn = mean_rotation(rotations[1:] @ np.transpose(true_rotations[1:], (0, 2, 1)))
