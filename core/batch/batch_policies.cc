@@ -129,7 +129,8 @@ std::vector<int> MergePlanes(const Rig& rig,
   for (const auto& [into, from] : FindMergeable(rig, *state, options, 0)) {
     const int end = target[static_cast<size_t>(into)];
     if (apart.count({into, from}) > 0 || apart.count({end, from}) > 0) continue;
-    const Landmark& a = state->landmarks[static_cast<size_t>(end)];  // has the segments of into
+    const Landmark& a =
+        state->landmarks[static_cast<size_t>(end)];  // has the segments of into
     const Landmark& b = state->landmarks[static_cast<size_t>(from)];
     if (LieApart(rig, *state, a, b, options.association.surface_flatness_m)) continue;
     target[static_cast<size_t>(from)] = end;

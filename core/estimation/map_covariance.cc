@@ -109,9 +109,9 @@ MapCovariance MapCovariance::OfPoses(const EstimationProblem& problem) {
   const BlockLayout layout = problem.Layout();
   MapCovariance result;
   result.planar_ = problem.planar();
-  result.inverse_ =
-      ArrowheadCholesky(LineariseArrowhead(problem, layout).hessian.Band(), BorderElimination::kLast)
-          .TakeInverse();
+  result.inverse_ = ArrowheadCholesky(LineariseArrowhead(problem, layout).hessian.Band(),
+                                      BorderElimination::kLast)
+                        .TakeInverse();
   for (int i = 0; i < layout.NumControlPointColumns(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
   }

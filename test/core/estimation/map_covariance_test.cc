@@ -51,6 +51,16 @@ TEST(MapCovarianceTest, PoseIsThatOfItsControlPoints) {
   }
 }
 
+TEST(MapCovarianceTest, PosesOnSurfacesAreLessUncertain) {
+  PriorProblem priors;
+  priors.AddAllPriors();
+  const MapCovariance held = MapCovariance::OfPoses(priors.problem());
+  const Eigen::MatrixXd points =
+      InverseOf(priors.Hessian().topLeftCorner(66, 66)).block(30, 30, 24, 24);
+  EXPECT_LT((held.ControlPoints(30, 24) - points).norm(), 1e-9 * points.norm());
+  EXPECT_LT(points.trace(), MapCovariance::Of(priors.problem()).ControlPoints(30, 24).trace());
+}
+
 // A planar rig: heights and tilts are held, and have no variance.
 TEST(MapCovarianceTest, WhatIsHeldHasNoVariance) {
   PriorProblem priors(true);
