@@ -193,9 +193,6 @@ Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMountedBlockSize> ErrorPatterns:
                                      nodes.angular[node],
                                      nodes.linear[node]);
   }
-  for (int i = 0; i < by_scanner.cols(); ++i) {
-    if (!layout_.is_free[static_cast<size_t>(column + i)]) by_scanner.col(i).setZero();
-  }
   return by_scanner;
 }
 
@@ -262,6 +259,10 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
   if (basis.scanner_column >= 0) {
     basis.scanner_load.middleRows<kNumRangeErrors>(kScannerRangeAt) =
         rows.by_range.transpose() * root;
+    for (int i = 0; i < scanner_size; ++i) {
+      const auto column = static_cast<size_t>(basis.scanner_column + i);
+      if (!layout_.is_free[column]) basis.scanner_load.row(i).setZero();
+    }
   }
   return basis;
 }

@@ -129,7 +129,7 @@ class ErrorPatterns {
                 const Observation& observation,
                 const SegmentWeights& weights,
                 const Nodes& nodes) const;
-  // How a scanner's block moves the body at a node, in the directions that are estimated.
+  // How a scanner's block moves the body at a node.
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMountedBlockSize> ByScanner(
       const Nodes& nodes, int k, int scanner) const;
   // A scanner's pose in the body at a node.

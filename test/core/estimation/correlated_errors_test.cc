@@ -20,6 +20,7 @@
 #include "core/estimation/gauss_newton_solver.h"
 #include "core/estimation/linearisation.h"
 #include "core/estimation/map_covariance.h"
+#include "core/estimation/pose_prior.h"
 #include "core/geometry/matrix_types.h"
 #include "core/trajectory/motion_noise.h"
 #include "test/testing/plane_scene.h"
@@ -146,7 +147,9 @@ class CorrelatedErrorsTest : public testing::Test {
       landmarks_.back().id = static_cast<int>(landmarks_.size()) - 1;
     }
     landmarks_[0].heading_fixed = true;
-    problem_ = std::make_unique<EstimationProblem>(rig_, false, &trajectory_, &landmarks_);
+    calibration_ = RigCalibration(rig_, false);
+    problem_ = std::make_unique<EstimationProblem>(
+        rig_, false, &trajectory_, &landmarks_, &calibration_);
     problem_->AddTrajectoryTerms(
         TrajectoryOptions(),
         MotionProfile::Uniform(MotionNoise::Of(TrajectoryOptions()), trajectory_),
@@ -154,7 +157,9 @@ class CorrelatedErrorsTest : public testing::Test {
     std::vector<const Observation*> observations;
     for (const Observation& observation : observations_) observations.push_back(&observation);
     problem_->AddSegments(observations, 0.0);
+    AddScannerPriors(calibration_, problem_.get());
     GaussNewtonSolver<ArrowheadEquations>({30, 0.0, 1e-4}).Solve(problem_.get());
+    posed_rig_ = calibration_.Posed(rig_);
   }
 
   MapCovariance Covariance() {
@@ -162,7 +167,7 @@ class CorrelatedErrorsTest : public testing::Test {
                              LineariseArrowhead(*problem_, problem_->Layout()),
                              [&](const ArrowheadCholesky& factor) {
                                const BlockLayout layout = problem_->Layout();
-                               ErrorPatterns patterns(rig_,
+                               ErrorPatterns patterns(posed_rig_,
                                                       calibration_,
                                                       trajectory_,
                                                       landmarks_,
@@ -241,6 +246,7 @@ class CorrelatedErrorsTest : public testing::Test {
   const PlaneScene room_ =
       MakeRoom({{0.0, 5.0}, {1.3, 4.5}, {2.5, 4.0}, {3.7, 5.0}, {5.1, 4.0}}, -1.5, 1.6);
   Rig rig_;
+  Rig posed_rig_;
   RigCalibration calibration_;
   Trajectory trajectory_{kStart, kKnot, Rigid3d()};
   std::deque<Landmark> landmarks_;
@@ -279,6 +285,17 @@ TEST_F(CorrelatedErrorsTest, ATurnedScannerIsCovered) {
   EXPECT_GT(mean.independent, 4.0);
   EXPECT_EQ(mean.num_shown, 12);
   EXPECT_NEAR(mean.correlated, 1.0, 0.4);
+}
+
+// Scanners whose poses, clocks and range biases are estimated, while the range scales are
+// held.
+TEST_F(CorrelatedErrorsTest, UnevenSurfacesAreCoveredBesideACalibration) {
+  for (Scanner& scanner : rig_.scanners) scanner.uncertainty = {0.01, 0.01, 0.001, 0.01, 0.0};
+  const Mean mean = MeanErrors({0.006, 0.0, 0.0});
+  EXPECT_GT(mean.independent, 4.0);
+  EXPECT_EQ(mean.num_shown, 12);
+  EXPECT_NEAR(mean.correlated, 1.0, 0.4);
+  EXPECT_NEAR(mean.unevenness_m, 0.006, 0.0015);
 }
 
 // Rows and columns belong to one joint covariance of control points and planes.
