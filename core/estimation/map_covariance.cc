@@ -89,6 +89,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   CorrelatedErrors errors;
   if (correlated) errors = correlated(factor);
+  result.RelateToHeading(factor, errors.shift, num_band);
   result.inverse_ = factor.TakeInverse();
   for (int i = 0; i < layout.size(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
@@ -126,10 +127,43 @@ Eigen::MatrixXd MapCovariance::ControlPoints(int first, int size) const {
   return covariance;
 }
 
+void MapCovariance::RelateToHeading(const ArrowheadCholesky& factor,
+                                    const Eigen::MatrixXd& shift,
+                                    int num_band) {
+  const int block_size = NumRotations() + 3;
+  Eigen::VectorXd by_unknowns = Eigen::VectorXd::Zero(factor.size());
+  for (int i = NumRotations() - 1; i < num_band; i += block_size) {
+    by_unknowns[i] = static_cast<double>(block_size) / num_band;
+  }
+  with_heading_ = factor.Solve(by_unknowns).topRows(num_band);
+  if (shift.size() > 0) {
+    const auto rows = shift.topRows(num_band);
+    with_heading_ += rows * (rows.transpose() * by_unknowns.head(num_band));
+  }
+  heading_variance_ = with_heading_.dot(by_unknowns.head(num_band));
+}
+
+Eigen::Matrix3d MapCovariance::PositionInTurnedMap(const Trajectory& trajectory,
+                                                   int64_t time_ns) const {
+  const Trajectory::Location at = trajectory.Locate(time_ns);
+  const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
+  Eigen::Vector3d with_heading = Eigen::Vector3d::Zero();
+  for (int j = 0; j < kSplineOrder; ++j) {
+    const int position = (at.first + j) * (NumRotations() + 3) + NumRotations();
+    with_heading +=
+        spline.position_weights[static_cast<size_t>(j)] * with_heading_.segment<3>(position);
+  }
+  const Eigen::Vector3d by_heading =
+      Eigen::Vector3d::UnitZ().cross(trajectory.WorldFromBody(time_ns).translation);
+  const Eigen::Matrix3d crossed = by_heading * with_heading.transpose();
+  return PoseAt(trajectory, time_ns).bottomRightCorner<3, 3>() - crossed -
+         crossed.transpose() + heading_variance_ * by_heading * by_heading.transpose();
+}
+
 Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) const {
   const Trajectory::Location at = trajectory.Locate(time_ns);
   const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
-  const int rotation_size = planar_ ? 1 : 3;
+  const int rotation_size = NumRotations();
   const int block_size = rotation_size + 3;
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, kSplineOrder * block_size);
   for (int j = 0; j < kSplineOrder; ++j) {

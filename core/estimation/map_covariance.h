@@ -52,6 +52,11 @@ class MapCovariance {
   // World-frame rotation (rad) and position (m) of the body.
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
 
+  // Position (m) of the body in the map turned about its origin so that the control points'
+  // headings are right on the mean, instead of the reference wall's: what a turn of the whole
+  // map does to positions is not in it (an S-transformation, Baarda 1973).
+  Eigen::Matrix3d PositionInTurnedMap(const Trajectory& trajectory, int64_t time_ns) const;
+
   // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
   // problem's layout; of two neighbouring tiles at most, as everything one residual depends
   // on.
@@ -61,10 +66,18 @@ class MapCovariance {
   const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
 
  private:
+  int NumRotations() const { return planar_ ? 1 : 3; }  // of a control point's unknowns
+  // Sets the covariances with the mean heading.
+  void RelateToHeading(const ArrowheadCholesky& factor,
+                       const Eigen::MatrixXd& shift,
+                       int num_band);
+
   bool planar_ = false;
   std::vector<int> landmark_ids_;
   std::vector<int> offsets_;
   ArrowheadInverse inverse_;
+  Eigen::VectorXd with_heading_;  // covariance of control points with their mean heading
+  double heading_variance_ = 0.0;
   Eigen::MatrixXd shift_;  // of the control points by correlated errors; empty: none
   Eigen::MatrixXd landmarks_;
   Eigen::MatrixXd scanners_;

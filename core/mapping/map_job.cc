@@ -179,16 +179,17 @@ void LogWarnings(const std::vector<std::string>& warnings) {
 }
 
 // The largest standard deviation of the position over all directions, by second since
-// start_ns.
+// start_ns. A turn of the whole map, which the reference wall's direction leaves, is no doubt
+// about the map.
 std::vector<double> PositionStddevs(const MapResult& result, int64_t start_ns) {
   std::vector<double> stddevs_m;
   for (const int64_t time_ns : result.scan_times_ns) {
     const auto second = static_cast<size_t>(std::max(0.0, SecondsBetween(start_ns, time_ns)));
     if (second < stddevs_m.size()) continue;
-    const Matrix6d covariance =
-        result.batch.covariance.PoseAt(result.state.trajectory, time_ns);
+    const Eigen::Matrix3d covariance =
+        result.batch.covariance.PositionInTurnedMap(result.state.trajectory, time_ns);
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+    solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
     stddevs_m.resize(second, 0.0);
     stddevs_m.push_back(std::sqrt(std::max(0.0, solver.eigenvalues()[2])));
   }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <vector>
 
 #include "core/estimation/linearisation.h"
 #include "core/trajectory/pose_uncertainty.h"
@@ -48,6 +49,49 @@ TEST(MapCovarianceTest, PoseIsThatOfItsControlPoints) {
     const Matrix6d expected = uncertainty.At(priors.trajectory(), time_ns);
     EXPECT_LT((covariance.PoseAt(priors.trajectory(), time_ns) - expected).norm(),
               1e-9 * expected.norm());
+  }
+}
+
+// With errors that repeat, too.
+TEST(MapCovarianceTest, PositionsInATurnedMapAreApartFromItsHeading) {
+  for (const bool planar : {false, true}) {
+    PriorProblem priors(planar);
+    priors.AddAllPriors();
+    const int block_size = planar ? 4 : 6;
+    const int heading = planar ? 0 : 2;
+    const Eigen::Index size = PriorProblem::kNumControlPoints * block_size;
+    CorrelatedErrors errors;
+    errors.shift = Eigen::VectorXd::LinSpaced(size, -0.3, 0.4);
+    errors.landmarks = Eigen::MatrixXd::Zero(4, 4);
+    const BlockLayout layout = priors.problem().Layout();
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (!layout.is_free[static_cast<size_t>(i)]) errors.shift.row(i).setZero();
+    }
+    const MapCovariance covariance =
+        MapCovariance::Of(priors.problem(),
+                          LineariseArrowhead(priors.problem(), layout),
+                          [&](const ArrowheadCholesky&) { return errors; });
+    const int64_t time_ns = PriorProblem::kStartNs + 23 * PriorProblem::kKnotNs / 10;
+    const Trajectory::Location at = priors.trajectory().Locate(time_ns);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, size);
+    for (int j = 0; j < 4; ++j) {
+      jacobian.middleCols<3>((at.first + j) * block_size + block_size - 3)
+          .diagonal()
+          .setConstant(priors.trajectory().PoseJacobian(at).position_weights[j]);
+    }
+    const Eigen::Vector3d position = priors.trajectory().WorldFromBody(time_ns).translation;
+    for (int i = heading; i < size; i += block_size) {
+      jacobian.col(i) -=
+          Eigen::Vector3d(-position.y(), position.x(), 0.0) / PriorProblem::kNumControlPoints;
+    }
+    const std::vector<int> free = layout.FreeColumns();
+    Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(layout.size(), layout.size());
+    joint(free, free) = InverseOf(priors.Hessian()(free, free));
+    joint.topLeftCorner(size, size) += errors.shift * errors.shift.transpose();
+    const Eigen::Matrix3d expected =
+        jacobian * joint.topLeftCorner(size, size) * jacobian.transpose();
+    const Eigen::Matrix3d found = covariance.PositionInTurnedMap(priors.trajectory(), time_ns);
+    EXPECT_LT((found - expected).norm(), 1e-9 * expected.norm()) << planar;
   }
 }
 
