@@ -319,10 +319,11 @@ CheckReport CheckSurvey(RecordingSurvey survey, const std::optional<Rig>& stated
     report.nods.push_back(FindNod(report.survey.sample[i]));
     if (report.nods.back()) report.attitudes[i].attitude = Attitude::kNodding;
   }
-  for (size_t i = 0; i < sample.size() && !rig; ++i) {
-    report.travel_directions.push_back(report.attitudes[i].attitude == Attitude::kLevel
-                                           ? FindTravelDirection(sample[i])
-                                           : std::nullopt);
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const bool is_asked =
+        rig ? !rig->odometry_topic.empty() : report.attitudes[i].attitude == Attitude::kLevel;
+    report.moves.push_back(is_asked ? FindMoves(sample[i]) : std::vector<StepMove>());
+    if (!rig) report.travel_directions.push_back(FindTravelDirection(report.moves[i]));
   }
   if (rig) {
     LookAtRig(sample, &report);

@@ -28,6 +28,8 @@ struct CheckReport {
   std::vector<OwnAttitude> attitudes;        // by topic of the survey
   std::vector<std::vector<StepTurn>> turns;  // by topic
   std::vector<std::optional<Nod>> nods;      // by topic; none: it does not nod
+  std::vector<std::vector<StepMove>>
+      moves;  // by topic; with a rig file where it has wheels, else of level scanners
   // Directions of travel of level scanners, by topic; empty with a rig file.
   std::vector<std::optional<TravelDirection>> travel_directions;
 

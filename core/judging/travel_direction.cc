@@ -144,10 +144,9 @@ std::optional<Step> FindStep(const SampledLine& before, const SampledLine& after
 
 }  // namespace
 
-std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine>& lines) {
+std::vector<StepMove> FindMoves(const std::vector<SampledLine>& lines) {
   const int64_t step_ns = NanosecondsFromSeconds(kMotionStep);
-  std::vector<double> angles;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  std::vector<StepMove> moves;
   int64_t next_ns = 0;
   size_t after = 0;
   for (const SampledLine& line : lines) {
@@ -159,8 +158,17 @@ std::optional<TravelDirection> FindTravelDirection(const std::vector<SampledLine
     next_ns = lines[after].stamp_ns;
     const std::optional<Step> step = FindStep(line, lines[after]);
     if (!step || step->move.norm() < kAgreed) continue;
+    moves.push_back({line.stamp_ns, next_ns, step->move, step->turn});
+  }
+  return moves;
+}
+
+std::optional<TravelDirection> FindTravelDirection(const std::vector<StepMove>& moves) {
+  std::vector<double> angles;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const StepMove& move : moves) {
     // In the frame half way.
-    angles.push_back(std::atan2(step->move.y(), step->move.x()) - step->turn / 2.0);
+    angles.push_back(std::atan2(move.move.y(), move.move.x()) - move.turn_rad / 2.0);
     sum += Eigen::Vector2d(std::cos(angles.back()), std::sin(angles.back()));
   }
   if (static_cast<int>(angles.size()) < kMinSteps) return std::nullopt;

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/geometry/planar_pose.h"
+#include "core/util/error.h"
 #include "core/util/time.h"
 #include "test/testing/scenario.h"
 
@@ -59,7 +60,20 @@ class WheelsTest : public MappingTest {
     std::ostringstream log;
     log << std::setprecision(12);
     Rig rig = recording_.rig;
+    const auto stamp = [&](const ScanLine& line) {
+      std::ostringstream words;
+      words << std::setprecision(12) << line.stamp_ns / 1'000'000'000 << "."
+            << std::setfill('0') << std::setw(9) << line.stamp_ns % 1'000'000'000 << " host "
+            << SecondsOf(line) << "\n";
+      return words.str();
+    };
     for (const ScanLine& line : recording_.scan_lines) {
+      if (rig.odometry_topic == "ODOM") {
+        const Counted wheels = counted(line.stamp_ns);
+        log << "ODOM " << wheels.pose.position.x() << " " << wheels.pose.position.y() << " "
+            << wheels.pose.heading << " " << wheels.speed << " 0 0 " << stamp(line);
+        if (SecondsOf(line) > gap_begin_s_ && SecondsOf(line) < gap_end_s_) continue;
+      }
       log << "ROBOTLASER1 0 " << line.angle_min << " " << 270.0 * M_PI / 180.0 << " "
           << line.angle_increment << " 80.0 0.01 0 " << line.num_beams();
       for (const float range : line.ranges) {
@@ -73,9 +87,7 @@ class WheelsTest : public MappingTest {
       log << " 0";
       write_pose();
       write_pose();
-      log << " " << wheels.speed << " 0 0 0 0 " << line.stamp_ns / 1'000'000'000 << "."
-          << std::setfill('0') << std::setw(9) << line.stamp_ns % 1'000'000'000 << " host "
-          << SecondsOf(line) << "\n";
+      log << " " << wheels.speed << " 0 0 0 0 " << stamp(line);
       rig.scanners[0].time_increment_s = line.time_increment_s;
     }
     WriteBytes(Path("recording.log"), log.str());
@@ -93,6 +105,9 @@ class WheelsTest : public MappingTest {
   }
 
   SimulatedRecording recording_;
+  // Between these times there are no scans in the log, where wheels have lines of their own.
+  double gap_begin_s_ = 0.0;
+  double gap_end_s_ = 0.0;
 };
 
 TEST_F(WheelsTest, ScanLinesStateThem) {
@@ -122,6 +137,21 @@ TEST_F(WheelsTest, PosesSentAgainAreLeftOut) {
   EXPECT_THAT(summary.warnings, Contains(HasSubstr("sent again")));
 }
 
+TEST_F(WheelsTest, AWayThatIsCountedBackIsRefused) {
+  const auto counted = [&](int64_t time_ns) {
+    PlanarPose pose = TruthAt(time_ns);
+    pose.position = -pose.position;
+    return Counted{pose};
+  };
+  try {
+    MapLog(counted);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("ROBOTLASER1: the wheels count the way ahead as a way"));
+  }
+}
+
 // Nobody sees anything for a quarter of a minute, in which the rig turns twice. The motion is
 // not foretold too stiffly: else it would outweigh what the wheels say of these turns.
 TEST_F(WheelsTest, ARigWithWheelsIsNotLost) {
@@ -133,6 +163,20 @@ TEST_F(WheelsTest, ARigWithWheelsIsNotLost) {
          "trajectory: {angular_acceleration_density_deg_s2: 45}\n");
   ExpectRight(0.15);
   EXPECT_GT(summary_.duration_s, 50.0);
+}
+
+// Without scans, nothing but the wheels says how the rig went round the room. The gaps begin
+// in turns: from an even motion on, turning all the time, the fit to the wheels ends
+// elsewhere.
+TEST_F(WheelsTest, ControlPointsInAGapAreWhereTheWheelsLead) {
+  recording_.rig.odometry_topic = "ODOM";
+  for (const double begin_s : {14.8, 21.2}) {
+    gap_begin_s_ = begin_s;
+    gap_end_s_ = begin_s + 20.0;
+    MapLog([&](int64_t time_ns) { return Counted{TruthAt(time_ns)}; });
+    ExpectRight(0.02);
+    EXPECT_GT(summary_.duration_s, 50.0);
+  }
 }
 
 // Wheels that slip in a turn of 20 degrees a scan have the scan lie where no plane fits it any

@@ -39,7 +39,8 @@ std::vector<SampledLine> Drive(double yaw, double heading, double speed) {
 
 TEST(TravelDirectionTest, IsTheWayOfTheRigInTheScannersFrame) {
   for (const double yaw_deg : {0.0, 40.0, 178.0, -120.0}) {
-    const auto found = FindTravelDirection(Drive(yaw_deg * kRadiansPerDegree, 0.7, 0.5));
+    const auto found =
+        FindTravelDirection(FindMoves(Drive(yaw_deg * kRadiansPerDegree, 0.7, 0.5)));
     ASSERT_TRUE(found) << yaw_deg;
     const double error =
         std::remainder(found->angle_rad + yaw_deg * kRadiansPerDegree, 2.0 * M_PI);
@@ -50,7 +51,7 @@ TEST(TravelDirectionTest, IsTheWayOfTheRigInTheScannersFrame) {
 }
 
 TEST(TravelDirectionTest, ARigThatStandsShowsNone) {
-  EXPECT_FALSE(FindTravelDirection(Drive(0.3, 0.7, 0.0)));
+  EXPECT_FALSE(FindTravelDirection(FindMoves(Drive(0.3, 0.7, 0.0))));
   EXPECT_FALSE(FindTravelDirection({}));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/geometry/planar_pose.h"
 #include "core/judging/findings.h"
 #include "core/util/time.h"
 
@@ -32,6 +33,7 @@ class WheelFindingsTest : public testing::Test {
     report_.topics_of_scanners = {0};
     report_.heights.resize(1);
     report_.turns.emplace_back();
+    report_.moves.emplace_back();
     for (double time_s = 0.0; time_s < 30.0; time_s += 0.5) {
       report_.turns[0].push_back({kStartNs + NanosecondsFromSeconds(time_s),
                                   kStartNs + NanosecondsFromSeconds(time_s + 0.5),
@@ -46,6 +48,9 @@ class WheelFindingsTest : public testing::Test {
       samples.push_back(
           {kStartNs + NanosecondsFromSeconds(time_s), {0.1 * time_s, 0.0}, heading(time_s)});
     }
+    return Judge(samples);
+  }
+  std::vector<std::string> Judge(const std::vector<OdometrySample>& samples) {
     report_.survey.wheels = std::make_shared<const Odometry>(samples);
     FindWheelFaults(&report_);
     std::vector<std::string> sentences;
@@ -106,6 +111,87 @@ TEST_F(WheelFindingsTest, WheelsOfAnotherClock) {
 TEST_F(WheelFindingsTest, WheelsThatSayNothing) {
   report_.survey.wheels_fault = "its pose never changes";
   EXPECT_THAT(Find(HeadingAt), ElementsAre(HasSubstr("left out: its pose never changes")));
+}
+
+// A rig drives half a circle to the left, at half a metre a second. Its scanner stands upside
+// down, off the middle, and looks to the side.
+class WheelWaysTest : public WheelFindingsTest {
+ protected:
+  static constexpr double kSpeed = 0.5;     // m/s
+  static constexpr double kTurnRate = 0.1;  // rad/s
+
+  WheelWaysTest() {
+    report_.survey.start_receipt_ns = kStartNs;
+    report_.turns[0].clear();
+    Rigid3d& body_from_scanner = report_.rig->scanners[0].body_from_scanner;
+    body_from_scanner = {RotationFromRollPitchYaw(M_PI, 0.0, 1.2), {0.4, -0.1, 0.2}};
+    for (double time_s = 0.0; time_s < 30.0; time_s += 0.5) {
+      const Rigid3d move = body_from_scanner.Inverse() * BodyAt(time_s).Inverse() *
+                           BodyAt(time_s + 0.5) * body_from_scanner;
+      report_.moves[0].push_back({kStartNs + NanosecondsFromSeconds(time_s),
+                                  kStartNs + NanosecondsFromSeconds(time_s + 0.5),
+                                  move.translation.head<2>(),
+                                  FromAbove(move).heading});
+    }
+  }
+
+  static Rigid3d BodyAt(double time_s) {
+    const double heading = kTurnRate * time_s;
+    return {
+        RotationFromRollPitchYaw(0.0, 0.0, heading),
+        kSpeed / kTurnRate * Eigen::Vector3d(std::sin(heading), 1.0 - std::cos(heading), 0.0)};
+  }
+
+  // The sentences about wheels that count so many times the way.
+  std::vector<std::string> FindWays(const std::function<double(double)>& scale) {
+    std::vector<OdometrySample> samples;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();
+    for (double time_s = -2.0; time_s < 32.0; time_s += 0.02) {
+      const Rigid3d body = BodyAt(time_s);
+      samples.push_back(
+          {kStartNs + NanosecondsFromSeconds(time_s), position, FromAbove(body).heading});
+      position +=
+          scale(time_s) * (BodyAt(time_s + 0.02).translation - body.translation).head<2>();
+    }
+    return Judge(samples);
+  }
+};
+
+TEST_F(WheelWaysTest, GoodWheelsAreNotFound) {
+  EXPECT_THAT(FindWays([](double) { return 1.05; }), IsEmpty());
+}
+
+TEST_F(WheelWaysTest, WheelsThatCountTheWayBack) {
+  EXPECT_THAT(FindWays([](double) { return -1.05; }),
+              ElementsAre(testing::AllOf(HasSubstr("way ahead as a way back"),
+                                         HasSubstr("body_from_scanner by 180"))));
+  EXPECT_EQ(report_.findings[0].severity, Severity::kStop);
+  EXPECT_EQ(report_.findings[0].subject, "/odom");
+}
+
+TEST_F(WheelWaysTest, WheelsThatCountPartsOfTheWayBack) {
+  const auto scale = [](double time_s) { return time_s > 12.0 && time_s < 14.5 ? -1.0 : 1.0; };
+  EXPECT_THAT(
+      FindWays(scale),
+      ElementsAre(HasSubstr("from 12 to 15 s the wheels count the way with the wrong")));
+}
+
+// Walls that are taken for one another show a move that was none.
+TEST_F(WheelWaysTest, SingleMovesProveNothing) {
+  for (size_t i = 0; i < report_.moves[0].size(); i += 3) {
+    report_.moves[0][i].move = -report_.moves[0][i].move;
+  }
+  EXPECT_THAT(FindWays([](double) { return 1.0; }), IsEmpty());
+}
+
+TEST_F(WheelWaysTest, WheelsThatStandDoNotCountBack) {
+  const auto scale = [](double time_s) { return time_s > 12.0 && time_s < 15.0 ? 0.0 : 1.0; };
+  EXPECT_THAT(FindWays(scale), IsEmpty());
+}
+
+TEST_F(WheelWaysTest, WheelsOfAnotherUnit) {
+  EXPECT_THAT(FindWays([](double) { return 0.001; }),
+              ElementsAre(HasSubstr("do not go where the scanners see the rig go")));
 }
 
 }  // namespace
