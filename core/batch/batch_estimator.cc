@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -224,30 +225,31 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
       if (observation.scan_index % step == 0) visit(observation);
     });
   };
-  // Most of the time goes into recordings that show such errors.
-  const auto are_shown = [&] {
-    ErrorPatterns sampled(
-        *rig_, state_->calibration, state_->trajectory, state_->landmarks, layout, planar_);
-    for_each(SamplingOf(*state_),
-             [&](const Observation& observation) { sampled.Add(observation); });
-    return ShowCorrelatedErrors(sampled, factor);
-  };
-  if (!are_shown()) return {};
-  ErrorPatterns patterns(*rig_,
+  const auto make = [&](const auto&... with_factor) {
+    return ErrorPatterns(*rig_,
                          state_->calibration,
                          state_->trajectory,
                          state_->landmarks,
                          layout,
                          planar_,
-                         factor);
+                         with_factor...);
+  };
+  // Most of the time goes into recordings that show such errors.
+  const auto find_deviations = [&]() -> std::optional<std::vector<double>> {
+    const int step = SamplingOf(*state_);
+    ErrorPatterns sampled = make();
+    for_each(step, [&](const Observation& observation) { sampled.Add(observation); });
+    if (!ShowCorrelatedErrors(sampled, factor)) return std::nullopt;
+    return EstimateDeviations(
+        factor, [&](const auto& visit) { for_each(step, visit); }, &sampled);
+  };
+  std::optional<std::vector<double>> deviations = find_deviations();
+  if (!deviations) return {};
+  ErrorPatterns patterns = make(factor);
+  patterns.SetDeviations(std::move(*deviations));
   for_each(1, [&](const Observation& observation) { patterns.Add(observation); });
   const CorrelatedErrors errors = EstimateCorrelatedErrors(
-      factor,
-      [&] {
-        for_each(1,
-                 [&](const Observation& observation) { patterns.RescoreCells(observation); });
-      },
-      &patterns);
+      factor, [&](const auto& visit) { for_each(1, visit); }, &patterns);
   LOG(INFO) << "errors that repeat: unevenness " << 1e3 * errors.unevenness_m
             << " mm, range bias " << 1e3 * errors.range_bias_m << " mm, mounting "
             << errors.rotation_rad * 180.0 / M_PI << " deg, " << 1e3 * errors.translation_m

@@ -134,6 +134,41 @@ ScannerErrors EstimateScannerErrors(const KnownErrors& known,
   return errors;
 }
 
+struct ErrorVariances {
+  double cells = 0.0;
+  ScannerErrors scanners;
+};
+
+// loads, shifts: of the estimate by the patterns. What a scanner's errors do to a cell is no
+// unevenness: they are taken away first, as far as the two can be told apart.
+ErrorVariances EstimateVariances(const Eigen::MatrixXd& loads,
+                                 const Eigen::MatrixXd& shifts,
+                                 const VisitSegments& for_each,
+                                 ErrorPatterns* patterns) {
+  const int num_scanner = patterns->num_scanner_patterns();
+  const Eigen::MatrixXd products = AdaptedProducts(*patterns, loads, shifts);
+  const KnownErrors known = FindKnownErrors(*patterns, products);
+  const Eigen::MatrixXd crossed =
+      products.topRightCorner(num_scanner, ErrorPatterns::kNumTraceProbes);
+  const auto find_scanners = [&](double cells) {
+    if (num_scanner == 0) return ScannerErrors();  // the estimate has them
+    return EstimateScannerErrors(
+        known,
+        products.topLeftCorner(num_scanner, num_scanner) +
+            cells / ErrorPatterns::kNumTraceProbes * crossed * crossed.transpose(),
+        patterns->scanner_scores());
+  };
+  ErrorVariances found;
+  found.cells = CellVariance(patterns->cell_scores(), products);
+  found.scanners = find_scanners(found.cells);
+  if (found.cells == 0.0) return found;
+  patterns->Explain(found.scanners.mean, shifts.leftCols(num_scanner) * found.scanners.mean);
+  for_each([&](const Observation& observation) { patterns->RescoreCells(observation); });
+  found.cells = CellVariance(patterns->cell_scores(), products);
+  found.scanners = find_scanners(found.cells);
+  return found;
+}
+
 }  // namespace
 
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
@@ -148,47 +183,50 @@ bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky
   return freedom > 0.0 && sum > freedom + kSignificantStddevs * std::sqrt(2.0 * freedom);
 }
 
+std::vector<double> EstimateDeviations(const ArrowheadCholesky& factor,
+                                       const VisitSegments& for_each,
+                                       ErrorPatterns* patterns) {
+  const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
+  const ErrorVariances found =
+      EstimateVariances(patterns->loads(), shifts, for_each, patterns);
+  if (found.cells == 0.0) return {};
+  const Eigen::MatrixXd by_probes =
+      shifts.middleCols<ErrorPatterns::kNumTraceProbes>(patterns->num_scanner_patterns());
+  for_each(
+      [&](const Observation& observation) { patterns->ScoreProbes(observation, by_probes); });
+  std::vector<double> deviations;
+  for (const ErrorPatterns::SurfaceScores& surface : patterns->ScoresBySurface()) {
+    const double own = surface.squares - surface.by_noise;
+    const double largest_of_all =
+        found.cells * (surface.by_deviation + kSignificantStddevs * surface.stddev);
+    deviations.push_back(
+        std::sqrt(own > largest_of_all ? own / surface.by_deviation : found.cells));
+  }
+  return deviations;
+}
+
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
-                                          const std::function<void()>& rescore,
+                                          const VisitSegments& for_each,
                                           ErrorPatterns* patterns) {
   const int num_scanner = patterns->num_scanner_patterns();
   const Eigen::MatrixXd loads = patterns->loads().leftCols(patterns->products().cols());
   Eigen::MatrixXd shifts = factor.Solve(patterns->TakeLoads());
-  const Eigen::MatrixXd products = AdaptedProducts(*patterns, loads, shifts);
-  const KnownErrors known = FindKnownErrors(*patterns, products);
-  const Eigen::MatrixXd crossed =
-      products.topRightCorner(num_scanner, ErrorPatterns::kNumTraceProbes);
-  const auto find_scanners = [&](double cells) {
-    if (num_scanner == 0) return ScannerErrors();  // the estimate has them
-    return EstimateScannerErrors(
-        known,
-        products.topLeftCorner(num_scanner, num_scanner) +
-            cells / ErrorPatterns::kNumTraceProbes * crossed * crossed.transpose(),
-        patterns->scanner_scores());
-  };
-  // What a scanner's errors do to a cell is no unevenness: they are taken away first, as far
-  // as the two can be told apart.
-  double cells = CellVariance(patterns->cell_scores(), products);
-  ScannerErrors scanners = find_scanners(cells);
-  if (cells > 0.0) {
-    patterns->Explain(scanners.mean, shifts.leftCols(num_scanner) * scanners.mean);
-    rescore();
-    cells = CellVariance(patterns->cell_scores(), products);
-    scanners = find_scanners(cells);
-  }
+  const ErrorVariances found = EstimateVariances(loads, shifts, for_each, patterns);
 
   CorrelatedErrors errors;
-  errors.unevenness_m = kInterpolated * std::sqrt(cells);
-  errors.range_bias_m = std::sqrt(scanners.variances[kRange]);
-  errors.rotation_rad = std::sqrt(scanners.variances[kRotation]);
-  errors.translation_m = std::sqrt(scanners.variances[kTranslation]);
-  shifts.leftCols(num_scanner) *= scanners.root;
-  shifts.rightCols(ErrorPatterns::kNumProbes) *= std::sqrt(cells / ErrorPatterns::kNumProbes);
+  errors.unevenness_m =
+      kInterpolated * std::sqrt(found.cells * patterns->MeanSquareDeviation());
+  errors.range_bias_m = std::sqrt(found.scanners.variances[kRange]);
+  errors.rotation_rad = std::sqrt(found.scanners.variances[kRotation]);
+  errors.translation_m = std::sqrt(found.scanners.variances[kTranslation]);
+  shifts.leftCols(num_scanner) *= found.scanners.root;
+  shifts.rightCols(ErrorPatterns::kNumProbes) *=
+      std::sqrt(found.cells / ErrorPatterns::kNumProbes);
   errors.shift = std::move(shifts);
   const Eigen::MatrixXd effects = patterns->TakeCellEffectsOnLandmarks();
   const auto by_scanners = errors.shift.leftCols(num_scanner).bottomRows(effects.rows());
   errors.landmarks = by_scanners * by_scanners.transpose();
-  errors.landmarks.selfadjointView<Eigen::Lower>().rankUpdate(effects, cells);
+  errors.landmarks.selfadjointView<Eigen::Lower>().rankUpdate(effects, found.cells);
   errors.landmarks.triangularView<Eigen::StrictlyUpper>() = errors.landmarks.transpose();
   return errors;
 }

@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
+#include "core/map/observation.h"
 
 namespace plumbline {
 
@@ -30,12 +32,22 @@ struct CorrelatedErrors {
 // have been summed up from some of the segments only.
 bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor);
 
+// What the residuals say each surface deviates by from its plane, m, by landmark: the same for
+// all, but for those whose scores exceed what that explains. A plane that stands for balusters
+// or drawers deviates by several times as much as a wall. Empty where no surface deviates.
+// `patterns` may have been summed up from some of the segments only; for_each: calls a
+// function for these.
+using VisitSegments = std::function<void(const std::function<void(const Observation&)>&)>;
+std::vector<double> EstimateDeviations(const ArrowheadCholesky& factor,
+                                       const VisitSegments& for_each,
+                                       ErrorPatterns* patterns);
+
 // Estimates the patterns' variances from the residuals, and their effect. What the
 // independent noise explains is not counted: where the recording shows no more, all is zero.
-// factor: of the normal matrix that the patterns were summed up with. rescore: calls
-// patterns->RescoreCells() for all segments.
+// factor: of the normal matrix that the patterns were summed up with. for_each: calls a
+// function for all segments.
 CorrelatedErrors EstimateCorrelatedErrors(const ArrowheadCholesky& factor,
-                                          const std::function<void()>& rescore,
+                                          const VisitSegments& for_each,
                                           ErrorPatterns* patterns);
 
 }  // namespace plumbline

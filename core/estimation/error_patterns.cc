@@ -294,6 +294,7 @@ int ErrorPatterns::CellAt(const Landmark& landmark, int u, int v) {
       sign = (state >> 63) != 0 ? 1.0 : -1.0;
     }
     cell_scores_.push_back(0.0);
+    surfaces_.push_back(landmark.id);
   }
   return found->second;
 }
@@ -328,10 +329,12 @@ void ErrorPatterns::Share(const Landmark& landmark,
     shares_u_ = first_u;
     shares_v_ = first_v;
   }
+  const double deviation =
+      deviations_.empty() ? 1.0 : deviations_[static_cast<size_t>(landmark.id)];
   for (size_t i = 0; i < 4; ++i) {
     CellShare& share = shares_[shares_.size() - 4 + i];
-    share.offset += weights[i] * offset;
-    share.slope += weights[i] * slope;
+    share.offset += deviation * weights[i] * offset;
+    share.slope += deviation * weights[i] * slope;
   }
 }
 
@@ -410,28 +413,94 @@ void ErrorPatterns::Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd
   std::fill(cell_scores_.begin(), cell_scores_.end(), 0.0);
 }
 
+Eigen::Matrix3Xd ErrorPatterns::SeenOf(const Observation& observation,
+                                       const Basis& basis,
+                                       const Eigen::Ref<const Eigen::MatrixXd>& shifts) const {
+  const auto id = static_cast<size_t>(observation.landmark_id);
+  const int plane_size = landmarks_[id].num_parameters();
+  Eigen::Matrix3Xd seen = basis.pose_load.transpose() *
+                          shifts.middleRows(basis.first_column, basis.pose_load.rows());
+  seen += basis.plane_load.topRows(plane_size).transpose() *
+          shifts.middleRows(landmark_columns_[id], plane_size);
+  if (basis.scanner_column >= 0) {
+    seen += basis.scanner_load.transpose() *
+            shifts.middleRows(basis.scanner_column, basis.scanner_load.rows());
+  }
+  return seen;
+}
+
 void ErrorPatterns::RescoreCells(const Observation& observation) {
   if (!Has(observation)) return;
   const Nodes& nodes = NodesOf(observation);
   const Basis basis = BasisOf(observation, nodes);
   SetScannerCoefficients(observation, nodes);
-  const int plane_column = landmark_columns_[static_cast<size_t>(observation.landmark_id)];
-  const int plane_size =
-      landmarks_[static_cast<size_t>(observation.landmark_id)].num_parameters();
-  Eigen::Vector3d score = basis.score;
-  score -= basis.product * (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
-  score += basis.pose_load.transpose() *
-           explained_move_.segment(basis.first_column, basis.pose_load.rows());
-  score += basis.plane_load.topRows(plane_size).transpose() *
-           explained_move_.segment(plane_column, plane_size);
-  if (basis.scanner_column >= 0) {
-    score += basis.scanner_load.transpose() *
-             explained_move_.segment(basis.scanner_column, basis.scanner_load.rows());
-  }
+  const Eigen::Vector3d score =
+      basis.score + SeenOf(observation, basis, explained_move_) -
+      basis.product * (coefficients_.leftCols(num_scanner_patterns_) * explained_errors_);
   for (const CellShare& share : shares_) {
     cell_scores_[static_cast<size_t>(share.cell)] +=
         share.slope * score[0] + share.offset * score[2];
   }
+}
+
+void ErrorPatterns::SetProbeCoefficients() {
+  auto by_probe = coefficients_.rightCols(num_probes());
+  by_probe.setZero();
+  for (const CellShare& share : shares_) {
+    const auto signs = signs_[static_cast<size_t>(share.cell)].head(num_probes()).transpose();
+    by_probe.row(0) += share.slope * signs;
+    by_probe.row(2) += share.offset * signs;
+  }
+}
+
+void ErrorPatterns::ScoreProbes(const Observation& observation,
+                                const Eigen::MatrixXd& shifts) {
+  if (!Has(observation)) return;
+  const Nodes& nodes = NodesOf(observation);
+  const Basis basis = BasisOf(observation, nodes);
+  SetScannerCoefficients(observation, nodes);
+  SetProbeCoefficients();
+  probe_scores_.resize(cell_scores_.size(), Eigen::Matrix<double, kNumTraceProbes, 1>::Zero());
+  const Eigen::Matrix3Xd scores =
+      basis.product * coefficients_.middleCols<kNumTraceProbes>(num_scanner_patterns_) -
+      SeenOf(observation, basis, shifts);
+  for (const CellShare& share : shares_) {
+    probe_scores_[static_cast<size_t>(share.cell)] +=
+        (share.slope * scores.row(0) + share.offset * scores.row(2)).transpose();
+  }
+}
+
+std::vector<ErrorPatterns::SurfaceScores> ErrorPatterns::ScoresBySurface() const {
+  using ByProbe = Eigen::Array<double, kNumTraceProbes, 1>;
+  std::vector<SurfaceScores> by_surface(landmarks_.size());
+  std::vector<ByProbe> sums(landmarks_.size(), ByProbe::Zero());
+  std::vector<double> of_single_cells(landmarks_.size(), 0.0);
+  for (size_t cell = 0; cell < probe_scores_.size(); ++cell) {
+    const auto id = static_cast<size_t>(surfaces_[cell]);
+    const double by_itself =
+        probe_scores_[cell].dot(signs_[cell].head<kNumTraceProbes>()) / kNumTraceProbes;
+    by_surface[id].squares += cell_scores_[cell] * cell_scores_[cell];
+    by_surface[id].by_noise += by_itself;
+    sums[id] += probe_scores_[cell].array().square();
+    of_single_cells[id] += std::pow(by_itself, 4);
+  }
+  for (size_t id = 0; id < by_surface.size(); ++id) {
+    by_surface[id].by_deviation = sums[id].mean();
+    // The probes are signs, whose squares do not scatter as those of a normal distribution do.
+    by_surface[id].stddev =
+        std::sqrt((sums[id] - sums[id].mean()).square().mean() + 2.0 * of_single_cells[id]);
+  }
+  return by_surface;
+}
+
+double ErrorPatterns::MeanSquareDeviation() const {
+  if (deviations_.empty() || surfaces_.empty()) return 1.0;
+  double sum = 0.0;
+  for (const int surface : surfaces_) {
+    const double deviation = deviations_[static_cast<size_t>(surface)];
+    sum += deviation * deviation;
+  }
+  return sum / static_cast<double>(surfaces_.size());
 }
 
 void ErrorPatterns::Add(const Observation& observation) {
@@ -441,16 +510,12 @@ void ErrorPatterns::Add(const Observation& observation) {
   const Nodes& nodes = NodesOf(observation);
   const Basis basis = BasisOf(observation, nodes);
   SetScannerCoefficients(observation, nodes);
+  SetProbeCoefficients();
   const int num_pose_rows = static_cast<int>(basis.pose_load.rows());
   const int plane_size = landmark.num_parameters();
-  auto by_probe = coefficients_.rightCols(num_probes());
-  by_probe.setZero();
   for (const CellShare& share : shares_) {
-    const auto cell = static_cast<size_t>(share.cell);
-    const auto signs = signs_[cell].head(num_probes()).transpose();
-    by_probe.row(0) += share.slope * signs;
-    by_probe.row(2) += share.offset * signs;
-    cell_scores_[cell] += share.slope * basis.score[0] + share.offset * basis.score[2];
+    cell_scores_[static_cast<size_t>(share.cell)] +=
+        share.slope * basis.score[0] + share.offset * basis.score[2];
   }
   if (cell_effects_) AddCellEffects(basis, plane_column, plane_size);
   loads_.middleRows(basis.first_column, num_pose_rows).noalias() +=

@@ -61,6 +61,9 @@ class ErrorPatterns {
                 bool planar,
                 const ArrowheadCholesky& factor);
 
+  // What a surface's cells deviate by where a pattern is 1, by landmark; 1 unless set, before
+  // any segment is taken in.
+  void SetDeviations(std::vector<double> deviations) { deviations_ = std::move(deviations); }
   // Takes in one more segment, which has a landmark. Near the last ones in time, for speed.
   void Add(const Observation& observation);
 
@@ -81,7 +84,24 @@ class ErrorPatterns {
   void Explain(const Eigen::VectorXd& errors, const Eigen::VectorXd& moved);
   // Sums up a segment's scores of its cells anew, without what has been explained.
   void RescoreCells(const Observation& observation);
-  // Returns the effect of each cell's deviation of 1 m on the landmarks: their parameters x
+  // Sums up a segment's scores of its cells for the probes' deviations instead of residuals,
+  // as far as the estimate does not adapt to them. shifts: of the estimate, by the probes for
+  // traces.
+  void ScoreProbes(const Observation& observation, const Eigen::MatrixXd& shifts);
+  // Squares of a surface's scores, summed over its cells.
+  struct SurfaceScores {
+    double squares = 0.0;   // of the residuals
+    double by_noise = 0.0;  // expected of the noise alone
+    // Without noise, of the probes' deviations: the expected sum for all cells' deviations by
+    // 1, and its standard deviation.
+    double by_deviation = 0.0;
+    double stddev = 0.0;
+  };
+  // By landmark, after ScoreProbes() for all segments.
+  std::vector<SurfaceScores> ScoresBySurface() const;
+  // Mean square of the cells' deviations where their patterns are 1.
+  double MeanSquareDeviation() const;
+  // Returns the effect of each cell's pattern on the landmarks: their parameters x
   // cells. To be called once.
   Eigen::MatrixXd TakeCellEffectsOnLandmarks();
 
@@ -109,8 +129,8 @@ class ErrorPatterns {
     Eigen::Matrix3d product;  // U^T U
     Eigen::Vector3d score;    // U^T r
   };
-  // The share of a cell in a segment: a deviation of 1 m of the cell moves the line that fits
-  // the segment best by this.
+  // The share of a cell in a segment: its pattern moves the line that fits the segment best by
+  // this.
   struct CellShare {
     int cell = 0;
     double offset = 0.0;
@@ -139,6 +159,12 @@ class ErrorPatterns {
                    const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,
                    int first,
                    Eigen::Ref<Eigen::VectorXd> load) const;
+  // What of shifts of the estimate a segment's slopes and offset see, 3 x shifts.
+  Eigen::Matrix3Xd SeenOf(const Observation& observation,
+                          const Basis& basis,
+                          const Eigen::Ref<const Eigen::MatrixXd>& shifts) const;
+  // Sets the columns of the probes by the shares of the cells.
+  void SetProbeCoefficients();
   // The columns of a scanner's own patterns and the shares of the cells.
   void SetScannerCoefficients(const Observation& observation, const Nodes& nodes);
   // Adds what the shares of the segment in work do to the landmarks.
@@ -173,7 +199,9 @@ class ErrorPatterns {
   std::optional<BorderSolver> cell_effects_;  // on the landmarks; column: a cell
   std::vector<Nodes> nodes_;           // of the last scan lines
   size_t next_nodes_ = 0;
+  std::vector<double> deviations_;           // by landmark; empty: 1
   std::unordered_map<uint64_t, int> cells_;  // by landmark and node
+  std::vector<int> surfaces_;                // by cell: its landmark
   std::vector<CellShare> shares_;            // of the segment in work
   int shares_u_ = 0;                         // the node of the last four
   int shares_v_ = 0;
@@ -185,6 +213,7 @@ class ErrorPatterns {
   Eigen::VectorXd scanner_scores_;
   std::vector<double> cell_scores_;
   std::vector<Eigen::Matrix<double, kNumProbes, 1>> signs_;  // by cell
+  std::vector<Eigen::Matrix<double, kNumTraceProbes, 1>> probe_scores_;
 };
 
 }  // namespace plumbline

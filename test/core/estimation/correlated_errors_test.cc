@@ -33,12 +33,14 @@ constexpr int64_t kKnot = 200'000'000;
 constexpr int kNumScans = 120;
 constexpr int64_t kPeriod = 50'000'000;
 constexpr double kNoise = 0.02;
+constexpr int kRoughWall = 2;
 
 // What is wrong in one world, besides the noise.
 struct Errors {
   double unevenness_m = 0.0;  // of 1 m squares, each by itself
   double range_bias_m = 0.0;  // of scanner 1
   double turn_rad = 0.0;      // of scanner 1, about the body's z axis
+  double roughness_m = 0.0;   // of one wall's squares, besides
 };
 
 // The paper's rig on a straight walk through a room of five walls.
@@ -103,7 +105,11 @@ class CorrelatedErrorsTest : public testing::Test {
                                  static_cast<int>(std::floor(p.y())),
                                  static_cast<int>(std::floor(p.z()))},
                                 0.0);
-        if (is_new) square->second = errors.unevenness_m * gaussian(random);
+        if (is_new) {
+          square->second = (errors.unevenness_m +
+                            (planes.back() == kRoughWall ? errors.roughness_m : 0.0)) *
+                           gaussian(random);
+        }
         const double cosine = -normal.dot((p - world_from_scanner.translation).normalized());
         line.ranges[static_cast<size_t>(beam)] +=
             static_cast<float>((s == 1 ? errors.range_bias_m : 0.0) - square->second / cosine);
@@ -162,32 +168,30 @@ class CorrelatedErrorsTest : public testing::Test {
     posed_rig_ = calibration_.Posed(rig_);
   }
 
+  CorrelatedErrors FindCorrelatedErrors(const ArrowheadCholesky& factor) {
+    const BlockLayout layout = problem_->Layout();
+    const auto for_each = [&](const auto& visit) {
+      for (const Observation& observation : observations_) visit(observation);
+    };
+    const auto make = [&](const auto&... with_factor) {
+      return ErrorPatterns(
+          posed_rig_, calibration_, trajectory_, landmarks_, layout, false, with_factor...);
+    };
+    ErrorPatterns shown = make();
+    for_each([&](const Observation& observation) { shown.Add(observation); });
+    shown_ = ShowCorrelatedErrors(shown, factor);
+    if (!shown_) return {};
+    ErrorPatterns patterns = make(factor);
+    if (own_deviations_) patterns.SetDeviations(EstimateDeviations(factor, for_each, &shown));
+    for_each([&](const Observation& observation) { patterns.Add(observation); });
+    return EstimateCorrelatedErrors(factor, for_each, &patterns);
+  }
+
   MapCovariance Covariance() {
     return MapCovariance::Of(*problem_,
                              LineariseArrowhead(*problem_, problem_->Layout()),
                              [&](const ArrowheadCholesky& factor) {
-                               const BlockLayout layout = problem_->Layout();
-                               ErrorPatterns patterns(posed_rig_,
-                                                      calibration_,
-                                                      trajectory_,
-                                                      landmarks_,
-                                                      layout,
-                                                      false,
-                                                      factor);
-                               for (const Observation& observation : observations_)
-                                 patterns.Add(observation);
-                               shown_ = ShowCorrelatedErrors(patterns, factor);
-                               found_ = {};
-                               if (!shown_) return found_;
-                               found_ = EstimateCorrelatedErrors(
-                                   factor,
-                                   [&] {
-                                     for (const Observation& observation : observations_) {
-                                       patterns.RescoreCells(observation);
-                                     }
-                                   },
-                                   &patterns);
-                               return found_;
+                               return found_ = FindCorrelatedErrors(factor);
                              });
   }
 
@@ -254,6 +258,7 @@ class CorrelatedErrorsTest : public testing::Test {
   std::unique_ptr<EstimationProblem> problem_;
   CorrelatedErrors found_;
   bool shown_ = false;
+  bool own_deviations_ = true;
 };
 
 // The mean of 12 x 11 squares lies within 0.25 of one with 95 %.
@@ -296,6 +301,17 @@ TEST_F(CorrelatedErrorsTest, UnevenSurfacesAreCoveredBesideACalibration) {
   EXPECT_EQ(mean.num_shown, 12);
   EXPECT_NEAR(mean.correlated, 1.0, 0.4);
   EXPECT_NEAR(mean.unevenness_m, 0.006, 0.0015);
+}
+
+// A wall ten times as uneven as the others: one variance of all says too little of it. The
+// others' is that of all, and says too much.
+TEST_F(CorrelatedErrorsTest, SurfacesThatDeviateMoreHaveTheirOwnDeviations) {
+  Errors errors;
+  errors.unevenness_m = 0.003;
+  errors.roughness_m = 0.03;
+  EXPECT_LT(MeanErrors(errors).correlated, 1.4);
+  own_deviations_ = false;
+  EXPECT_GT(MeanErrors(errors).correlated, 2.0);
 }
 
 // Rows and columns belong to one joint covariance of control points and planes.
