@@ -15,6 +15,8 @@
 #include "core/util/quantiles.h"
 #include "factors/imu/accelerometer_factor.h"
 #include "factors/imu/gyroscope_factor.h"
+#include "factors/spline/so3.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
@@ -33,16 +35,23 @@ Prior PriorOn(const std::vector<BlockId>& blocks, int size) {
 // Means of readings, and what no spline of the knots can follow in them.
 class Means {
  public:
-  Means(const ImuReadings& readings, const Trajectory& trajectory)
-      : readings_(readings),
-        trajectory_(trajectory),
-        part_ns_(trajectory.knot_interval_ns() / kImuMeansPerInterval) {}
+  explicit Means(const MapState& state)
+      : readings_(*state.imu),
+        trajectory_(state.trajectory),
+        imu_(*state.calibration.imu),
+        part_ns_(state.trajectory.knot_interval_ns() / kImuMeansPerInterval) {}
 
   ImuMean At(int part) const {
     const int64_t begin_ns = trajectory_.start_ns() + part * part_ns_;
     return readings_.MeanOf(begin_ns, begin_ns + part_ns_);
   }
   double interval_s() const { return trajectory_.knot_interval_s(); }
+  double part_s() const { return 1e-9 * static_cast<double>(part_ns_); }
+
+  // Variance of white noise of a mean.
+  double NoiseOf(const ImuMean& mean, const InertialErrors& errors) const {
+    return errors.noise * errors.noise / readings_.period_s() / mean.num_samples;
+  }
 
   // A measurement of one sensor: of: member of the mean.
   ImuMeasurement Measure(int part,
@@ -51,13 +60,14 @@ class Means {
                          const InertialErrors& errors) const {
     ImuMeasurement measurement;
     measurement.mean = mean.*of;
-    // The mean of these readings has this variance of white noise.
-    const double variance =
-        errors.noise * errors.noise / readings_.period_s() / mean.num_samples;
+    const double variance = NoiseOf(mean, errors);
     measurement.stddev = (variance + Excess(part, of, variance).array()).sqrt();
-    const double begin_s = part % kImuMeansPerInterval * 1e-9 * static_cast<double>(part_ns_);
+    const double begin_s = part % kImuMeansPerInterval * part_s();
     measurement.u = {(begin_s + mean.time_s - mean.time_stddev_s) / interval_s(),
                      (begin_s + mean.time_s + mean.time_stddev_s) / interval_s()};
+    const double u = 0.5 * (measurement.u[0] + measurement.u[1]);
+    measurement.bias_share =
+        (part / kImuMeansPerInterval % imu_.intervals_per_bias + u) / imu_.intervals_per_bias;
     return measurement;
   }
 
@@ -80,6 +90,7 @@ class Means {
 
   const ImuReadings& readings_;
   const Trajectory& trajectory_;
+  const ImuEstimate& imu_;
   int64_t part_ns_;
 };
 
@@ -111,7 +122,7 @@ class Adder {
   Adder(const MapState& state, int num_alike, EstimationProblem* problem)
       : state_(state),
         imu_(*state.calibration.imu),
-        means_(*state.imu, state.trajectory),
+        means_(state),
         num_alike_(num_alike),
         problem_(problem) {}
 
@@ -122,7 +133,6 @@ class Adder {
     const double interval_s = state_.trajectory.knot_interval_s();
     ImuMeasurement rate =
         means_.Measure(part, mean, &ImuMean::angular_rate, imu_.stated.gyroscope);
-    ShareBias(interval, &rate);
     std::vector<BlockId> blocks;
     for (int i = 0; i < kSplineOrder; ++i) blocks.push_back(RotationBlock(interval + i));
     std::vector<BlockId> of_imu = {
@@ -144,7 +154,6 @@ class Adder {
     if (imu_.planar) return;
     ImuMeasurement force =
         means_.Measure(part, mean, &ImuMean::specific_force, imu_.stated.accelerometer);
-    ShareBias(interval, &force);
     for (int i = 0; i < kSplineOrder; ++i) blocks.push_back(PositionBlock(interval + i));
     of_imu = {ImuBlockId(),
               AccelerometerBiasBlock(Last(node)),
@@ -186,12 +195,6 @@ class Adder {
  private:
   int Last(int node) const { return imu_.LastIntervalOf(node); }
 
-  void ShareBias(int interval, ImuMeasurement* measurement) const {
-    const double u = 0.5 * (measurement->u[0] + measurement->u[1]);
-    measurement->bias_share =
-        (interval % imu_.intervals_per_bias + u) / imu_.intervals_per_bias;
-  }
-
   template <typename Make>
   void AddFactor(const Make& make,
                  std::vector<BlockId> blocks,
@@ -231,6 +234,69 @@ void AddImu(
       adder.AddWalk(interval / per_bias);
     }
   }
+}
+
+ImuDifference& ImuDifference::operator+=(const ImuDifference& other) {
+  turn_world += other.turn_world;
+  velocity_world += other.velocity_world;
+  turn_variance += other.turn_variance;
+  velocity_variance += other.velocity_variance;
+  return *this;
+}
+
+std::optional<ImuDifference> DifferenceFromImu(const MapState& state, int first, int end) {
+  const ImuEstimate& imu = *state.calibration.imu;
+  const Means means(state);
+  ImuDifference sum;
+  for (int part = kImuMeansPerInterval * first; part < kImuMeansPerInterval * end; ++part) {
+    const ImuMean mean = means.At(part);
+    if (mean.num_samples == 0) return std::nullopt;
+    const int interval = part / kImuMeansPerInterval;
+    std::vector<const double*> blocks;
+    for (int i = interval; i < interval + kSplineOrder; ++i) {
+      blocks.push_back(state.trajectory.control_point(i).rotation.data());
+    }
+    const auto node = static_cast<size_t>(interval / imu.intervals_per_bias);
+    const int64_t middle_ns =
+        state.trajectory.start_ns() +
+        (2 * part + 1) * state.trajectory.knot_interval_ns() / (2 * kImuMeansPerInterval);
+    const Eigen::Matrix3d world_from_imu =
+        (state.trajectory.WorldFromBody(middle_ns).rotation *
+         Exp(Eigen::Vector3d(imu.block.data() + kImuTurnAt)) *
+         imu.stated.body_from_imu.rotation)
+            .toRotationMatrix();
+    // The sum's next term, of a residual in units of a measurement's deviations.
+    const auto term = [&](const ceres::CostFunction& factor, const ImuMeasurement& measured) {
+      Eigen::Vector3d residuals;
+      factor.Evaluate(blocks.data(), residuals.data(), nullptr);
+      return Eigen::Vector3d(world_from_imu * residuals.cwiseProduct(measured.stddev) *
+                             means.part_s());
+    };
+    const ImuMeasurement rate =
+        means.Measure(part, mean, &ImuMean::angular_rate, imu.stated.gyroscope);
+    blocks.insert(blocks.end(),
+                  {imu.block.data(),
+                   imu.biases[node].gyroscope.data(),
+                   imu.biases[node + 1].gyroscope.data()});
+    sum.turn_world += term(*CreateGyroscopeFactor(rate, imu.Pose(), means.interval_s()), rate);
+    blocks.resize(kSplineOrder);
+    for (int i = interval; i < interval + kSplineOrder; ++i) {
+      blocks.push_back(state.trajectory.control_point(i).position.data());
+    }
+    const ImuMeasurement force =
+        means.Measure(part, mean, &ImuMean::specific_force, imu.stated.accelerometer);
+    blocks.insert(blocks.end(),
+                  {imu.block.data(),
+                   imu.biases[node].accelerometer.data(),
+                   imu.biases[node + 1].accelerometer.data()});
+    sum.velocity_world += term(
+        *CreateAccelerometerFactor(force, imu.Pose(), kStandardGravity, means.interval_s()),
+        force);
+    const double square_s2 = means.part_s() * means.part_s();
+    sum.turn_variance += square_s2 * means.NoiseOf(mean, imu.stated.gyroscope);
+    sum.velocity_variance += square_s2 * means.NoiseOf(mean, imu.stated.accelerometer);
+  }
+  return sum;
 }
 
 void SetImuCovariance(const BlockId& block,

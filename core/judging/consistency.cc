@@ -11,6 +11,7 @@
 #include "core/judging/degeneracy.h"
 #include "core/judging/doubled_surfaces.h"
 #include "core/judging/evidence.h"
+#include "core/judging/imu_contradictions.h"
 #include "core/judging/likely_cause.h"
 #include "core/judging/open_joints.h"
 #include "core/judging/passages.h"
@@ -58,6 +59,7 @@ struct Evidence {
   std::vector<PositionStrength> strengths;
   std::vector<DegenerateInterval> open;
   std::vector<WheelSlip> slips;
+  std::vector<ImuContradiction> against_imu;
   std::vector<double> position_stddevs_m;
   std::vector<ScannerAgreement> scanners;
   std::vector<ScannerFault> faults;
@@ -149,6 +151,8 @@ Evidence Collect(const Rig& rig,
   evidence.strengths = StrengthOverTime(rig, map.planar, state, start_ns);
   evidence.open = DegenerateIntervals(evidence.strengths);
   evidence.slips = FindWheelSlips(state, evidence.strengths, evidence.open, start_ns);
+  evidence.against_imu =
+      FindImuContradictions(state, static_cast<int>(evidence.strengths.size()), start_ns);
   evidence.scanners = CompareScanners(rig, state, activity, start_ns);
   evidence.faults = FindScannerFaults(rig, evidence.scanners, activity);
   return evidence;
@@ -196,6 +200,8 @@ class Judge {
                  "floor or ceiling bends here: a gentle ramp may have been taken for level");
     JudgeStatedDeviations();
     JudgeWheels();
+    JudgeImu(true, "the accelerometer reads", "m/s of velocity", 1.0);
+    JudgeImu(false, "the gyroscope reads", "deg of turn", 180.0 / M_PI);
     JudgeScanners();
     Share all;
     for (const Share& share : evidence_.passages.shares) {
@@ -255,6 +261,12 @@ class Judge {
   static constexpr Kind kSlip = {CauseOrder::kMotion,
                                  "the wheels slipped where nothing else shows the way",
                                  kOpen.next_step};
+
+  static constexpr Kind kAgainstImu = {
+      CauseOrder::kMotion,
+      "the map contradicts the IMU",
+      "look at what the scanners saw there: a floor that rises looks level to a scanner that "
+      "sees one line of it"};
 
   void AddIntervals(const std::vector<bool>& marked,
                     const Kind& kind,
@@ -353,6 +365,31 @@ class Judge {
             {kSlip.name, "", text, kSlip.next_step},
             {{slip.start_s, slip.end_s, text}});
     }
+  }
+
+  void JudgeImu(bool by_accelerometer, const char* reads, const char* of_what, double unit) {
+    std::vector<bool> marked;
+    ImuContradiction largest;
+    for (const ImuContradiction& found : evidence_.against_imu) {
+      // By as much a velocity errs after a second, and a turn a metre away.
+      const double way_m = found.difference_world.norm();
+      if (found.by_accelerometer != by_accelerometer || way_m < kMaxStddev) continue;
+      marked.resize(static_cast<size_t>(found.second) + 1);
+      marked.back() = true;
+      if (way_m > largest.difference_world.norm()) largest = found;
+    }
+    char text[160];
+    std::snprintf(
+        text,
+        sizeof(text),
+        "%s up to %.2g %s within three seconds that the map does not have (%s, about "
+        "%d s)",
+        reads,
+        unit * largest.difference_world.norm(),
+        of_what,
+        DirectionInWords(largest.difference_world.normalized()).c_str(),
+        largest.second + first_second_);
+    AddIntervals(marked, kAgainstImu, text);
   }
 
   void JudgeScanners() {

@@ -46,7 +46,8 @@ struct FinishedMap {
 //   - segments without planes,
 //   - scanners that contradict the others,
 //   - positions that are hardly known, by the covariance that is stated,
-//   - wheels that count another way than the map has, where nothing else shows it.
+//   - wheels that count another way than the map has, where nothing else shows it,
+//   - an IMU that reads another motion than the map has.
 // start_ns: of the recording. Works on the threads of the caller's tbb::task_arena.
 ConsistencyReport JudgeConsistency(const Rig& rig,
                                    const FinishedMap& map,

@@ -123,6 +123,45 @@ TEST_F(ImuTermsTest, HeldBiasesLeaveReadingsUncertain) {
   EXPECT_NEAR(with_bias / free, 4e-5 / (4e-5 + 1e-2), 2e-4);
 }
 
+TEST_F(ImuTermsTest, PerfectReadingsDifferByNothing) {
+  Read();
+  const auto difference = DifferenceFromImu(state_, 10, 30);
+  ASSERT_TRUE(difference);
+  EXPECT_LT(difference->turn_world.norm(), 1e-6);
+  EXPECT_LT(difference->velocity_world.norm(), 1e-5);
+  // A second of white noise of 1e-3 rad/s and 1e-2 m/s^2 per square root of 1 Hz.
+  EXPECT_NEAR(std::sqrt(difference->turn_variance), 1e-3, 1e-6);
+  EXPECT_NEAR(std::sqrt(difference->velocity_variance), 1e-2, 1e-5);
+}
+
+// As factors they have less weight, see above.
+TEST_F(ImuTermsTest, TheDifferenceIsWhatTheSplineDoesNotFollow) {
+  Read(0.5);
+  const auto difference =
+      DifferenceFromImu(state_, kNumIntervals / 2 - 10, kNumIntervals / 2 + 10);
+  ASSERT_TRUE(difference);
+  EXPECT_NEAR(difference->turn_world.z(), -0.25, 1e-6);  // half a second
+  EXPECT_NEAR(std::sqrt(difference->turn_variance), 1e-3, 1e-6);
+}
+
+TEST_F(ImuTermsTest, DifferencesAddUp) {
+  Read(0.5);
+  const auto whole = DifferenceFromImu(state_, 40, 60);
+  auto sum = DifferenceFromImu(state_, 40, 50);
+  ASSERT_TRUE(whole && sum);
+  *sum += *DifferenceFromImu(state_, 50, 60);
+  EXPECT_NEAR((sum->turn_world - whole->turn_world).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(sum->velocity_variance, whole->velocity_variance, 1e-12);
+}
+
+TEST_F(ImuTermsTest, NoDifferenceWhereReadingsAreMissing) {
+  Read();
+  state_.trajectory.ExtendTo(kStart + (kNumIntervals + 10) * kKnot);
+  state_.calibration.imu->ExtendTo(kNumIntervals + 10);
+  EXPECT_TRUE(DifferenceFromImu(state_, kNumIntervals - 1, kNumIntervals));
+  EXPECT_FALSE(DifferenceFromImu(state_, kNumIntervals - 1, kNumIntervals + 1));
+}
+
 TEST_F(ImuTermsTest, CovariancesGoWhereTheyBelong) {
   Read();
   ImuEstimate& imu = *state_.calibration.imu;
