@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMaxLag = 1.0;    // s, by which wheels may be late or early
 constexpr double kLagStep = 0.01;  // s
-// Wheels do not turn as the scanners do where more than this share of the turns is left.
 
 // A move of the body, in its frame at the begin, as a level scanner sees it and as the wheels
 // count it.
