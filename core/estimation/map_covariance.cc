@@ -89,7 +89,7 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   result.weak_directions_ = FindWeakDirections(factor, equations.diagonal, layout);
   CorrelatedErrors errors;
   if (correlated) errors = correlated(factor);
-  result.RelateToHeading(factor, errors.shift, num_band);
+  result.RelateToHeading(factor, equations.diagonal, errors.shift, num_band);
   result.inverse_ = factor.TakeInverse();
   for (int i = 0; i < layout.size(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
@@ -128,13 +128,15 @@ Eigen::MatrixXd MapCovariance::ControlPoints(int first, int size) const {
 }
 
 void MapCovariance::RelateToHeading(const ArrowheadCholesky& factor,
+                                    const Eigen::VectorXd& information,
                                     const Eigen::MatrixXd& shift,
                                     int num_band) {
   const int block_size = NumRotations() + 3;
   Eigen::VectorXd by_unknowns = Eigen::VectorXd::Zero(factor.size());
   for (int i = NumRotations() - 1; i < num_band; i += block_size) {
-    by_unknowns[i] = static_cast<double>(block_size) / num_band;
+    by_unknowns[i] = information[i];
   }
+  by_unknowns /= by_unknowns.sum();
   with_heading_ = factor.Solve(by_unknowns).topRows(num_band);
   if (shift.size() > 0) {
     const auto rows = shift.topRows(num_band);

@@ -53,8 +53,9 @@ class MapCovariance {
   Matrix6d PoseAt(const Trajectory& trajectory, int64_t time_ns) const;
 
   // Position (m) of the body in the map turned about its origin so that the control points'
-  // headings are right on the mean, instead of the reference wall's: what a turn of the whole
-  // map does to positions is not in it (an S-transformation, Baarda 1973).
+  // headings are right on the mean, weighted by their information, instead of the reference
+  // wall's: what a turn of the whole map does to positions is not in it (an S-transformation,
+  // Baarda 1973).
   Eigen::Matrix3d PositionInTurnedMap(const Trajectory& trajectory, int64_t time_ns) const;
 
   // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
@@ -69,6 +70,7 @@ class MapCovariance {
   int NumRotations() const { return planar_ ? 1 : 3; }  // of a control point's unknowns
   // Sets the covariances with the mean heading.
   void RelateToHeading(const ArrowheadCholesky& factor,
+                       const Eigen::VectorXd& information,
                        const Eigen::MatrixXd& shift,
                        int num_band);
 

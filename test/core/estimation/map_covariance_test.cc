@@ -80,9 +80,12 @@ TEST(MapCovarianceTest, PositionsInATurnedMapAreApartFromItsHeading) {
           .setConstant(priors.trajectory().PoseJacobian(at).position_weights[j]);
     }
     const Eigen::Vector3d position = priors.trajectory().WorldFromBody(time_ns).translation;
+    const Eigen::VectorXd information = priors.Hessian().diagonal();
+    double sum = 0.0;
+    for (int i = heading; i < size; i += block_size) sum += information[i];
     for (int i = heading; i < size; i += block_size) {
       jacobian.col(i) -=
-          Eigen::Vector3d(-position.y(), position.x(), 0.0) / PriorProblem::kNumControlPoints;
+          information[i] / sum * Eigen::Vector3d(-position.y(), position.x(), 0.0);
     }
     const std::vector<int> free = layout.FreeColumns();
     Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(layout.size(), layout.size());
