@@ -274,7 +274,7 @@ MapCovariance BatchEstimator::SetCovariances(const EstimationProblem& problem) {
     landmark.covariance.topLeftCorner(size, size) =
         covariance.landmarks().block(offsets[i], offsets[i], size, size);
   }
-  SetCalibrationCovariance(problem, covariance.scanners(), &state_->calibration);
+  SetCalibrationCovariance(problem, covariance, &state_->calibration);
   return covariance;
 }
 

@@ -5,8 +5,8 @@
 
 namespace plumbline {
 
-// The unknowns of an estimation. Blocks sort as control points by time, then landmarks by id,
-// then scanners, then the IMU and its biases by time; every matrix of ours has its rows and
+// The unknowns of an estimation. Blocks sort as control points and biases of the IMU by time,
+// then landmarks by id, then scanners, then the IMU; every matrix of ours has its rows and
 // columns in this order.
 struct BlockId {
   enum class Kind {
@@ -18,7 +18,7 @@ struct BlockId {
     kGyroscopeBias,
     kAccelerometerBias
   };
-  int group = 0;  // 0: control points, 1: landmarks, 2: scanners, 3: the IMU, 4: its biases
+  int group = 0;  // 0: control points and biases, 1: landmarks, 2: scanners, 3: the IMU
   // Index of a control point or scanner, id of a landmark, or last knot interval that a bias
   // has a say in.
   int index = 0;
@@ -44,10 +44,10 @@ inline BlockId ScannerBlockId(int scanner) { return {2, scanner, BlockId::Kind::
 
 inline BlockId ImuBlockId() { return {3, 0, BlockId::Kind::kImu}; }
 inline BlockId GyroscopeBiasBlock(int last_interval) {
-  return {4, last_interval, BlockId::Kind::kGyroscopeBias};
+  return {0, last_interval, BlockId::Kind::kGyroscopeBias};
 }
 inline BlockId AccelerometerBiasBlock(int last_interval) {
-  return {4, last_interval, BlockId::Kind::kAccelerometerBias};
+  return {0, last_interval, BlockId::Kind::kAccelerometerBias};
 }
 
 inline bool IsLandmark(const BlockId& block) { return block.kind == BlockId::Kind::kLandmark; }
@@ -61,9 +61,11 @@ inline bool IsBias(const BlockId& block) {
   return block.kind == BlockId::Kind::kGyroscopeBias ||
          block.kind == BlockId::Kind::kAccelerometerBias;
 }
+// Whether only what lies near in time depends on the block.
+inline bool IsOfTime(const BlockId& block) { return IsControlPoint(block) || IsBias(block); }
 // Whether nothing that begins with this control point or later depends on the block.
 inline bool IsBefore(const BlockId& block, int control_point) {
-  return (IsControlPoint(block) || IsBias(block)) && block.index < control_point;
+  return IsOfTime(block) && block.index < control_point;
 }
 
 // A problem's blocks and their columns, in the blocks' full tangent spaces as in
@@ -74,9 +76,14 @@ struct BlockLayout {
   std::vector<bool> is_free;  // of each column: not held by a manifold
 
   int size() const { return offsets.back(); }
-  // Number of columns of control points. They come first, those of landmarks and scanners
+  // Number of columns of what lies in time. They come first, those of landmarks and scanners
   // after them.
-  int NumControlPointColumns() const;
+  int NumBandColumns() const;
+  // First column of a block that is there.
+  int ColumnOf(const BlockId& block) const;
+  // Number of columns from the biases of one node to those of the next, these included; 0
+  // without. In tiles of as many each node's biases end a tile.
+  int WidthOfBiases() const;
   std::vector<int> FreeColumns() const;
 };
 

@@ -69,10 +69,11 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
       landmarks_(landmarks),
       layout_(layout),
       planar_(planar),
-      num_band_(layout.NumControlPointColumns()),
+      num_band_(layout.NumBandColumns()),
       has_scanners_(calibration.scanners.empty()),
       owners_(OwnersOf(rig)),
       num_scanner_patterns_(has_scanners_ ? kPerScanner * NumDifferent(owners_) : 0),
+      rotation_columns_(static_cast<size_t>(trajectory.num_control_points()), -1),
       landmark_columns_(landmarks.size(), -1),
       scanner_columns_(rig.scanners.size(), -1) {
   for (const Landmark& landmark : landmarks) {
@@ -80,6 +81,9 @@ ErrorPatterns::ErrorPatterns(const Rig& rig,
   }
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
     const auto index = static_cast<size_t>(layout.blocks[i].index);
+    if (layout.blocks[i].kind == BlockId::Kind::kRotation) {
+      rotation_columns_[index] = layout.offsets[i];
+    }
     if (IsScanner(layout.blocks[i])) scanner_columns_[index] = layout.offsets[i];
     if (IsLandmark(layout.blocks[i])) landmark_columns_[index] = layout.offsets[i];
   }
@@ -136,19 +140,19 @@ const ErrorPatterns::Nodes& ErrorPatterns::NodesOf(const Observation& observatio
   return nodes;
 }
 
-// Adds the load of a node's pose, by the chain rule through the spline, to control points
-// first, first + 1, ...
+// Adds the load of a node's pose, by the chain rule through the spline, to the rows of its
+// control points, which begin with a column's.
 void ErrorPatterns::AddPoseLoad(const Nodes& nodes,
                                 int k,
                                 const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,
-                                int first,
+                                int first_column,
                                 Eigen::Ref<Eigen::VectorXd> load) const {
   const int rotation_size = planar_ ? 1 : 3;
-  const int block_size = rotation_size + 3;
   const auto node = static_cast<size_t>(k);
   for (int j = 0; j < kSplineOrder; ++j) {
     const auto index = static_cast<size_t>(j);
-    const int row = (nodes.at[node].first - first + j) * block_size;
+    const int row =
+        rotation_columns_[static_cast<size_t>(nodes.at[node].first + j)] - first_column;
     const Eigen::Vector3d by_rotation =
         nodes.poses.splines[node].rotation_wrt_control[index].transpose() * by_node.head<3>();
     load.segment(row, rotation_size) += by_rotation.tail(rotation_size);
@@ -239,11 +243,12 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
   basis.plane_load.template topRows<Model::kSize>() =
       rows.jacobian.template rightCols<Model::kSize>().transpose() * root;
   if (landmark.heading_fixed) basis.plane_load.row(0).setZero();
-  const int first = nodes.at[0].first;
-  const int block_size = planar_ ? 4 : 6;
-  basis.first_column = first * block_size;
-  CHECK_LE(nodes.at[2].first - first + kSplineOrder, PoseLoad::MaxRowsAtCompileTime / 6);
-  basis.pose_load = PoseLoad::Zero((nodes.at[2].first - first + kSplineOrder) * block_size, 3);
+  basis.first_column = rotation_columns_[static_cast<size_t>(nodes.at[0].first)];
+  const int end_column =
+      rotation_columns_[static_cast<size_t>(nodes.at[2].first + kSplineOrder - 1)] +
+      (planar_ ? 4 : 6);
+  CHECK_LE(end_column - basis.first_column, PoseLoad::MaxRowsAtCompileTime);
+  basis.pose_load = PoseLoad::Zero(end_column - basis.first_column, 3);
   const int scanner_size = basis.scanner_column < 0
                                ? kScannerBlockSize
                                : calibration_.scanners[scanner].BlockSize();
@@ -252,7 +257,7 @@ ErrorPatterns::Basis ErrorPatterns::BasisOn(const Model& model,
     const Eigen::Matrix<double, kNodePoseSize, 3> load =
         rows.jacobian.template middleCols<kNodePoseSize>(kNodePoseSize * k).transpose() * root;
     for (int j = 0; j < 3; ++j) {
-      AddPoseLoad(nodes, k, load.col(j), first, basis.pose_load.col(j));
+      AddPoseLoad(nodes, k, load.col(j), basis.first_column, basis.pose_load.col(j));
     }
     basis.scanner_load += ByScanner(nodes, k, observation.scanner_index).transpose() * load;
   }

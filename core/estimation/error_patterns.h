@@ -116,8 +116,9 @@ class ErrorPatterns {
     std::array<Eigen::Vector3d, 3> linear;   // m/s, world
     std::array<Trajectory::Location, 3> at;
   };
-  // Six control points at most have a part in a segment.
-  using PoseLoad = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 36, 3>;
+  // Six control points at most have a part in a segment, and two nodes of the IMU's biases lie
+  // among them.
+  using PoseLoad = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 48, 3>;
   // A segment's rows with respect to (slope along, slope across, offset), the same at all
   // nodes.
   struct Basis {
@@ -157,7 +158,7 @@ class ErrorPatterns {
   void AddPoseLoad(const Nodes& nodes,
                    int k,
                    const Eigen::Matrix<double, kNodePoseSize, 1>& by_node,
-                   int first,
+                   int first_column,
                    Eigen::Ref<Eigen::VectorXd> load) const;
   // What of shifts of the estimate a segment's slopes and offset see, 3 x shifts.
   Eigen::Matrix3Xd SeenOf(const Observation& observation,
@@ -194,10 +195,11 @@ class ErrorPatterns {
   std::vector<int> own_columns_;      // by scanner: of its first pattern
   const int num_scanner_patterns_;
   std::vector<Eigen::Matrix<double, 3, 2>> axes_;  // of a surface's grid, by landmark
-  std::vector<int> landmark_columns_;  // by id; -1: not estimated
-  std::vector<int> scanner_columns_;   // by scanner; -1: not estimated
-  std::optional<BorderSolver> cell_effects_;  // on the landmarks; column: a cell
-  std::vector<Nodes> nodes_;           // of the last scan lines
+  std::vector<int> rotation_columns_;              // by control point
+  std::vector<int> landmark_columns_;              // by id; -1: not estimated
+  std::vector<int> scanner_columns_;               // by scanner; -1: not estimated
+  std::optional<BorderSolver> cell_effects_;       // on the landmarks; column: a cell
+  std::vector<Nodes> nodes_;                       // of the last scan lines
   size_t next_nodes_ = 0;
   std::vector<double> deviations_;           // by landmark; empty: 1
   std::unordered_map<uint64_t, int> cells_;  // by landmark and node

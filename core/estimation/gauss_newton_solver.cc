@@ -132,8 +132,14 @@ void TakeGaussNewtonStep(EstimationProblem* problem) {
   const BlockLayout layout = problem->Layout();
   ArrowheadEquations now = LineariseArrowhead(*problem, layout);
   const Eigen::VectorXd step = Arrowhead::Step(layout, &now);
-  const auto of_poses = step.head(layout.NumControlPointColumns());
-  if (of_poses.size() > 0 && of_poses.lpNorm<Eigen::Infinity>() > kSmallStep) {
+  double largest = 0.0;
+  for (size_t i = 0; i < layout.blocks.size() && IsOfTime(layout.blocks[i]); ++i) {
+    if (!IsControlPoint(layout.blocks[i])) continue;
+    const int size = layout.offsets[i + 1] - layout.offsets[i];
+    largest =
+        std::max(largest, step.segment(layout.offsets[i], size).lpNorm<Eigen::Infinity>());
+  }
+  if (largest > kSmallStep) {
     MoveDown(layout, step, problem, &now);
   } else {
     problem->unknowns().Move(layout, step(layout.FreeColumns()));

@@ -179,9 +179,10 @@ class Adder {
       walk.linear.root.rightCols<kImuBiasSize>().diagonal().setConstant(1.0 / sigma);
       problem_->AddPrior(walk);
     };
-    // A bias that does not change is held by a millionth of its own deviation.
+    // A bias that does not change is held by a ten-thousandth of its own deviation: in an hour
+    // it wanders by a hundredth, and what is known of it stays above rounding errors.
     const auto sigma_of = [&](const InertialErrors& errors) {
-      return std::max(errors.BiasWalk() * root_s, 1e-6 * errors.bias + 1e-12);
+      return std::max(errors.BiasWalk() * root_s, 1e-4 * errors.bias + 1e-12);
     };
     add(GyroscopeBiasBlock(Last(node)),
         GyroscopeBiasBlock(Last(node + 1)),

@@ -209,12 +209,12 @@ void AddGroup(const GroupTerm& term,
 
 // Nothing but the unit diagonal of what is held.
 ArrowheadEquations EmptyEquations(const BlockLayout& layout, bool planar) {
-  const int num_band = layout.NumControlPointColumns();
-  ArrowheadEquations equations{
-      ArrowheadMatrix(
-          num_band, kTileControlPoints * (planar ? 4 : 6), layout.size() - num_band),
-      Eigen::VectorXd::Zero(layout.size()),
-      Eigen::VectorXd::Zero(layout.size())};
+  const int num_band = layout.NumBandColumns();
+  const int tile_size =
+      std::max(kTileControlPoints * (planar ? 4 : 6), layout.WidthOfBiases());
+  ArrowheadEquations equations{ArrowheadMatrix(num_band, tile_size, layout.size() - num_band),
+                               Eigen::VectorXd::Zero(layout.size()),
+                               Eigen::VectorXd::Zero(layout.size())};
   for (int i = 0; i < layout.size(); ++i) {
     if (layout.is_free[static_cast<size_t>(i)]) continue;
     equations.hessian.AddBlock({i}, Eigen::MatrixXd::Identity(1, 1));

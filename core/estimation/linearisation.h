@@ -21,7 +21,8 @@ ArrowheadEquations LineariseArrowhead(const EstimationProblem& problem,
 
 // Number of control points of a tile of the block arrowhead form. Those of a residual lie in
 // two adjacent tiles, so one more is the most that it may have: a group of segments of the
-// batch has nine and begins at every fourth.
+// batch has nine and begins at every fourth. With an IMU a tile ends with a node's biases:
+// readings depend on those of two neighbouring nodes.
 inline constexpr int kTileControlPoints = 8;
 
 // Number of linearisations that the problem's groups of segments have gone through so far: it

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <utility>
 
 #include "core/estimation/arrowhead_equations.h"
@@ -78,7 +79,8 @@ MapCovariance MapCovariance::Of(const EstimationProblem& problem,
   const BlockLayout layout = problem.Layout();
   MapCovariance result;
   result.planar_ = problem.planar();
-  const int num_band = layout.NumControlPointColumns();
+  result.layout_ = layout;
+  const int num_band = layout.NumBandColumns();
   result.offsets_.push_back(0);
   for (size_t i = 0; i < layout.blocks.size(); ++i) {
     if (layout.blocks[i].kind != BlockId::Kind::kLandmark) continue;
@@ -113,13 +115,14 @@ MapCovariance MapCovariance::OfPoses(const EstimationProblem& problem) {
   result.inverse_ = ArrowheadCholesky(LineariseArrowhead(problem, layout).hessian.Band(),
                                       BorderElimination::kLast)
                         .TakeInverse();
-  for (int i = 0; i < layout.NumControlPointColumns(); ++i) {
+  result.layout_ = layout;
+  for (int i = 0; i < layout.NumBandColumns(); ++i) {
     if (!layout.is_free[static_cast<size_t>(i)]) result.inverse_.Clear(i);
   }
   return result;
 }
 
-Eigen::MatrixXd MapCovariance::ControlPoints(int first, int size) const {
+Eigen::MatrixXd MapCovariance::OfBand(int first, int size) const {
   Eigen::MatrixXd covariance = inverse_.BandBlock(first, size);
   if (shift_.size() == 0) return covariance;
   const auto rows = shift_.middleRows(first, size);
@@ -131,12 +134,13 @@ void MapCovariance::RelateToHeading(const ArrowheadCholesky& factor,
                                     const Eigen::VectorXd& information,
                                     const Eigen::MatrixXd& shift,
                                     int num_band) {
-  const int block_size = NumRotations() + 3;
   Eigen::VectorXd by_unknowns = Eigen::VectorXd::Zero(factor.size());
-  for (int i = NumRotations() - 1; i < num_band; i += block_size) {
-    by_unknowns[i] = information[i];
+  for (size_t i = 0; i < layout_.blocks.size(); ++i) {
+    if (layout_.blocks[i].kind != BlockId::Kind::kRotation) continue;
+    const int heading = layout_.offsets[i] + NumRotations() - 1;
+    by_unknowns[heading] = information[heading];
   }
-  by_unknowns /= by_unknowns.sum();
+  if (by_unknowns.sum() > 0.0) by_unknowns /= by_unknowns.sum();
   with_heading_ = factor.Solve(by_unknowns).topRows(num_band);
   if (shift.size() > 0) {
     const auto rows = shift.topRows(num_band);
@@ -151,7 +155,7 @@ Eigen::Matrix3d MapCovariance::PositionInTurnedMap(const Trajectory& trajectory,
   const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
   Eigen::Vector3d with_heading = Eigen::Vector3d::Zero();
   for (int j = 0; j < kSplineOrder; ++j) {
-    const int position = (at.first + j) * (NumRotations() + 3) + NumRotations();
+    const int position = layout_.ColumnOf(PositionBlock(at.first + j));
     with_heading +=
         spline.position_weights[static_cast<size_t>(j)] * with_heading_.segment<3>(position);
   }
@@ -166,18 +170,19 @@ Matrix6d MapCovariance::PoseAt(const Trajectory& trajectory, int64_t time_ns) co
   const Trajectory::Location at = trajectory.Locate(time_ns);
   const SplinePoseJacobian spline = trajectory.PoseJacobian(at);
   const int rotation_size = NumRotations();
-  const int block_size = rotation_size + 3;
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, kSplineOrder * block_size);
+  const int first = layout_.ColumnOf(RotationBlock(at.first));
+  const int end = layout_.ColumnOf(PositionBlock(at.first + kSplineOrder - 1)) + 3;
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(6, end - first);
   for (int j = 0; j < kSplineOrder; ++j) {
     const auto index = static_cast<size_t>(j);
-    jacobian.block(0, j * block_size, 3, rotation_size) =
+    const int column = layout_.ColumnOf(RotationBlock(at.first + j)) - first;
+    jacobian.block(0, column, 3, rotation_size) =
         spline.rotation_wrt_control[index].rightCols(rotation_size);
-    jacobian.block<3, 3>(3, j * block_size + rotation_size)
+    jacobian.block<3, 3>(3, column + rotation_size)
         .diagonal()
         .setConstant(spline.position_weights[index]);
   }
-  return jacobian * ControlPoints(at.first * block_size, kSplineOrder * block_size) *
-         jacobian.transpose();
+  return jacobian * OfBand(first, end - first) * jacobian.transpose();
 }
 
 }  // namespace plumbline

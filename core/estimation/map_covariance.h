@@ -46,7 +46,7 @@ class MapCovariance {
   const std::vector<int>& offsets() const { return offsets_; }
   const Eigen::MatrixXd& landmarks() const { return landmarks_; }
 
-  // Joint covariance of the estimated scanners' blocks, in the rig's order.
+  // Joint covariance of the blocks of the estimated scanners, in the rig's order, and the IMU.
   const Eigen::MatrixXd& scanners() const { return scanners_; }
 
   // World-frame rotation (rad) and position (m) of the body.
@@ -58,10 +58,10 @@ class MapCovariance {
   // Baarda 1973).
   Eigen::Matrix3d PositionInTurnedMap(const Trajectory& trajectory, int64_t time_ns) const;
 
-  // Joint covariance of unknowns first .. first + size - 1 of the control points, in the
-  // problem's layout; of two neighbouring tiles at most, as everything one residual depends
-  // on.
-  Eigen::MatrixXd ControlPoints(int first, int size) const;
+  // Joint covariance of unknowns first .. first + size - 1 of the control points and biases,
+  // in the problem's layout; of two neighbouring tiles at most, as everything one residual
+  // depends on.
+  Eigen::MatrixXd OfBand(int first, int size) const;
 
   // The smallest eigenvalues, ascending.
   const std::vector<WeakDirection>& weak_directions() const { return weak_directions_; }
@@ -75,6 +75,7 @@ class MapCovariance {
                        int num_band);
 
   bool planar_ = false;
+  BlockLayout layout_;
   std::vector<int> landmark_ids_;
   std::vector<int> offsets_;
   ArrowheadInverse inverse_;

@@ -109,15 +109,24 @@ void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* prob
 }
 
 void SetCalibrationCovariance(const EstimationProblem& problem,
-                              const Eigen::MatrixXd& covariance,
+                              const MapCovariance& covariance,
                               RigCalibration* calibration) {
+  const BlockLayout layout = problem.Layout();
   Eigen::Index row = 0;
-  for (const BlockId& block : problem.Layout().blocks) {
+  for (const BlockId& block : layout.blocks) {
     if (IsLandmark(block) || IsControlPoint(block)) continue;
+    if (IsBias(block)) {
+      SetImuCovariance(block,
+                       covariance.OfBand(layout.ColumnOf(block), kImuBiasSize),
+                       0,
+                       &*calibration->imu);
+      continue;
+    }
     if (IsScanner(block)) {
-      calibration->scanners[static_cast<size_t>(block.index)].SetCovariance(covariance, row);
+      calibration->scanners[static_cast<size_t>(block.index)].SetCovariance(
+          covariance.scanners(), row);
     } else {
-      SetImuCovariance(block, covariance, row, &*calibration->imu);
+      SetImuCovariance(block, covariance.scanners(), row, &*calibration->imu);
     }
     row += problem.unknowns().TangentSize(block);
   }

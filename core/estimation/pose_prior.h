@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/estimation/estimation_problem.h"
+#include "core/estimation/map_covariance.h"
 #include "core/estimation/normal_equations.h"
 #include "core/trajectory/gravity_start.h"
 #include "core/trajectory/pose_gaussian.h"
@@ -33,10 +34,9 @@ void AddGravityStart(const GravityStart& start,
 // Adds what the rig file says of the estimated scanners.
 void AddScannerPriors(const RigCalibration& calibration, EstimationProblem* problem);
 
-// Takes the covariances of scanners and IMU from the problem's joint one
-// (MapCovariance::scanners()).
+// Takes the covariances of scanners, IMU and its biases from that of the problem's map.
 void SetCalibrationCovariance(const EstimationProblem& problem,
-                              const Eigen::MatrixXd& covariance,
+                              const MapCovariance& covariance,
                               RigCalibration* calibration);
 
 }  // namespace plumbline

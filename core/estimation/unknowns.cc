@@ -69,7 +69,7 @@ int Unknowns::AmbientSize(const BlockId& block) const {
 }
 
 LinearPrior::Kind Unknowns::KindOf(const BlockId& block) const {
-  if (block.kind == BlockId::Kind::kPosition || block.group > 1) {
+  if (block.kind != BlockId::Kind::kRotation && !IsLandmark(block)) {
     return LinearPrior::Kind::kEuclidean;
   }
   if (block.kind == BlockId::Kind::kLandmark) {
@@ -104,7 +104,8 @@ const ceres::Manifold* Unknowns::MakeManifold(const BlockId& block) {
   if (block.kind == BlockId::Kind::kPosition) {
     return planar_ ? planar_position_manifold_.get() : nullptr;
   }
-  if (block.group > 1) {
+  if (IsBias(block)) return nullptr;
+  if (!IsLandmark(block)) {
     const double* const sigmas = PriorSigmas(block);
     const int size = AmbientSize(block);
     std::vector<int> held;

@@ -4,12 +4,14 @@
 #include <cmath>
 
 #include "core/geometry/angles.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
 
-// From one node of the biases to the next where they hardly wander.
-constexpr double kBiasSpacing = 5.0;  // s
+// From one node of the biases to the next where they hardly wander. The tiles of the normal
+// matrix are as long.
+constexpr double kBiasSpacing = 0.4;  // s
 // Standard deviation of the tilt of floors.
 constexpr double kLean = 3.0 * kRadiansPerDegree;
 
@@ -29,7 +31,9 @@ ImuEstimate::ImuEstimate(const Imu& stated, bool planar, double knot_interval_s)
     : stated(stated), planar(planar) {
   double spacing_s = std::min(kBiasSpacing, WanderingTime(stated.gyroscope));
   if (!planar) spacing_s = std::min(spacing_s, WanderingTime(stated.accelerometer));
-  intervals_per_bias = std::max(1, static_cast<int>(std::lround(spacing_s / knot_interval_s)));
+  // Not shorter than tiles without biases.
+  intervals_per_bias =
+      std::max(2 * kSplineOrder, static_cast<int>(std::lround(spacing_s / knot_interval_s)));
   const auto fill = [&](int first, int count, double sigma) {
     std::fill_n(prior_sigma.begin() + first, count, sigma);
   };

@@ -295,7 +295,7 @@ PoseGaussian Window::Solve(int64_t now_ns, double window_s) {
       state_->calibration.scanners[static_cast<size_t>(block.index)].SetCovariance(covariance,
                                                                                    row);
     }
-    if (block.group > ScannerBlockId(0).group) {
+    if (IsImu(block) || IsBias(block)) {
       SetImuCovariance(block, covariance, row, &*state_->calibration.imu);
     }
     if (!IsLandmark(block)) continue;

@@ -154,7 +154,7 @@ class BoundComputer {
     bound.calibration = DescribeCalibration(
         experiment_.rig, experiment_.rig, state_->calibration, covariance.scanners());
     if (state_->imu != nullptr) {
-      SetCalibrationCovariance(*problem, covariance.scanners(), &state_->calibration);
+      SetCalibrationCovariance(*problem, covariance, &state_->calibration);
       bound.calibration.imu = DescribeImu(*state_);
     }
     bound.planes = StatedCovariance(

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -16,14 +17,15 @@ TEST(BlockIdTest, ControlPointsPlanesScannersAndImuFollowEachOther) {
                                          PositionBlock(0),
                                          RotationBlock(1),
                                          PositionBlock(1),
+                                         GyroscopeBiasBlock(1),
+                                         AccelerometerBiasBlock(1),
+                                         RotationBlock(2),
+                                         GyroscopeBiasBlock(3),
                                          LandmarkBlock(0),
                                          LandmarkBlock(7),
                                          ScannerBlockId(0),
                                          ScannerBlockId(1),
-                                         ImuBlockId(),
-                                         GyroscopeBiasBlock(3),
-                                         AccelerometerBiasBlock(3),
-                                         GyroscopeBiasBlock(7)};
+                                         ImuBlockId()};
   for (size_t i = 0; i < in_order.size(); ++i) {
     for (size_t k = 0; k < in_order.size(); ++k) {
       EXPECT_EQ(in_order[i] < in_order[k], i < k) << i << " " << k;
@@ -63,16 +65,49 @@ TEST(BlockLayoutTest, ControlPointsTakeTheFirstColumns) {
   layout.blocks = {RotationBlock(4), PositionBlock(4), LandmarkBlock(1), ScannerBlockId(0)};
   layout.offsets = {0, 1, 4, 6, 13};
   EXPECT_EQ(layout.size(), 13);
-  EXPECT_EQ(layout.NumControlPointColumns(), 4);
+  EXPECT_EQ(layout.NumBandColumns(), 4);
   layout.blocks = {RotationBlock(4), PositionBlock(4), ScannerBlockId(0)};  // no planes
   layout.offsets = {0, 1, 4, 11};
-  EXPECT_EQ(layout.NumControlPointColumns(), 4);
+  EXPECT_EQ(layout.NumBandColumns(), 4);
   layout.blocks.resize(2);
   layout.offsets.resize(3);
-  EXPECT_EQ(layout.NumControlPointColumns(), 4);  // there is nothing else
+  EXPECT_EQ(layout.NumBandColumns(), 4);  // there is nothing else
   layout.blocks = {LandmarkBlock(1)};
   layout.offsets = {0, 2};
-  EXPECT_EQ(layout.NumControlPointColumns(), 0);
+  EXPECT_EQ(layout.NumBandColumns(), 0);
+}
+
+TEST(BlockLayoutTest, BiasesLieInTheBand) {
+  BlockLayout layout;
+  EXPECT_EQ(BlockLayout().WidthOfBiases(), 0);
+  layout.offsets = {0};
+  const auto add = [&](const BlockId& block, int size) {
+    layout.blocks.push_back(block);
+    layout.offsets.push_back(layout.offsets.back() + size);
+  };
+  for (int i = 0; i < 4; ++i) {
+    add(RotationBlock(i), 3);
+    add(PositionBlock(i), 3);
+    if (i % 2 == 0) continue;
+    add(GyroscopeBiasBlock(i), 3);
+    add(AccelerometerBiasBlock(i), 3);
+  }
+  add(LandmarkBlock(0), 3);
+  EXPECT_EQ(layout.NumBandColumns(), 36);
+  EXPECT_EQ(layout.ColumnOf(RotationBlock(2)), 18);
+  EXPECT_EQ(layout.ColumnOf(LandmarkBlock(0)), 36);
+  EXPECT_EQ(layout.WidthOfBiases(), 18);  // two control points and a node
+  // Nodes after the last control point follow each other, but are two.
+  BlockLayout ending;
+  ending.offsets = {0};
+  std::swap(layout, ending);
+  for (int i = 0; i < 3; ++i) add(RotationBlock(i), 3);
+  for (const int last : {1, 3, 5}) {
+    add(GyroscopeBiasBlock(last), 3);
+    add(AccelerometerBiasBlock(last), 3);
+  }
+  std::sort(layout.blocks.begin(), layout.blocks.end());
+  EXPECT_EQ(layout.WidthOfBiases(), 12);
 }
 
 TEST(BlockLayoutTest, FreeColumnsAreThoseThatNoManifoldHolds) {

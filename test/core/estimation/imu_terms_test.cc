@@ -2,14 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include "core/estimation/estimation_problem.h"
 #include "core/estimation/linearisation.h"
+#include "core/estimation/map_covariance.h"
 #include "core/estimation/normal_equations.h"
+#include "core/estimation/pose_prior.h"
+#include "core/geometry/matrix_types.h"
+#include "core/trajectory/pose_gaussian.h"
+#include "core/trajectory/pose_uncertainty.h"
 #include "factors/spline/so3.h"
+#include "factors/spline/spline.h"
 
 namespace plumbline {
 namespace {
@@ -59,6 +66,30 @@ class ImuTermsTest : public testing::Test {
     return {rig_, planar_, &state_.trajectory, &state_.landmarks, &state_.calibration};
   }
 
+  // The IMU's terms, and priors on all poses.
+  void AddPosesAndImu(EstimationProblem* problem) const {
+    AddImuPrior(*state_.calibration.imu, problem);
+    AddImu(state_, 0, kNumIntervals, 1, problem);
+    for (int i = 0; i < state_.trajectory.num_control_points(); ++i) {
+      PoseGaussian pose;
+      pose.first = i;
+      pose.mean = {state_.trajectory.control_point(i)};
+      pose.information = 1e4 * Eigen::MatrixXd::Identity(kPoseSize, kPoseSize);
+      problem->AddPrior(PosePrior(pose, planar_));
+    }
+  }
+
+  // The dense inverse of the problem's normal matrix; zero for what is held.
+  static Eigen::MatrixXd InverseOf(const EstimationProblem& problem) {
+    const BlockLayout layout = problem.Layout();
+    const std::vector<int> free = layout.FreeColumns();
+    const Eigen::MatrixXd hessian = LineariseDense(problem, layout).hessian;
+    Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(layout.size(), layout.size());
+    const Eigen::MatrixXd of_free = hessian(free, free).inverse();
+    inverse(free, free) = of_free;
+    return inverse;
+  }
+
   bool planar_ = false;
   Imu imu_;
   Rig rig_;
@@ -72,8 +103,84 @@ TEST_F(ImuTermsTest, PerfectReadingsOfTheTrajectoryCostNothing) {
   AddImu(state_, 0, kNumIntervals, 1, &problem);
   const NormalEquations equations = LineariseDense(problem, problem.Layout());
   EXPECT_LT(equations.cost, 1e-6);
-  // Two sensors, two means an interval, priors on the block and two biases, one walk each.
-  EXPECT_EQ(problem.factor_terms().size(), 4u * kNumIntervals + 3u + 2u);
+  // Two sensors, two means an interval, priors on the block and two biases, walks of both from
+  // every eighth interval on.
+  EXPECT_EQ(problem.factor_terms().size(), 4u * kNumIntervals + 3u + 2u * 13u);
+}
+
+// Biases lie in the band: an hour of them in the border would take gigabytes.
+TEST_F(ImuTermsTest, CovariancesOfBiasesComeFromTheBand) {
+  for (const bool planar : {false, true}) {
+    planar_ = planar;
+    Read();
+    EstimationProblem problem = Problem();
+    AddPosesAndImu(&problem);
+    const BlockLayout layout = problem.Layout();
+    EXPECT_EQ(layout.size() - layout.NumBandColumns(), kImuBlockSize);
+    const Eigen::MatrixXd inverse = InverseOf(problem);
+    SetCalibrationCovariance(problem, MapCovariance::Of(problem), &state_.calibration);
+    const ImuEstimate& imu = *state_.calibration.imu;
+    for (const int node : {0, 5, 13}) {
+      const ImuBiases& biases = imu.biases[static_cast<size_t>(node)];
+      const auto expect_near = [&](const Eigen::Matrix3d& found, const BlockId& block) {
+        const int column = layout.ColumnOf(block);
+        const Eigen::Matrix3d expected = inverse.block<3, 3>(column, column);
+        EXPECT_LT((found - expected).norm(), 1e-6 * expected.norm()) << node;
+      };
+      const int last = imu.LastIntervalOf(node);
+      expect_near(biases.gyroscope_covariance, GyroscopeBiasBlock(last));
+      if (planar) continue;
+      expect_near(biases.accelerometer_covariance, AccelerometerBiasBlock(last));
+    }
+    const int column = layout.ColumnOf(ImuBlockId());
+    const auto of_imu = inverse.block<kImuBlockSize, kImuBlockSize>(column, column);
+    for (const int i : {kImuGyroscopeScaleAt, kImuLeanAt}) {
+      if (!layout.is_free[static_cast<size_t>(column + i)]) continue;
+      EXPECT_NEAR(imu.covariance(i, i), of_imu(i, i), 1e-6 * of_imu(i, i));
+    }
+  }
+}
+
+// Behind the eighth control point stand biases.
+TEST_F(ImuTermsTest, CovariancesOfPosesPassOverBiases) {
+  Read();
+  EstimationProblem problem = Problem();
+  AddPosesAndImu(&problem);
+  const BlockLayout layout = problem.Layout();
+  const Eigen::MatrixXd inverse = InverseOf(problem);
+  const MapCovariance covariance = MapCovariance::Of(problem);
+  const Trajectory& trajectory = state_.trajectory;
+  const int count = trajectory.num_control_points();
+  Eigen::MatrixXd poses(6 * count, 6 * count);
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < count; ++k) {
+      poses.block<6, 6>(6 * i, 6 * k) = inverse.block<6, 6>(layout.ColumnOf(RotationBlock(i)),
+                                                            layout.ColumnOf(RotationBlock(k)));
+    }
+  }
+  const PoseUncertainty uncertainty(0, poses);
+  for (const int first : {3, 5, 6, 7, 8, 60}) {
+    const int64_t time_ns = kStart + first * kKnot + kKnot / 3;
+    const Matrix6d expected = uncertainty.At(trajectory, time_ns);
+    EXPECT_LT((covariance.PoseAt(trajectory, time_ns) - expected).norm(),
+              1e-6 * expected.norm())
+        << first;
+    const Trajectory::Location at = trajectory.Locate(time_ns);
+    Eigen::MatrixXd turned = Eigen::MatrixXd::Zero(3, 6 * count);
+    for (int j = 0; j < kSplineOrder; ++j) {
+      turned.middleCols<3>(6 * (at.first + j) + 3)
+          .diagonal()
+          .setConstant(trajectory.PoseJacobian(at).position_weights[static_cast<size_t>(j)]);
+    }
+    const Eigen::Vector3d position = trajectory.WorldFromBody(time_ns).translation;
+    for (int i = 0; i < count; ++i) {
+      turned.col(6 * i + 2) -= Eigen::Vector3d::UnitZ().cross(position) / count;
+    }
+    const Eigen::Matrix3d in_turned = turned * poses * turned.transpose();
+    EXPECT_LT((covariance.PositionInTurnedMap(trajectory, time_ns) - in_turned).norm(),
+              1e-6 * in_turned.norm())
+        << first;
+  }
 }
 
 TEST_F(ImuTermsTest, NothingWithoutReadings) {

@@ -34,7 +34,7 @@ TEST(MapCovarianceTest, IsTheInverseOfTheNormalMatrix) {
             1e-9 * inverse.bottomRightCorner(4, 4).norm());
   EXPECT_EQ(covariance.scanners().size(), 0);
   const Eigen::MatrixXd points = inverse.block(30, 30, 24, 24);
-  EXPECT_LT((covariance.ControlPoints(30, 24) - points).norm(), 1e-9 * points.norm());
+  EXPECT_LT((covariance.OfBand(30, 24) - points).norm(), 1e-9 * points.norm());
 }
 
 TEST(MapCovarianceTest, PoseIsThatOfItsControlPoints) {
@@ -104,8 +104,8 @@ TEST(MapCovarianceTest, PosesOnSurfacesAreLessUncertain) {
   const MapCovariance held = MapCovariance::OfPoses(priors.problem());
   const Eigen::MatrixXd points =
       InverseOf(priors.Hessian().topLeftCorner(66, 66)).block(30, 30, 24, 24);
-  EXPECT_LT((held.ControlPoints(30, 24) - points).norm(), 1e-9 * points.norm());
-  EXPECT_LT(points.trace(), MapCovariance::Of(priors.problem()).ControlPoints(30, 24).trace());
+  EXPECT_LT((held.OfBand(30, 24) - points).norm(), 1e-9 * points.norm());
+  EXPECT_LT(points.trace(), MapCovariance::Of(priors.problem()).OfBand(30, 24).trace());
 }
 
 // A planar rig: heights and tilts are held, and have no variance.
@@ -126,7 +126,7 @@ TEST(MapCovarianceTest, CorrelatedErrorsAreAdded) {
   priors.AddAllPriors();
   const BlockLayout layout = priors.problem().Layout();
   CorrelatedErrors errors;
-  errors.shift = Eigen::MatrixXd::Zero(layout.NumControlPointColumns(), 1);
+  errors.shift = Eigen::MatrixXd::Zero(layout.NumBandColumns(), 1);
   errors.shift(3, 0) = 0.5;
   errors.landmarks = 0.25 * Eigen::MatrixXd::Identity(4, 4);
   const MapCovariance plain = MapCovariance::Of(priors.problem());
@@ -135,7 +135,7 @@ TEST(MapCovarianceTest, CorrelatedErrorsAreAdded) {
                         LineariseArrowhead(priors.problem(), layout),
                         [&](const ArrowheadCholesky&) { return errors; });
   EXPECT_LT((covariance.landmarks() - plain.landmarks() - errors.landmarks).norm(), 1e-12);
-  Eigen::MatrixXd added = covariance.ControlPoints(0, 12) - plain.ControlPoints(0, 12);
+  Eigen::MatrixXd added = covariance.OfBand(0, 12) - plain.OfBand(0, 12);
   EXPECT_NEAR(added(3, 3), 0.25, 1e-12);
   added(3, 3) = 0.0;
   EXPECT_LT(added.norm(), 1e-12);

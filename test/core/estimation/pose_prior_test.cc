@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/estimation/linearisation.h"
 #include "core/util/error.h"
 #include "test/core/estimation/prior_problem.h"
@@ -120,18 +122,19 @@ TEST(SetCalibrationCovarianceTest, ScannersTakeTheirPartsOfTheJointCovariance) {
   rig.scanners.resize(3);
   RigCalibration calibration;
   calibration.scanners.resize(3);
-  for (const size_t i : {0u, 2u}) calibration.scanners[i].prior_sigma.fill(1.0);
+  const int size = calibration.scanners[0].BlockSize();
+  for (int k = 0; k < size; ++k) {
+    calibration.scanners[0].prior_sigma[static_cast<size_t>(k)] = k + 1.0;
+    calibration.scanners[2].prior_sigma[static_cast<size_t>(k)] = k + 1.2;
+  }
   Trajectory trajectory(0, 100, Rigid3d());
   std::deque<Landmark> landmarks;
   EstimationProblem problem(rig, false, &trajectory, &landmarks, &calibration);
   AddScannerPriors(calibration, &problem);
-  const int size = calibration.scanners[0].BlockSize();
-  const Eigen::MatrixXd joint =
-      Eigen::VectorXd::LinSpaced(2 * size, 1.0, 2.0 * size).asDiagonal().toDenseMatrix();
-  SetCalibrationCovariance(problem, joint, &calibration);
+  SetCalibrationCovariance(problem, MapCovariance::Of(problem), &calibration);
   for (int i = 0; i < size; ++i) {
-    EXPECT_EQ(calibration.scanners[0].covariance(i, i), i + 1.0);
-    EXPECT_EQ(calibration.scanners[2].covariance(i, i), size + i + 1.0);
+    EXPECT_NEAR(calibration.scanners[0].covariance(i, i), std::pow(i + 1.0, 2), 1e-9);
+    EXPECT_NEAR(calibration.scanners[2].covariance(i, i), std::pow(i + 1.2, 2), 1e-9);
   }
   EXPECT_EQ(calibration.scanners[1].covariance.norm(), 0.0);
 }
