@@ -178,20 +178,28 @@ void LogWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) LOG(WARNING) << warning;
 }
 
-// The largest standard deviation of the position over all directions, by second since
-// start_ns. A turn of the whole map, which the reference wall's direction leaves, is no doubt
-// about the map.
+// The largest standard deviation over all directions.
+double LargestStddev(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+// That of the position, by second since start_ns. A turn of the whole map, which the reference
+// wall's direction leaves, is no doubt about the map: the position counts in the model frame
+// or in the turned map, where it is known better.
 std::vector<double> PositionStddevs(const MapResult& result, int64_t start_ns) {
+  const MapCovariance& covariance = result.batch.covariance;
+  const Trajectory& trajectory = result.state.trajectory;
   std::vector<double> stddevs_m;
   for (const int64_t time_ns : result.scan_times_ns) {
     const auto second = static_cast<size_t>(std::max(0.0, SecondsBetween(start_ns, time_ns)));
     if (second < stddevs_m.size()) continue;
-    const Eigen::Matrix3d covariance =
-        result.batch.covariance.PositionInTurnedMap(result.state.trajectory, time_ns);
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+    const Matrix6d in_frame = covariance.PoseAt(trajectory, time_ns);
     stddevs_m.resize(second, 0.0);
-    stddevs_m.push_back(std::sqrt(std::max(0.0, solver.eigenvalues()[2])));
+    stddevs_m.push_back(
+        std::min(LargestStddev(in_frame.bottomRightCorner<3, 3>()),
+                 LargestStddev(covariance.PositionInTurnedMap(trajectory, time_ns))));
   }
   return stddevs_m;
 }
