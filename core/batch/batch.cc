@@ -115,11 +115,8 @@ class Batch {
       KeepHeadingHeld(state_);
       estimator_.StepRobustly();
     }
-    const MapCovariance poses = estimator_.PosesOnSurfaces();
-    const auto pose_covariance = [&](int64_t time_ns) {
-      return poses.PoseAt(state_->trajectory, time_ns);
-    };
-    const int num_changed = Reassociate(rig_, options_, pose_covariance, state_) + num_bent;
+    poses_ = estimator_.PosesOnSurfaces();
+    const int num_changed = Reassociate(rig_, options_, PoseCovariances(), state_) + num_bent;
     num_dropped += DropWeakPlanes(options_.planes, state_) +
                    DecideGeneralPlanes(rig_, options_.association, state_);
     KeepHeadingHeld(state_);
@@ -128,6 +125,12 @@ class Batch {
               << " segments taken from planes that are none";
     progress_(share_done_);
     return num_changed + num_dropped;
+  }
+
+  // The poses' covariances where surfaces are as they were when associations were last
+  // improved.
+  PoseCovarianceAt PoseCovariances() const {
+    return [this](int64_t time_ns) { return poses_->PoseAt(state_->trajectory, time_ns); };
   }
 
   // Estimates anew where closures are taken back: what they had bent straightens.
@@ -170,8 +173,14 @@ class Batch {
   void Resegment(bool is_last) {
     RecountSegments(state_);
     OccupancyGrids counted;
-    const int num_resegmented = ResegmentRecording(
-        rig_, options_, recording_, openings_, is_last ? nullptr : &counted, state_);
+    const int num_resegmented = ResegmentRecording(rig_,
+                                                   options_,
+                                                   recording_,
+                                                   PoseCovariances(),
+                                                   openings_,
+                                                   is_last ? nullptr : &counted,
+                                                   state_);
+    poses_.reset();
     std::vector<LevelOnSurface> levels;
     openings_ = counted.OpeningsOf(
         state_->landmarks, options_.association.surface_flatness_m, &levels);
@@ -195,6 +204,7 @@ class Batch {
   RecordingReader* recording_;
   MapState* state_;
   BatchEstimator estimator_;
+  std::optional<MapCovariance> poses_;   // surfaces held
   std::vector<PlaneOpenings> openings_;  // of the landmarks, by id
   std::vector<LoopClosure> rejected_closures_;
   std::set<std::pair<int, int>> apart_;  // landmarks of rejected closures, and levels

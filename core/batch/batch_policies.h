@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
+#include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/rig.h"
 
@@ -16,10 +15,6 @@ namespace plumbline {
 // The rules by which the batch changes associations, a function each. Functions called Drop...
 // take all observations from the landmarks that they judge to be no planes
 // (ReleaseObservations), and return how many observations.
-
-// The covariance of the body's pose at an instant, surfaces held: world-frame rotation (rad)
-// and position (m).
-using PoseCovarianceAt = std::function<Matrix6d(int64_t time_ns)>;
 
 // Associates every observation anew with the landmarks as they are estimated now, at the
 // covariance of its scan's pose: taken as known exactly, a pose that is off keeps away the

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "core/geometry/matrix_types.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/scan_plane_motion.h"
 #include "core/map/observation.h"
@@ -12,6 +14,10 @@
 #include "core/trajectory/trajectory.h"
 
 namespace plumbline {
+
+// The covariance of the body's pose at an instant, surfaces held: world-frame rotation (rad)
+// and position (m).
+using PoseCovarianceAt = std::function<Matrix6d(int64_t time_ns)>;
 
 // Longest span over which three poses stand for the scan plane's motion. What their quadratic
 // misses of it grows with the third power of the span: for 20 ms and a jerk of 100 rad/s^3 it

@@ -112,11 +112,13 @@ class RecordingResegmenter {
   // counts: whether openings are counted.
   RecordingResegmenter(const Rig& rig,
                        const MapperOptions& options,
+                       const PoseCovarianceAt& pose_covariance,
                        const std::vector<PlaneOpenings>& openings,
                        bool counts,
                        MapState* state)
       : rig_(rig),
         options_(options),
+        pose_covariance_(pose_covariance),
         counts_(counts),
         is_planar_(IsPlanar(rig)),
         state_(state),
@@ -163,9 +165,14 @@ class RecordingResegmenter {
                             int landmark_id,
                             const Ends& ends,
                             std::vector<Observation>* sub_minimum_segments);
+  // Whether the pose predicts the distance of these beams from their surface better than one
+  // of them measures it.
+  bool AreBeamsPredicted(const Observation& segment);
 
   const Rig& rig_;
   const MapperOptions& options_;
+  const PoseCovarianceAt& pose_covariance_;
+  Matrix6d covariance_of_line_ = Matrix6d::Zero();  // of the pose amid the scan line
   bool counts_;
   bool is_planar_;
   MapState* state_;
@@ -259,7 +266,32 @@ void RecordingResegmenter::AddSubMinimumSegment(
     resegmenter_.ExcludeOccluded(scan_line, ends, &beams, &segment);
     resegmenter_.Replace(scan_line, beams, Matrix6d::Zero(), &segment);
   }
-  if (segment.landmark_id >= 0) sub_minimum_segments->push_back(std::move(segment));
+  if (segment.landmark_id >= 0 && AreBeamsPredicted(segment)) {
+    sub_minimum_segments->push_back(std::move(segment));
+  }
+}
+
+bool RecordingResegmenter::AreBeamsPredicted(const Observation& segment) {
+  const Scanner& scanner = rig_.scanners[static_cast<size_t>(segment.scanner_index)];
+  const double range = segment.centroid().norm();
+  const double beam_stddev = scanner.RangeStddev(range);
+  const double beam_variance = beam_stddev * beam_stddev;
+  const double arm =
+      range + scanner.BodyFromScanner(segment.middle_time_ns()).translation.norm();
+  // Mostly a bound decides: the square of a sum is at most twice the sum of the squares.
+  if (covariance_of_line_.bottomRightCorner<3, 3>().trace() +
+          covariance_of_line_.topLeftCorner<3, 3>().trace() * arm * arm <
+      0.5 * beam_variance) {
+    return true;
+  }
+  const ObservationPoses& poses = resegmenter_.poses()->Of(segment);
+  const Eigen::Vector3d centroid_world =
+      poses.motion.ToWorld(segment.centroid(), segment.middle_time_ns());
+  const LandmarkView surface(state_->landmarks[static_cast<size_t>(segment.landmark_id)]);
+  const Eigen::Vector3d normal = surface.UnitNormalNear(centroid_world);
+  Eigen::Matrix<double, 6, 1> by_pose;
+  by_pose << (centroid_world - poses.world_from_body.translation).cross(normal), normal;
+  return by_pose.dot(covariance_of_line_ * by_pose) < beam_variance;
 }
 
 bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
@@ -337,6 +369,7 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
                                     std::vector<Observation>* sub_minimum_segments) {
   const auto& observations = state_->observations;
   SetViews(scan_line, first, last);
+  covariance_of_line_ = pose_covariance_(observations[first].middle_time_ns());
   // What ends are found by is about planes alone, and is exact for narrow faces; a level
   // scanner looks at furniture, whose faces take beams of each other by it. Before the
   // openings are known, and the arcs have settled, the segmentation knows the beams of an arc
@@ -370,6 +403,7 @@ int RecordingResegmenter::Resegment(const ScanLine& scan_line,
 int ResegmentRecording(const Rig& rig,
                        const MapperOptions& options,
                        RecordingReader* recording,
+                       const PoseCovarianceAt& pose_covariance,
                        const std::vector<PlaneOpenings>& openings,
                        OccupancyGrids* counted,
                        MapState* state) {
@@ -384,8 +418,10 @@ int ResegmentRecording(const Rig& rig,
     std::vector<Observation> sub_minimum_segments;
     int num_changed = 0;
   };
-  tbb::enumerable_thread_specific<RecordingResegmenter> resegmenters(
-      [&] { return RecordingResegmenter(rig, options, openings, counted != nullptr, state); });
+  tbb::enumerable_thread_specific<RecordingResegmenter> resegmenters([&] {
+    return RecordingResegmenter(
+        rig, options, pose_covariance, openings, counted != nullptr, state);
+  });
   ScanLineBatchReader reader(recording, *state);
   std::deque<Observation> sub_minimum_segments;
   int num_changed = 0;

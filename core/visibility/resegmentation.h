@@ -5,6 +5,7 @@
 #include "core/association/association.h"
 #include "core/geometry/matrix_types.h"
 #include "core/map/map_state.h"
+#include "core/map/observation_poses.h"
 #include "core/options/mapper_options.h"
 #include "core/sensor/recording.h"
 #include "core/sensor/rig.h"
@@ -36,13 +37,16 @@ namespace plumbline {
 // grazing angle as well as hundreds of others do. Those between two segments were left out by
 // segmentation for their noise and that of their neighbours, or are parts of a segment that
 // association refused because a beam or two lay on another surface: the beams that are left to
-// the plane without them would lean to one side.
+// the plane without them would lean to one side. Where the pose is not known without them to a
+// beam's noise, along the normal of the plane, they are left out: the pose that chose them is
+// the one that they would hold, right or wrong (a pillar in a round room).
 //
 // Reads the recording once, from its beginning, and works on the threads of the caller's
 // tbb::task_arena.
 int ResegmentRecording(const Rig& rig,
                        const MapperOptions& options,
                        RecordingReader* recording,
+                       const PoseCovarianceAt& pose_covariance,
                        const std::vector<PlaneOpenings>& openings,
                        OccupancyGrids* counted,
                        MapState* state);

@@ -91,6 +91,7 @@ class ResegmentationTest : public TemporaryDirectoryTest {
         rig_,
         options,
         &recording,
+        [&](int64_t /*time_ns*/) { return pose_covariance_; },
         openings_.OpeningsOf(
             state_->landmarks, options.association.surface_flatness_m, &levels),
         last ? nullptr : &counted,
@@ -103,6 +104,7 @@ class ResegmentationTest : public TemporaryDirectoryTest {
 
   Rig rig_;
   ScanLine line_;
+  Matrix6d pose_covariance_ = Matrix6d::Zero();
   OccupancyGrids openings_;
   std::unique_ptr<MapState> state_;
 };

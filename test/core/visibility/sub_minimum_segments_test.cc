@@ -115,6 +115,26 @@ TEST_F(SubMinimumSegmentTest, EndsOnItsPlane) {
   EXPECT_EQ(state_->sub_minimum_segments[0].last_beam, kLast + 2);
 }
 
+// The range noise is 3 cm. Where the pose is not known to it across the plane, beams would be
+// chosen by the pose that they hold; along the plane it does not matter.
+TEST_F(SubMinimumSegmentTest, IsNotMadeWhereThePoseIsOpenAcrossItsPlane) {
+  const auto count_with = [&](double across_m, double along_m, double yaw_rad) {
+    state_->observations.clear();
+    pose_covariance_.setZero();
+    pose_covariance_.diagonal() << 0.0, 0.0, yaw_rad * yaw_rad, along_m * along_m,
+        across_m * across_m, 0.0;
+    AddObservation(kFront, 40, kLast);
+    Resegment();
+    return state_->sub_minimum_segments.size();
+  };
+  See(3);
+  EXPECT_EQ(count_with(0.02, 1.0, 0.0), 1u);
+  EXPECT_EQ(count_with(0.05, 0.0, 0.0), 0u);
+  // The beams meet the wall 1.9 m ahead of the rig.
+  EXPECT_EQ(count_with(0.0, 0.0, 0.01), 1u);
+  EXPECT_EQ(count_with(0.0, 0.0, 0.025), 0u);
+}
+
 TEST_F(SubMinimumSegmentTest, IsMadeAnewEachTime) {
   See(3);
   Resegment();
