@@ -235,11 +235,10 @@ CorrelatedErrors BatchEstimator::FindCorrelatedErrors(const EstimationProblem& p
                          with_factor...);
   };
   // Most of the time goes into recordings that show such errors.
-  const auto find_deviations = [&]() -> std::optional<std::vector<double>> {
+  const auto find_deviations = [&] {
     const int step = SamplingOf(*state_);
     ErrorPatterns sampled = make();
     for_each(step, [&](const Observation& observation) { sampled.Add(observation); });
-    if (!ShowCorrelatedErrors(sampled, factor)) return std::nullopt;
     return EstimateDeviations(
         factor, [&](const auto& visit) { for_each(step, visit); }, &sampled);
   };

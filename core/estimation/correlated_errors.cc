@@ -169,11 +169,10 @@ ErrorVariances EstimateVariances(const Eigen::MatrixXd& loads,
   return found;
 }
 
-}  // namespace
-
-bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor) {
-  const Eigen::MatrixXd products =
-      AdaptedProducts(patterns, patterns.loads(), factor.Solve(patterns.loads()));
+// Whether the patterns are in the residuals beyond what the independent noise does. shifts: of
+// the estimate by their loads.
+bool AreInResiduals(const ErrorPatterns& patterns, const Eigen::MatrixXd& shifts) {
+  const Eigen::MatrixXd products = AdaptedProducts(patterns, patterns.loads(), shifts);
   if (CellVariance(patterns.cell_scores(), products) > 0.0) return true;
   const KnownErrors known = FindKnownErrors(patterns, products);
   const Eigen::VectorXd scores = kScale * known.basis.transpose() * patterns.scanner_scores();
@@ -183,13 +182,16 @@ bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky
   return freedom > 0.0 && sum > freedom + kSignificantStddevs * std::sqrt(2.0 * freedom);
 }
 
-std::vector<double> EstimateDeviations(const ArrowheadCholesky& factor,
-                                       const VisitSegments& for_each,
-                                       ErrorPatterns* patterns) {
+}  // namespace
+
+std::optional<std::vector<double>> EstimateDeviations(const ArrowheadCholesky& factor,
+                                                      const VisitSegments& for_each,
+                                                      ErrorPatterns* patterns) {
   const Eigen::MatrixXd shifts = factor.Solve(patterns->loads());
+  if (!AreInResiduals(*patterns, shifts)) return std::nullopt;
   const ErrorVariances found =
       EstimateVariances(patterns->loads(), shifts, for_each, patterns);
-  if (found.cells == 0.0) return {};
+  if (found.cells == 0.0) return std::vector<double>();
   const Eigen::MatrixXd by_probes =
       shifts.middleCols<ErrorPatterns::kNumTraceProbes>(patterns->num_scanner_patterns());
   for_each(

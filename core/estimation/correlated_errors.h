@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/estimation/arrowhead_cholesky.h"
@@ -28,19 +29,18 @@ struct CorrelatedErrors {
   Eigen::MatrixXd landmarks;
 };
 
-// Whether the patterns are in the residuals beyond what the independent noise does. They may
-// have been summed up from some of the segments only.
-bool ShowCorrelatedErrors(const ErrorPatterns& patterns, const ArrowheadCholesky& factor);
+// Calls a function for segments.
+using VisitSegments = std::function<void(const std::function<void(const Observation&)>&)>;
 
 // What the residuals say each surface deviates by from its plane, m, by landmark: the same for
 // all, but for those whose scores exceed what that explains. A plane that stands for balusters
-// or drawers deviates by several times as much as a wall. Empty where no surface deviates.
+// or drawers deviates by several times as much as a wall. Empty where no surface deviates;
+// nothing where no pattern is in the residuals beyond what the independent noise does.
 // `patterns` may have been summed up from some of the segments only; for_each: calls a
 // function for these.
-using VisitSegments = std::function<void(const std::function<void(const Observation&)>&)>;
-std::vector<double> EstimateDeviations(const ArrowheadCholesky& factor,
-                                       const VisitSegments& for_each,
-                                       ErrorPatterns* patterns);
+std::optional<std::vector<double>> EstimateDeviations(const ArrowheadCholesky& factor,
+                                                      const VisitSegments& for_each,
+                                                      ErrorPatterns* patterns);
 
 // Estimates the patterns' variances from the residuals, and their effect. What the
 // independent noise explains is not counted: where the recording shows no more, all is zero.

@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <tuple>
@@ -179,10 +180,12 @@ class CorrelatedErrorsTest : public testing::Test {
     };
     ErrorPatterns shown = make();
     for_each([&](const Observation& observation) { shown.Add(observation); });
-    shown_ = ShowCorrelatedErrors(shown, factor);
+    const std::optional<std::vector<double>> deviations =
+        EstimateDeviations(factor, for_each, &shown);
+    shown_ = deviations.has_value();
     if (!shown_) return {};
     ErrorPatterns patterns = make(factor);
-    if (own_deviations_) patterns.SetDeviations(EstimateDeviations(factor, for_each, &shown));
+    if (own_deviations_) patterns.SetDeviations(*deviations);
     for_each([&](const Observation& observation) { patterns.Add(observation); });
     return EstimateCorrelatedErrors(factor, for_each, &patterns);
   }
