@@ -273,17 +273,7 @@ void RecordingResegmenter::AddSubMinimumSegment(
 
 bool RecordingResegmenter::AreBeamsPredicted(const Observation& segment) {
   const Scanner& scanner = rig_.scanners[static_cast<size_t>(segment.scanner_index)];
-  const double range = segment.centroid().norm();
-  const double beam_stddev = scanner.RangeStddev(range);
-  const double beam_variance = beam_stddev * beam_stddev;
-  const double arm =
-      range + scanner.BodyFromScanner(segment.middle_time_ns()).translation.norm();
-  // Mostly a bound decides: the square of a sum is at most twice the sum of the squares.
-  if (covariance_of_line_.bottomRightCorner<3, 3>().trace() +
-          covariance_of_line_.topLeftCorner<3, 3>().trace() * arm * arm <
-      0.5 * beam_variance) {
-    return true;
-  }
+  const double beam_stddev = scanner.RangeStddev(segment.centroid().norm());
   const ObservationPoses& poses = resegmenter_.poses()->Of(segment);
   const Eigen::Vector3d centroid_world =
       poses.motion.ToWorld(segment.centroid(), segment.middle_time_ns());
@@ -291,7 +281,7 @@ bool RecordingResegmenter::AreBeamsPredicted(const Observation& segment) {
   const Eigen::Vector3d normal = surface.UnitNormalNear(centroid_world);
   Eigen::Matrix<double, 6, 1> by_pose;
   by_pose << (centroid_world - poses.world_from_body.translation).cross(normal), normal;
-  return by_pose.dot(covariance_of_line_ * by_pose) < beam_variance;
+  return by_pose.dot(covariance_of_line_ * by_pose) < beam_stddev * beam_stddev;
 }
 
 bool RecordingResegmenter::ResegmentOne(const ScanLine& scan_line,
